@@ -1,0 +1,54 @@
+"""How a geared train moves when its shafts are bent.
+
+Timoshenko shafts with residual bow, gears whose mesh geometry follows their moving centres,
+bearings and torques: describe a `RotorSystem`, then ask it for matrices, modes, synchronous
+response, equilibrium or a time history. SI units and radians throughout.
+"""
+
+from importlib.metadata import version
+
+from gearbow.bow import Bow
+from gearbow.errors import (
+    ChannelError,
+    ContactError,
+    ConvergenceError,
+    GearbowError,
+    SceneError,
+    SceneWarning,
+    StabilityError,
+)
+from gearbow.modes import Modes
+from gearbow.response import MeshResponse, Response
+from gearbow.results import Matrices, Static, Synchronous
+from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
+from gearbow.system import RotorSystem
+
+__version__ = version("gearbow")
+
+__all__ = [
+    "STEEL",
+    "Bearing",
+    "Bow",
+    "ChannelError",
+    "ContactError",
+    "ConvergenceError",
+    "Disk",
+    "Gear",
+    "GearbowError",
+    "Material",
+    "Matrices",
+    "Mesh",
+    "MeshResponse",
+    "Modes",
+    "Response",
+    "RotorSystem",
+    "SceneError",
+    "SceneWarning",
+    "Segment",
+    "Shaft",
+    "StabilityError",
+    "Static",
+    "Synchronous",
+    "Torque",
+    "__version__",
+]

@@ -1,0 +1,56 @@
+"""The compiled core: everything that computes."""
+
+from collections.abc import Callable
+from typing import Any, final
+
+from typing_extensions import Self
+
+from gearbow._types import (
+    Array,
+    At,
+    ComplexArray,
+    Dof,
+    MatricesData,
+    ModesData,
+    Plain,
+    Record,
+    RunData,
+    StaticData,
+)
+
+@final
+class Model:
+    def __new__(cls, description: dict[str, Plain]) -> Self: ...
+    @staticmethod
+    def from_toml(text: str) -> Model: ...
+    def to_toml(self) -> str: ...
+    def description(self) -> dict[str, Plain]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def dofs(self) -> list[Dof]: ...
+    @property
+    def shafts(self) -> list[str]: ...
+    @property
+    def speed_ratios(self) -> Array: ...
+    def indices(self, at: At) -> tuple[int | None, int | None, int | None]: ...
+    def matrices(self) -> MatricesData: ...
+    def modes(self, speed: float, count: int | None) -> ModesData: ...
+    def synchronous(self, speeds: Array) -> ComplexArray: ...
+    def static(self, geometry: str) -> StaticData: ...
+    def default_output_step(self, duration: float, speed: float) -> float: ...
+    def simulate(
+        self,
+        duration: float,
+        speed: float,
+        *,
+        method: str,
+        step: float | None,
+        rtol: float,
+        initial: str | dict[str, Any],
+        times: Array,
+        record: list[Record],
+        geometry: str,
+        start: float,
+        progress: Callable[[float], object] | None,
+    ) -> RunData: ...

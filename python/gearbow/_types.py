@@ -1,0 +1,66 @@
+"""Types shared by the wrapper and the stubs of the compiled core."""
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
+
+#: Plain data that crosses into the core: dict, list, str, bool, int, float.
+Plain: TypeAlias = Any
+#: A gear or disk by its name, or a place as (shaft, position [m]).
+At: TypeAlias = str | tuple[str, float]
+#: What a response can record: a name, a group, (shaft, position), (driver, driven),
+#: ("bearing", shaft, position).
+Record: TypeAlias = str | tuple[str, float] | tuple[str, str] | tuple[str, str, float]
+#: One degree of freedom: shaft, position [m], one of "v", "w", "B", "G", "twist".
+Dof: TypeAlias = tuple[str, float, str]
+Progress: TypeAlias = Callable[[float], object]
+
+
+class MatricesData(TypedDict):
+    """System matrices, each (n, n)."""
+
+    mass: Array
+    stiffness: Array
+    damping: Array
+    gyroscopic: Array
+
+
+class ModesData(TypedDict):
+    """Modes in ascending order of frequency; m modes of n degrees of freedom."""
+
+    eigenvalues: ComplexArray
+    frequencies_hz: Array
+    damping_ratios: Array
+    whirl: list[str]
+    shapes: ComplexArray
+
+
+class StaticData(TypedDict):
+    """Static equilibrium: n degrees of freedom, the meshes and the bearings."""
+
+    state: Array
+    meshes: list[tuple[str, str]]
+    mesh: dict[str, Array]
+    bearings: list[tuple[str, float]]
+    bearing_force: Array
+
+
+class RunData(TypedDict):
+    """What a simulation recorded at k times."""
+
+    time: Array
+    points: list[tuple[str, float, list[str]]]
+    displacement: Array
+    twist: Array
+    bearings: list[tuple[str, float]]
+    bearing_force: Array
+    meshes: list[tuple[str, str]]
+    mesh: dict[str, Array]
+    energy: Array | None
+    final: dict[str, Any]
+    statistics: dict[str, Any]

@@ -1,0 +1,352 @@
+"""Figures of what people look at.
+
+A figure is returned, never shown, and no global setting of matplotlib changes.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gearbow._types import Array, At, ComplexArray
+from gearbow.errors import GearbowError
+
+if TYPE_CHECKING:
+    from gearbow.modes import Modes
+    from gearbow.response import Response
+    from gearbow.results import Synchronous
+
+__all__ = [
+    "KINDS",
+    "PALETTE",
+    "STYLE",
+    "history",
+    "mesh",
+    "modes",
+    "orbits",
+    "spectrum",
+    "synchronous",
+    "twist",
+]
+
+#: Colours that stay apart for colour-blind readers: Okabe and Ito, *Color universal design* (2008).
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+
+#: Settings of every figure: large enough to be read at half size.
+STYLE: dict[Any, Any] = {
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-4, 5),
+    "axes.grid": True,
+    "axes.prop_cycle": cycler(color=PALETTE),
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 14.0,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "savefig.dpi": 150,
+}
+
+_MICRO = 1e6
+
+
+def orbits(response: "Response", names: Sequence[At] | None = None) -> Figure:
+    """Draw the path of each centre in the plane of rotation.
+
+    Parameters
+    ----------
+    response : Response
+        The response.
+    names : sequence of str or tuple of (str, float), optional
+        What to draw; None is all that has a name, or else all that there is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each centre, v to the right and w up, in µm.
+    """
+    chosen = _points(response, names)
+    with _figure(len(chosen), 3.8, columns=4, width=4.0 * min(4, len(chosen))) as (figure, panels):
+        for panel, name in zip(panels, chosen, strict=True):
+            v, w = _MICRO * response.displacement(name).T
+            panel.plot(v, w)
+            panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1])
+            panel.set(title=_label(name), xlabel="v [µm]", ylabel="w [µm]")
+            panel.set_aspect("equal", adjustable="datalim")
+    return figure
+
+
+def history(response: "Response", names: Sequence[At] | None = None) -> Figure:
+    """Draw the displacement of each centre against time.
+
+    Parameters
+    ----------
+    response : Response
+        The response.
+    names : sequence of str or tuple of (str, float), optional
+        What to draw; None is all that has a name, or else all that there is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each centre, v and w in µm.
+    """
+    chosen = _points(response, names)
+    with _figure(len(chosen), 2.4, columns=1, sharex=True) as (figure, panels):
+        for panel, name in zip(panels, chosen, strict=True):
+            panel.plot(response.time, _MICRO * response.displacement(name), label=["v", "w"])
+            panel.set(ylabel=f"{_label(name)} [µm]")
+        panels[-1].set(xlabel="time [s]")
+        _legend(figure, panels[0])
+    return figure
+
+
+def twist(response: "Response", names: Sequence[At] | None = None) -> Figure:
+    """Draw the twist of each point against time.
+
+    Parameters
+    ----------
+    response : Response
+        The response.
+    names : sequence of str or tuple of (str, float), optional
+        What to draw; None is all that has a name, or else all that there is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each point, in mrad from the uniform spin.
+    """
+    chosen = _points(response, names)
+    with _figure(len(chosen), 2.4, columns=1, sharex=True) as (figure, panels):
+        for panel, name in zip(panels, chosen, strict=True):
+            panel.plot(response.time, 1e3 * response.twist(name))
+            panel.set(ylabel=f"{_label(name)} [mrad]")
+        panels[-1].set(xlabel="time [s]")
+    return figure
+
+
+def mesh(response: "Response", names: Sequence[tuple[str, str]] | None = None) -> Figure:
+    """Draw the geometry of the meshes, which follows their moving centres.
+
+    Parameters
+    ----------
+    response : Response
+        The response.
+    names : sequence of tuple of (str, str), optional
+        Pairs (driver, driven); None is all of them.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A column for each pair: contact ratio, pressure angle and angle of the line of centres
+        [degrees].
+    """
+    pairs = list(response._data["meshes"] if names is None else names)
+    if not pairs:
+        raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
+    columns = len(pairs)
+    with _figure(3 * columns, 2.6, columns=columns, width=max(9.0, 6.0 * columns), sharex=True) as (
+        figure,
+        panels,
+    ):
+        for column, (driver, driven) in enumerate(pairs):
+            pair = response.mesh(driver, driven)
+            rows = {
+                "contact ratio": pair.contact_ratio,
+                "pressure angle [°]": np.degrees(pair.pressure_angle),
+                "line of centres [°]": np.degrees(pair.centre_line_angle),
+            }
+            for row, (label, values) in enumerate(rows.items()):
+                panel = panels[row * columns + column]
+                panel.plot(response.time, values, color=PALETTE[column % len(PALETTE)])
+                panel.set(ylabel=label)
+                # A hundredth of a degree on twenty: the ticks say it in full.
+                panel.ticklabel_format(axis="y", useOffset=False)
+            panels[column].set(title=f"{driver} – {driven}")
+            panels[2 * columns + column].set(xlabel="time [s]")
+    return figure
+
+
+def spectrum(response: "Response", names: Sequence[At] | None = None) -> Figure:
+    """Draw the amplitude spectrum of the displacement of each centre.
+
+    Parameters
+    ----------
+    response : Response
+        The response, recorded at equally spaced times.
+    names : sequence of str or tuple of (str, float), optional
+        What to draw; None is all that has a name, or else all that there is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each centre: amplitude of v and w [µm] against frequency [Hz], through a Hann
+        window.
+
+    Raises
+    ------
+    GearbowError
+        If the times are not equally spaced.
+    """
+    chosen = _points(response, names)
+    with _figure(len(chosen), 2.4, columns=1, sharex=True) as (figure, panels):
+        for panel, name in zip(panels, chosen, strict=True):
+            frequency, amplitude = _spectrum(response.time, response.displacement(name))
+            panel.semilogy(frequency, _MICRO * amplitude, label=["v", "w"])
+            panel.set(ylabel=f"{_label(name)} [µm]")
+            # Twelve decades of round-off below the peak tell nothing.
+            top = _MICRO * amplitude.max()
+            if top > 0.0:
+                panel.set_ylim(1e-6 * top, 2.0 * top)
+        panels[-1].set(xlabel="frequency [Hz]")
+        _legend(figure, panels[0])
+    return figure
+
+
+def synchronous(response: "Synchronous", names: Sequence[At]) -> Figure:
+    """Draw the largest semi-axis of the orbits against the speed.
+
+    Parameters
+    ----------
+    response : Synchronous
+        The linear response.
+    names : sequence of str or tuple of (str, float)
+        Gears, disks or (shaft, position [m]).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each name, one line for each shaft that excites the train.
+    """
+    with _figure(len(names), 2.8, columns=1, sharex=True) as (figure, panels):
+        for panel, name in zip(panels, names, strict=True):
+            orbit = _MICRO * response.orbit(name)
+            for source, shaft in enumerate(response.shafts):
+                if np.any(orbit[:, source] > 0.0):
+                    panel.semilogy(
+                        response.speeds,
+                        orbit[:, source],
+                        label=shaft,
+                        color=PALETTE[source % len(PALETTE)],
+                    )
+            panel.set(ylabel=f"{_label(name)} [µm]")
+        panels[-1].set(xlabel="speed of the reference shaft [rad/s]")
+        _legend(figure, panels[0], title="excited by the shaft")
+    return figure
+
+
+def modes(result: "Modes", count: int = 6) -> Figure:
+    """Draw the first mode shapes along the shafts.
+
+    Parameters
+    ----------
+    result : Modes
+        The modes.
+    count : int
+        How many.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each mode: v (solid) and w (dashed), or the twist (dotted) where that is the
+        largest motion, over the largest of them.
+    """
+    names = result.names()[:count]
+    shafts = list(dict.fromkeys(shaft for shaft, _, _ in result.dofs))
+    lines = {"v": "-", "w": "--", "twist": ":"}
+    with _figure(len(names), 3.0, columns=2, width=13.0) as (figure, panels):
+        for mode, (panel, name) in enumerate(zip(panels, names, strict=True)):
+            twists = name.startswith(("twist", "rolling"))
+            shape = _real(
+                result.shapes[mode],
+                [(d == "twist") == twists and d in lines for _, _, d in result.dofs],
+            )
+            for colour, shaft in zip(_cycled(len(shafts)), shafts, strict=True):
+                for direction in ["twist"] if twists else ["v", "w"]:
+                    at = [
+                        i for i, (s, _, d) in enumerate(result.dofs) if (s, d) == (shaft, direction)
+                    ]
+                    x = [result.dofs[i][1] for i in at]
+                    label = shaft if direction != "w" else None
+                    panel.plot(x, shape[at], lines[direction], color=colour, label=label)
+            panel.set(title=f"{result.frequencies_hz[mode]:.1f} Hz: {name}", xlabel="position [m]")
+            panel.set(ylabel="twist" if twists else "v –, w - -", ylim=(-1.15, 1.15))
+        _legend(figure, panels[0])
+    return figure
+
+
+#: The drawings of a response, by the name that `Response.plot` takes.
+KINDS: dict[str, Callable[..., Figure]] = {
+    "orbits": orbits,
+    "history": history,
+    "twist": twist,
+    "mesh": mesh,
+    "spectrum": spectrum,
+}
+
+
+@contextmanager
+def _figure(
+    count: int, height: float, *, columns: int, width: float = 12.0, sharex: bool = False
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Lay out panels in rows; the style holds as long as something is drawn."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height * rows + 0.8))
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=sharex)
+        panels = list(grid.flat)
+        for panel in panels[count:]:
+            panel.remove()
+        yield figure, panels[:count]
+
+
+def _legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
+    """Put one legend above the panels, where it covers no data."""
+    handles, labels = panel.get_legend_handles_labels()
+    if handles:
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), title=title)
+
+
+def _points(response: "Response", names: Sequence[At] | None) -> list[At]:
+    if names is not None:
+        return [names] if isinstance(names, str) else list(names)
+    points = response._data["points"]
+    named: list[At] = [names[0] for _, _, names in points if names]
+    chosen = named or [(shaft, position) for shaft, position, _ in points]
+    if not chosen:
+        raise GearbowError("no motion was recorded; give record=['gears'] to simulate")
+    return chosen
+
+
+def _label(name: At) -> str:
+    return name if isinstance(name, str) else f"{name[0]} at {name[1]:g} m"
+
+
+def _cycled(count: int) -> list[str]:
+    return [PALETTE[i % len(PALETTE)] for i in range(count)]
+
+
+def _spectrum(time: Array, values: Array) -> tuple[Array, Array]:
+    """Amplitude spectrum along the first axis, scaled so that a sine of amplitude 1 peaks at 1."""
+    steps = np.diff(time)
+    if steps.size == 0 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
+        raise GearbowError("a spectrum needs equally spaced times: give output_step to simulate")
+    window = np.hanning(time.size)[:, np.newaxis]
+    amplitude = (
+        2.0 * np.abs(np.fft.rfft((values - values.mean(axis=0)) * window, axis=0)) / window.sum()
+    )
+    # The mean is gone, and with it what stands at zero frequency.
+    return np.fft.rfftfreq(time.size, steps.mean())[1:], amplitude[1:]
+
+
+def _real(shape: ComplexArray, counted: Sequence[bool]) -> Array:
+    """Turn a complex shape until the largest of the counted entries is 1."""
+    largest = shape[int(np.argmax(np.where(counted, np.abs(shape), 0.0)))]
+    return np.real(shape / largest) if largest != 0.0 else np.real(shape)

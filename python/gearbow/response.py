@@ -1,0 +1,394 @@
+"""What a simulation recorded, and the state from which it can go on."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from gearbow._lookup import locate
+from gearbow._types import Array, At, Record, RunData
+from gearbow.errors import ChannelError, GearbowError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["MeshResponse", "Response", "Statistics"]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshResponse:
+    """Time history of one mesh, each field at the k times of the response.
+
+    Parameters
+    ----------
+    deflection : ndarray, shape (k,)
+        Mesh deflection along the line of action [m].
+    force : ndarray, shape (k,)
+        Mesh force [N].
+    stiffness : ndarray, shape (k,)
+        Mesh stiffness [N/m].
+    pressure_angle : ndarray, shape (k,)
+        Operating pressure angle of the moving centres [rad].
+    centre_distance : ndarray, shape (k,)
+        Distance of the moving centres [m].
+    centre_line_angle : ndarray, shape (k,)
+        Angle of the line of centres, driver to driven, from y towards z [rad].
+    contact_ratio : ndarray, shape (k,)
+        Contact ratio at the moving centres.
+    pairs_in_contact : ndarray, shape (k,)
+        Number of tooth pairs that carry load.
+    """
+
+    deflection: Array
+    force: Array
+    stiffness: Array
+    pressure_angle: Array
+    centre_distance: Array
+    centre_line_angle: Array
+    contact_ratio: Array
+    pairs_in_contact: Array
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a simulation cost.
+
+    Parameters
+    ----------
+    steps : int
+        Accepted steps.
+    rejected : int
+        Rejected steps.
+    evaluations : int
+        Evaluations of the right-hand side.
+    events : int
+        Events that ended a step.
+    step_min : float
+        Smallest step [s].
+    step_max : float
+        Largest step [s].
+    omega_max : float
+        Largest natural frequency of the model [rad/s], which bounds the step of an explicit method.
+    limited_by : str
+        What set the length of most steps: "step" (as given), "stability" or "tolerance".
+    """
+
+    steps: int
+    rejected: int
+    evaluations: int
+    events: int
+    step_min: float
+    step_max: float
+    omega_max: float
+    limited_by: str
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dataclass_fields__)
+
+
+class Response:
+    """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
+
+    Parameters
+    ----------
+    data : mapping
+        What the core recorded.
+    speed : float
+        Speed of the reference shaft [rad/s].
+
+    Attributes
+    ----------
+    time : ndarray, shape (k,)
+        Times [s].
+    speed : float
+        Speed of the reference shaft [rad/s].
+    statistics : Statistics
+        What the simulation cost.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> middle = ("rotor", 0.5)
+    >>> options = {"speed": 100.0, "output_step": 1e-3, "record": [middle]}
+    >>> response = system.simulate(0.1, **options)
+    >>> response.displacement(middle).shape
+    (101, 2)
+    >>> further = system.simulate(0.1, initial=response, **options)
+    >>> print(f"{further.time[0]:g} s to {further.time[-1]:g} s")
+    0.1 s to 0.2 s
+    """
+
+    def __init__(self, data: RunData, speed: float) -> None:
+        self.time = data["time"]
+        self.speed = speed
+        self.statistics = Statistics(**data["statistics"])
+        self._data = data
+
+    @property
+    def final(self) -> Mapping[str, Any]:
+        """State at the end, to the last bit: `simulate(initial=...)` continues from it.
+
+        Returns
+        -------
+        mapping
+            The method and time, and the state as that method keeps it.
+        """
+        return self._data["final"]
+
+    @property
+    def recorded(self) -> list[Record]:
+        """What there is, in the words of the `record` of a simulation.
+
+        Returns
+        -------
+        list of str or tuple
+            Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), "energy".
+        """
+        there: list[Record] = []
+        for shaft, position, names in self._data["points"]:
+            there.extend(names or [(shaft, position)])
+        there.extend((driver, driven) for driver, driven in self._data["meshes"])
+        there.extend(("bearing", shaft, position) for shaft, position in self._data["bearings"])
+        return [*there, "energy"] if self._data["energy"] is not None else there
+
+    def displacement(self, name: At) -> Array:
+        """Lateral displacement somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Displacements v and w [m].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the text says what to record.
+        """
+        return self._data["displacement"][:, self._point(name)]
+
+    def twist(self, name: At) -> Array:
+        """Twist somewhere, from the uniform spin.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Twist about x [rad].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the text says what to record.
+        """
+        return self._data["twist"][:, self._point(name)]
+
+    def bearing_force(self, shaft: str, position: float) -> Array:
+        """Force of a bearing on its shaft.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Components along y and z [N].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the text says what to record.
+        """
+        i = locate(self._data["bearings"], shaft, position)
+        if i is None:
+            raise self._missing(
+                f"the bearing force at ({shaft!r}, {position:g})", ("bearing", shaft, position)
+            )
+        return self._data["bearing_force"][:, i]
+
+    def mesh(self, driver: str, driven: str) -> MeshResponse:
+        """Time history of one mesh.
+
+        Parameters
+        ----------
+        driver : str
+            Name of the driving gear.
+        driven : str
+            Name of the driven gear.
+
+        Returns
+        -------
+        MeshResponse
+            Force, deflection and geometry, always those of the moving centres.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the text says what to record.
+        """
+        meshes = [tuple(pair) for pair in self._data["meshes"]]
+        if (driver, driven) not in meshes:
+            raise self._missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))
+        i = meshes.index((driver, driven))
+        return MeshResponse(**{name: values[:, i] for name, values in self._data["mesh"].items()})
+
+    @property
+    def energy(self) -> Array:
+        """Kinetic and elastic energy of the deviation from the uniform spin.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Energy [J].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the text says what to record.
+        """
+        energy = self._data["energy"]
+        if energy is None:
+            raise self._missing("the energy", "energy")
+        return energy
+
+    def plot(self, kind: str = "orbits", names: Sequence[At] | None = None) -> "Figure":
+        """Draw what was recorded.
+
+        Parameters
+        ----------
+        kind : {"orbits", "history", "twist", "mesh", "spectrum"}
+            The paths of the centres, displacement or twist against time, the geometry of the meshes
+            (contact ratio, pressure angle and angle of the line of centres), or the amplitude
+            spectrum of the displacement.
+        names : sequence of str or tuple of (str, float), optional
+            What to draw: gears, disks or (shaft, position [m]), or pairs (driver, driven) for
+            "mesh". None is all that has a name, or else all that there is.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure; it is shown or saved by the caller.
+
+        Raises
+        ------
+        GearbowError
+            If the kind is unknown, or nothing was recorded that it could draw.
+        """
+        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+
+        if kind not in plots.KINDS:
+            raise GearbowError(f"kind: must be one of {', '.join(plots.KINDS)}, got {kind!r}")
+        return plots.KINDS[kind](self, names)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give everything as one table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
+        """
+        from gearbow import storage  # noqa: PLC0415  # pandas is an extra
+
+        return storage.to_dataframe(self)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Give everything as one labelled data set.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
+        """
+        from gearbow import storage  # noqa: PLC0415  # xarray is an extra
+
+        return storage.to_xarray(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a file; what `load` reads back is the same to the last bit.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A name that ends with ".npz" (NumPy) or ".nc" (netCDF; needs the extra "netcdf").
+
+        Raises
+        ------
+        GearbowError
+            If the name ends otherwise.
+        """
+        from gearbow import storage  # noqa: PLC0415  # stands upon this module
+
+        storage.save(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Response":
+        """Read a file that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A name that ends with ".npz" or ".nc".
+
+        Returns
+        -------
+        Response
+            The response; a simulation can continue from it.
+
+        Raises
+        ------
+        GearbowError
+            If the file holds something else.
+        """
+        from gearbow import storage  # noqa: PLC0415  # stands upon this module
+
+        return storage.load(path)
+
+    def _point(self, name: At) -> int:
+        points = self._data["points"]
+        if isinstance(name, str):
+            for i, (_, _, names) in enumerate(points):
+                if name in names:
+                    return i
+        else:
+            found = locate([(shaft, x) for shaft, x, _ in points], *name)
+            if found is not None:
+                return found
+        raise self._missing(f"the motion of {name!r}", name)
+
+    def _missing(self, what: str, record: Record) -> ChannelError:
+        there = ", ".join(repr(item) for item in self.recorded) or "nothing"
+        return ChannelError(
+            f"{what} was not recorded; give record=[{record!r}, ...] to simulate "
+            f"(recorded: {there})"
+        )
+
+    def __repr__(self) -> str:
+        data = self._data
+        span = f"{self.time[0]:g} s to {self.time[-1]:g} s" if self.time.size else "empty"
+        return (
+            f"Response({self.time.size} times, {span}; {len(data['points'])} points, "
+            f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings)"
+        )

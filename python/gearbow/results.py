@@ -1,0 +1,310 @@
+"""What a system answers without a time history: matrices, synchronous response, equilibrium."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearbow._lookup import locate
+from gearbow._types import Array, At, ComplexArray, Dof, StaticData
+from gearbow.errors import ChannelError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gearbow.system import RotorSystem
+
+__all__ = ["Matrices", "MeshState", "Static", "Synchronous"]
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """Matrices of M q̈ + (C + Ω G) q̇ + K q = f, with Ω the speed of the reference shaft.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (n, n)
+        Mass matrix M [kg, kg m²].
+    stiffness : ndarray, shape (n, n)
+        Stiffness matrix K [N/m, N m/rad]: shafts, bearings and each mesh linearised at rest.
+    damping : ndarray, shape (n, n)
+        Damping matrix C [N s/m, N m s/rad], with each mesh.
+    gyroscopic : ndarray, shape (n, n)
+        Gyroscopic matrix G per unit reference speed [kg m²]; skew-symmetric.
+    dofs : tuple of (str, float, str)
+        Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
+    """
+
+    mass: Array
+    stiffness: Array
+    damping: Array
+    gyroscopic: Array
+    dofs: tuple[Dof, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Synchronous:
+    """Linear response to bow and unbalance, without time stepping.
+
+    Every shaft s excites the whole train at its own speed r_s Ω: the motion is Σ_s Re(a_s exp(i r_s
+    Ω t)).
+
+    Parameters
+    ----------
+    speeds : ndarray, shape (speeds,)
+        Speeds Ω of the reference shaft [rad/s].
+    shafts : tuple of str
+        The shafts as sources of excitation.
+    amplitudes : ndarray, shape (speeds, shafts, n)
+        Complex amplitudes a_s of each degree of freedom [m, rad].
+    system : RotorSystem
+        The system that was asked.
+
+    Examples
+    --------
+    A shaft that turns slowly runs out by its bow, and by more on the way to its critical speed:
+
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8, bow=bow)
+    >>> response = gb.RotorSystem(shafts=[rotor], bearings=bearings).synchronous([1.0, 300.0])
+    >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(6)
+    array([0.0001  , 0.000129])
+    """
+
+    speeds: Array
+    shafts: tuple[str, ...]
+    amplitudes: ComplexArray
+    system: "RotorSystem" = field(repr=False)
+
+    def displacement(self, name: At) -> ComplexArray:
+        """Complex amplitudes of the lateral displacement somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts, 2)
+            Amplitudes a of v and w [m] for each speed and each shaft as the source: shaft s adds
+            Re(a exp(i r_s Ω t)).
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return self.amplitudes[:, :, self.system._lateral(name)]
+
+    def twist(self, name: At) -> ComplexArray:
+        """Complex amplitudes of the twist somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Amplitudes [rad] for each speed and each shaft as the source.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no twist.
+        """
+        return self.amplitudes[:, :, self.system._twist(name)]
+
+    def orbit(self, name: At) -> Array:
+        """Largest semi-axis of the orbit that each shaft causes somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Semi-axis [m], the sum of the forward and the backward circle that an elliptic orbit is
+            made of.
+        """
+        v, w = np.moveaxis(self.displacement(name), -1, 0)
+        semi_axis: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
+        return semi_axis
+
+    def plot(self, names: Sequence[At]) -> "Figure":
+        """Draw the largest semi-axis of the orbits against the speed.
+
+        Parameters
+        ----------
+        names : sequence of str or tuple of (str, float)
+            Gears, disks or (shaft, position [m]).
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            One panel for each name, one line for each shaft as the source.
+        """
+        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+
+        return plots.synchronous(self, names)
+
+
+@dataclass(frozen=True)
+class MeshState:
+    """State of one mesh at equilibrium.
+
+    Parameters
+    ----------
+    deflection : float
+        Mesh deflection along the line of action [m].
+    force : float
+        Mesh force [N].
+    stiffness : float
+        Mesh stiffness [N/m].
+    pressure_angle : float
+        Operating pressure angle [rad].
+    centre_distance : float
+        Distance of the centres [m].
+    centre_line_angle : float
+        Angle of the line of centres, driver to driven, from y towards z [rad].
+    contact_ratio : float
+        Contact ratio.
+    pairs_in_contact : float
+        Number of tooth pairs that carry load.
+    """
+
+    deflection: float
+    force: float
+    stiffness: float
+    pressure_angle: float
+    centre_distance: float
+    centre_line_angle: float
+    contact_ratio: float
+    pairs_in_contact: float
+
+
+class Static:
+    """Equilibrium under torque, gravity and the meshes; a bow turns, so it has no part in it.
+
+    Parameters
+    ----------
+    data : mapping
+        What the core found.
+    system : RotorSystem
+        The system that was asked.
+
+    Attributes
+    ----------
+    state : ndarray, shape (n,)
+        Displacements of all degrees of freedom [m, rad].
+    """
+
+    def __init__(self, data: StaticData, system: "RotorSystem") -> None:
+        self.state = data["state"]
+        self._data = data
+        self.system = system
+
+    def displacement(self, name: At) -> Array:
+        """Lateral displacement somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            Displacements v and w [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return self.state[self.system._lateral(name)]
+
+    def twist(self, name: At) -> float:
+        """Twist somewhere.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        float
+            Twist from the uniform spin [rad].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no twist.
+        """
+        return float(self.state[self.system._twist(name)])
+
+    def bearing_force(self, shaft: str, position: float) -> Array:
+        """Force of a bearing on its shaft.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            Components along y and z [N].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing.
+        """
+        i = locate(self._data["bearings"], shaft, position)
+        if i is None:
+            raise ChannelError(
+                f"no bearing at ({shaft!r}, {position:g}); there are {self._data['bearings']}"
+            )
+        force: Array = self._data["bearing_force"][i]
+        return force
+
+    def mesh(self, driver: str, driven: str) -> MeshState:
+        """State of one mesh.
+
+        Parameters
+        ----------
+        driver : str
+            Name of the driving gear.
+        driven : str
+            Name of the driven gear.
+
+        Returns
+        -------
+        MeshState
+            Its deflection, force and geometry.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such mesh.
+        """
+        meshes = [tuple(pair) for pair in self._data["meshes"]]
+        if (driver, driven) not in meshes:
+            raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {meshes}")
+        i = meshes.index((driver, driven))
+        return MeshState(**{name: float(values[i]) for name, values in self._data["mesh"].items()})
+
+    def __repr__(self) -> str:
+        return f"Static({self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes)"

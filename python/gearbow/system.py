@@ -1,0 +1,458 @@
+"""The rotor system: checked when it is made, then asked."""
+
+import os
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._core import Model
+from gearbow._describe import Part, parts, place, plain
+from gearbow._lookup import require
+from gearbow._run import grid, in_order, reported
+from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
+from gearbow.errors import SceneError, SceneWarning
+from gearbow.modes import Modes
+from gearbow.response import Response
+from gearbow.results import Matrices, Static, Synchronous
+from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
+
+__all__ = ["RotorSystem"]
+
+_PARTS: dict[str, type[Part]] = {
+    "shafts": Shaft,
+    "gears": Gear,
+    "meshes": Mesh,
+    "bearings": Bearing,
+    "torques": Torque,
+    "disks": Disk,
+}
+
+
+class RotorSystem:
+    """Shafts with gears, disks, bearings and torques, as one system of equations of motion.
+
+    Parameters
+    ----------
+    shafts : sequence of Shaft
+        The shafts, parallel to x.
+    gears : sequence of Gear
+        The gears on them.
+    meshes : sequence of Mesh
+        The pairs of gears in mesh.
+    bearings : sequence of Bearing
+        The bearings.
+    torques : sequence of Torque
+        Torques on the shafts.
+    disks : sequence of Disk
+        Rigid disks.
+    reference : str, optional
+        Name of the shaft that a speed speaks of; None is the first.
+    modal_damping : float, optional
+        Damping ratio of the shafts' motion, the same for every mode.
+    rayleigh : tuple of (float, float), optional
+        Damping αM + βK of the shafts [1/s, s].
+    gravity : float or tuple of (float, float), optional
+        Gravity [m/s²], along −z or as (y, z).
+    motion : {"lateral", "torsion", "coupled"}, optional
+        The degrees of freedom of a node; None is what the scene requires.
+
+    Attributes
+    ----------
+    shafts, gears, meshes, bearings, torques, disks : tuple
+        The parts as they were given.
+
+    Raises
+    ------
+    SceneError
+        If the description is impossible; the text begins with where it is.
+
+    Warns
+    -----
+    SceneWarning
+        If the description looks like a slip.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> system = gb.RotorSystem(
+    ...     shafts=[
+    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1.5e-4)),
+    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05),
+    ...     ],
+    ...     gears=[
+    ...         gb.Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),
+    ...         gb.Gear("g2", "output", position=0.25, teeth=50, module=3e-3, face_width=0.03),
+    ...     ],
+    ...     meshes=[gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)],
+    ...     bearings=[
+    ...         gb.Bearing(shaft, position=x, stiffness=1e8, damping=500.0)
+    ...         for shaft in ("input", "output")
+    ...         for x in (0.0, 0.5)
+    ...     ],
+    ...     torques=[gb.Torque("g1", 250.0), gb.Torque.balance("g2")],
+    ... )
+    >>> system.speed_ratios
+    array([ 1. , -0.5])
+    >>> system.modes().names()[0]
+    'rolling of the train'
+    >>> response = system.simulate(0.02, speed=100.0)
+    >>> contact_ratio = response.mesh("g1", "g2").contact_ratio
+    >>> bool(contact_ratio.min() < 1.68316 < contact_ratio.max())
+    True
+    """
+
+    shafts: tuple[Shaft, ...]
+    gears: tuple[Gear, ...]
+    meshes: tuple[Mesh, ...]
+    bearings: tuple[Bearing, ...]
+    torques: tuple[Torque, ...]
+    disks: tuple[Disk, ...]
+
+    def __init__(
+        self,
+        shafts: Sequence[Shaft],
+        gears: Sequence[Gear] = (),
+        meshes: Sequence[Mesh] = (),
+        bearings: Sequence[Bearing] = (),
+        torques: Sequence[Torque] = (),
+        *,
+        disks: Sequence[Disk] = (),
+        reference: str | None = None,
+        modal_damping: float | None = None,
+        rayleigh: tuple[float, float] | None = None,
+        gravity: float | tuple[float, float] | None = None,
+        motion: str | None = None,
+    ) -> None:
+        self.shafts = parts(shafts, Shaft, "shafts")
+        self.gears = parts(gears, Gear, "gears")
+        self.meshes = parts(meshes, Mesh, "meshes")
+        self.bearings = parts(bearings, Bearing, "bearings")
+        self.torques = parts(torques, Torque, "torques")
+        self.disks = parts(disks, Disk, "disks")
+        options = {
+            "reference": reference,
+            "modal_damping": modal_damping,
+            "rayleigh": rayleigh,
+            "gravity": gravity,
+            "motion": motion,
+        }
+        description: dict[str, Plain] = {
+            key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
+            for key in _PARTS
+        }
+        description |= {
+            key: plain(value, key) for key, value in options.items() if value is not None
+        }
+        self._model = Model(description)
+        _warn(self._model)
+
+    @classmethod
+    def _from_model(cls, model: Model) -> "RotorSystem":
+        """Wrap a checked model; its parts come from its description."""
+        system = cls.__new__(cls)
+        system._model = model
+        description = model.description()
+        for key, kind in _PARTS.items():
+            setattr(
+                system,
+                key,
+                tuple(kind._from_description(part) for part in description.get(key, ())),
+            )
+        return system
+
+    @classmethod
+    def _from_description(cls, description: dict[str, Plain]) -> "RotorSystem":
+        return cls._from_model(Model(description))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "RotorSystem":
+        """Read a system from a TOML file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file whose keys are the names of the parameters, as `save` writes it.
+
+        Returns
+        -------
+        RotorSystem
+            The system.
+
+        Raises
+        ------
+        SceneError
+            If the description is impossible, or the file is not TOML.
+        """
+        model = Model.from_toml(Path(path).read_text(encoding="utf-8"))
+        _warn(model)
+        return cls._from_model(model)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the description to a TOML file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. A bow given as a function is written as the points at which it was read.
+        """
+        Path(path).write_text(self._model.to_toml(), encoding="utf-8")
+
+    @property
+    def description(self) -> dict[str, Plain]:
+        """What was given, as plain data.
+
+        Returns
+        -------
+        dict
+            The keys are the names of the parameters; options that were left out are absent.
+        """
+        return self._model.description()
+
+    @property
+    def speed_ratios(self) -> Array:
+        """Signed speed of each shaft over that of the reference shaft.
+
+        Returns
+        -------
+        ndarray, shape (shafts,)
+            The ratios r_s; every external mesh reverses the sign.
+        """
+        return self._model.speed_ratios
+
+    @property
+    def dofs(self) -> tuple[Dof, ...]:
+        """All degrees of freedom, in the order of every matrix and vector.
+
+        Returns
+        -------
+        tuple of (str, float, str)
+            Shaft, position [m] and "v", "w" (translation along y, z), "B", "G" (rotation about y,
+            z) or "twist".
+        """
+        return tuple(self._model.dofs)
+
+    def matrices(self) -> Matrices:
+        """Assemble the matrices of the linear equations of motion.
+
+        Returns
+        -------
+        Matrices
+            Mass, stiffness, damping and gyroscopic matrix, each mesh linearised at rest.
+        """
+        return Matrices(**self._model.matrices(), dofs=self.dofs)
+
+    def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
+        """Find natural frequencies, damping, whirl and shapes at one speed.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft [rad/s].
+        count : int, optional
+            How many modes; None is all of them.
+
+        Returns
+        -------
+        Modes
+            The modes in ascending order of frequency.
+
+        Raises
+        ------
+        SceneError
+            If the speed or the count is impossible.
+        """
+        data = self._model.modes(float(speed), count)
+        return Modes(
+            frequencies_hz=data["frequencies_hz"],
+            damping_ratios=data["damping_ratios"],
+            whirl=tuple(data["whirl"]),
+            shapes=data["shapes"],
+            eigenvalues=data["eigenvalues"],
+            speed=float(speed),
+            dofs=self.dofs,
+            system=self,
+        )
+
+    def synchronous(self, speeds: ArrayLike) -> Synchronous:
+        """Find the linear response to bow and unbalance, without time stepping.
+
+        Parameters
+        ----------
+        speeds : array_like, shape (speeds,) or scalar
+            Speeds of the reference shaft [rad/s].
+
+        Returns
+        -------
+        Synchronous
+            Complex amplitudes for each speed and each shaft as the source.
+
+        Raises
+        ------
+        SceneError
+            If a speed is impossible.
+        """
+        wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+        amplitudes = self._model.synchronous(wanted)
+        return Synchronous(
+            speeds=wanted, shafts=tuple(self._model.shafts), amplitudes=amplitudes, system=self
+        )
+
+    def static(self, geometry: str = "live") -> Static:
+        """Find the equilibrium under torque, gravity and the non-linear meshes.
+
+        Parameters
+        ----------
+        geometry : {"live", "frozen"}
+            Whether the line of action follows the centres or stays that of the centres at rest.
+
+        Returns
+        -------
+        Static
+            Displacements, mesh states and bearing forces.
+
+        Raises
+        ------
+        ConvergenceError
+            If no equilibrium is found.
+        """
+        return Static(self._model.static(geometry), self)
+
+    def simulate(
+        self,
+        duration: float,
+        speed: float,
+        *,
+        method: str = "rk45",
+        step: float | None = None,
+        rtol: float = 1e-6,
+        initial: str | Response | Mapping[str, Any] = "synchronous",
+        output_step: float | None = None,
+        times: ArrayLike | None = None,
+        record: Iterable[Record] = ("gears", "meshes"),
+        geometry: str = "live",
+        start: float | None = None,
+        progress: bool | Progress | None = None,
+    ) -> Response:
+        """Integrate the equations of motion at constant speed.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time [s].
+        speed : float
+            Speed Ω of the reference shaft [rad/s]; shaft s stands at angle r_s Ω t.
+        method : {"rk45", "rk4", "exponential"}
+            Dormand–Prince 5(4) with error control, the classical method with fixed steps, or exact
+            where the system is linear.
+        step : float, optional
+            Step of a fixed-step method, or the largest step [s]; None is chosen from the limit of
+            stability.
+        rtol : float
+            Relative tolerance of the error control.
+        initial : {"synchronous", "static", "rest"} or Response
+            Where it starts: static equilibrium plus linear synchronous response, static equilibrium
+            alone, or q = q̇ = 0. A response (or its `final`) is continued from where it ended, to
+            the last bit.
+        output_step : float, optional
+            Spacing of the recorded times [s], from the start to the end. None is fine enough for
+            the fastest shaft.
+        times : array_like, shape (k,), optional
+            Absolute times to record [s] instead, in any order and off any grid.
+        record : sequence of str or tuple
+            What to record: names of gears, disks or shafts (all their nodes), (shaft, position),
+            (driver, driven), ("bearing", shaft, position), and the groups "gears", "disks",
+            "meshes", "bearings", "nodes", "energy".
+        geometry : {"live", "frozen"}
+            "live": the line of action and the engagement of the teeth follow the centres; "frozen":
+            they stay those of the centres at rest.
+        start : float, optional
+            Time at the start [s]; 0 by default.
+        progress : bool or callable, optional
+            True shows a bar; a callable is given the fraction that is done.
+
+        Returns
+        -------
+        Response
+            The motion at the recorded times.
+
+        Raises
+        ------
+        SceneError
+            If an argument is impossible.
+        StabilityError
+            If the step is above the limit of stability, or the run diverged.
+        ContactError
+            If the base circles of a pair overlap.
+        KeyboardInterrupt
+            At Ctrl-C. This and every other error that ends a run has `.response`: what was
+            computed.
+        """
+        if isinstance(initial, str):
+            state: str | dict[str, Any] = initial
+            begin = 0.0 if start is None else float(start)
+        else:
+            if start is not None:
+                raise SceneError("start: must be left out where a response is continued")
+            state = dict(initial.final if isinstance(initial, Response) else initial)
+            begin = float(state["time"])
+        if times is None:
+            if output_step is None:
+                output_step = self._model.default_output_step(float(duration), float(speed))
+            wanted, rows = grid(begin, float(duration), float(output_step)), None
+        elif output_step is None:
+            wanted, rows = np.unique(np.asarray(times, dtype=np.float64), return_inverse=True)
+        else:
+            raise SceneError("times: cannot be given together with output_step")
+
+        try:
+            with reported(progress, float(duration)) as report:
+                data = self._model.simulate(
+                    float(duration),
+                    float(speed),
+                    method=method,
+                    step=None if step is None else float(step),
+                    rtol=float(rtol),
+                    initial=state,
+                    times=wanted,
+                    record=[record]
+                    if isinstance(record, str)
+                    else [place(item) for item in record],
+                    geometry=geometry,
+                    start=begin,
+                    progress=report,
+                )
+        except BaseException as error:
+            partial: RunData | None = getattr(error, "partial", None)
+            if partial is not None:
+                error.response = Response(in_order(partial, rows), float(speed))  # type: ignore[attr-defined]
+                del error.partial  # type: ignore[attr-defined]
+            raise
+        return Response(in_order(data, rows), float(speed))
+
+    def _lateral(self, name: At) -> list[int]:
+        """Give the indices of v and w somewhere."""
+        v, w, _ = self._model.indices(place(name))
+        return [require(v, name, "lateral motion"), require(w, name, "lateral motion")]
+
+    def _twist(self, name: At) -> int:
+        """Give the index of the twist somewhere."""
+        return require(self._model.indices(place(name))[2], name, "twist")
+
+    def __reduce__(
+        self,
+    ) -> tuple[Callable[[dict[str, Plain]], "RotorSystem"], tuple[dict[str, Plain]]]:
+        return RotorSystem._from_description, (self.description,)
+
+    def __repr__(self) -> str:
+        counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
+        return f"RotorSystem({', '.join(counts)}; {len(self._model.dofs)} degrees of freedom)"
+
+
+def _warn(model: Model) -> None:
+    for text in model.warnings:
+        # The line to point at is the one that made or loaded the system.
+        warnings.warn(text, SceneWarning, stacklevel=3)

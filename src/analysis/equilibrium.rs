@@ -1,0 +1,166 @@
+//! Static equilibrium under torque, gravity and the mesh forces, by Newton with the exact mesh tangent.
+//!
+//! Null motions, the rolling of a train among them, are held at zero in the mass sense. They change no force, and a
+//! load that drives one has no equilibrium.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::AnalysisError;
+use crate::linalg::solve;
+use crate::mesh::Geometry;
+use crate::modal::Basis;
+use crate::model::Model;
+use crate::scene::SceneError;
+
+/// A load on a null motion below this part of what acts there is round-off.
+const BALANCED: f64 = 1e-9;
+/// Newton has converged when the energy of its step is below this part of that of the load: displacements to 1e-13.
+const CONVERGED: f64 = 1e-26;
+/// Round-off of a stiff scene may not allow that: a step that stopped shrinking below this part has converged too.
+const STALLED: f64 = 1e-14;
+/// A smooth problem takes three to five; more mean that there is no equilibrium near.
+const ITERATIONS: usize = 60;
+
+/// An equilibrium, and the system linearised there.
+#[derive(Clone, Debug)]
+pub struct Equilibrium {
+    /// Displacements q.
+    pub displacement: DVector<f64>,
+    /// Tangent stiffness: shafts, bearings, meshes with the turning of their lines of action.
+    pub stiffness: DMatrix<f64>,
+    /// Damping, with each mesh along its line of action there.
+    pub damping: DMatrix<f64>,
+}
+
+/// The equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not part of it.
+///
+/// # Errors
+/// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.
+pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<Equilibrium, AnalysisError> {
+    let model = &basis.model;
+    let real = basis.real_modes(speed)?;
+    let load = &model.constant_load;
+    let linear = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
+    let null = real.vectors.columns(0, real.null).into_owned();
+    check_balance(model, &null, load)?;
+    // Null motions get a stiffness of their own, that of the lowest elastic mode; no load ever meets it.
+    let weighted = model.mass_matrix() * &null;
+    let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
+    let held = &weighted * weighted.transpose() * (lowest * lowest);
+
+    let mut q = DVector::zeros(model.len());
+    let mut previous = f64::INFINITY;
+    for _ in 0..ITERATIONS {
+        let (force, tangent) = mesh_forces(model, geometry, speed, &q)?;
+        let residual = load - &linear * &q - force;
+        let step = solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
+        let step = step.column(0);
+        let energy = step.dot(&residual).abs();
+        let scale = load.dot(&q).abs().max(energy);
+        let stalled = energy <= STALLED * scale && energy >= previous / 4.0;
+        let converged = energy <= CONVERGED * scale || stalled;
+        previous = energy;
+        let fraction = admissible(model, geometry, speed, &q, &step.into_owned())?;
+        q.axpy(fraction, &step, 1.0);
+        if !q.iter().all(|value| value.is_finite()) {
+            break;
+        }
+        if converged {
+            let (_, tangent) = mesh_forces(model, geometry, speed, &q)?;
+            let damping = damping(basis, geometry, speed, &q)?;
+            return Ok(Equilibrium { stiffness: linear + tangent, damping, displacement: q });
+        }
+    }
+    Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
+}
+
+/// A load that drives a null motion has no equilibrium: says which.
+fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    for column in null.column_iter() {
+        let drive: f64 = column.dot(load);
+        let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
+        if drive.abs() <= BALANCED * acting {
+            continue;
+        }
+        let numbering = &model.numbering;
+        let lateral = numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
+        let (shaft, held) = lateral.fold((0, 0.0), |(shaft, most), dof| {
+            let motion = column[dof.index].abs();
+            if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
+        });
+        let error = if held > 0.0 {
+            let name = &model.scene.shafts[shaft].name;
+            SceneError::new(format!("shafts[{shaft}]"), format!("\"{name}\" is not held: no static equilibrium"))
+        } else {
+            let message = "are out of balance, so that the train gains speed: no static equilibrium (see Torque.balance)";
+            SceneError::new("torques", message)
+        };
+        return Err(error.into());
+    }
+    Ok(())
+}
+
+/// ΣF ∂δ/∂q and its derivative.
+fn mesh_forces(
+    model: &Model,
+    geometry: Geometry,
+    speed: f64,
+    q: &DVector<f64>,
+) -> Result<(DVector<f64>, DMatrix<f64>), AnalysisError> {
+    let mut force = DVector::zeros(model.len());
+    let mut tangent = DMatrix::zeros(model.len(), model.len());
+    let rest = vec![0.0; model.len()];
+    for (index, mesh) in model.meshes.iter().enumerate() {
+        let sigma = model.sigma(index, speed);
+        let contact = mesh
+            .contact(geometry, sigma, q.as_slice(), &rest)
+            .map_err(|overlap| overlapped(model, index, overlap))?;
+        mesh.apply(sigma, -contact.force, contact.normal, force.as_mut_slice());
+        mesh.tangent(geometry, sigma, mesh.stiffness, &contact, |row, column, value| tangent[(row, column)] += value);
+    }
+    Ok((force, tangent))
+}
+
+/// Damping with each mesh along its line of action at `q`.
+fn damping(basis: &Basis, geometry: Geometry, speed: f64, q: &DVector<f64>) -> Result<DMatrix<f64>, AnalysisError> {
+    let model = &basis.model;
+    let mut matrix = basis.damping_matrix(speed)?;
+    let rest = vec![0.0; model.len()];
+    for (index, mesh) in model.meshes.iter().enumerate().filter(|(_, mesh)| mesh.damping > 0.0) {
+        let sigma = model.sigma(index, speed);
+        let contact = mesh
+            .contact(geometry, sigma, q.as_slice(), &rest)
+            .map_err(|overlap| overlapped(model, index, overlap))?;
+        for (contact, damping) in [(mesh.contact_at_rest(sigma), -mesh.damping), (contact, mesh.damping)] {
+            mesh.tangent(Geometry::Frozen, sigma, damping, &contact, |row, column, value| matrix[(row, column)] += value);
+        }
+    }
+    Ok(matrix)
+}
+
+/// The part of a Newton step that keeps the base circles apart.
+fn admissible(
+    model: &Model,
+    geometry: Geometry,
+    speed: f64,
+    q: &DVector<f64>,
+    step: &DVector<f64>,
+) -> Result<f64, AnalysisError> {
+    let rest = vec![0.0; model.len()];
+    let mut fraction = 1.0;
+    for (index, mesh) in model.meshes.iter().enumerate() {
+        let sigma = model.sigma(index, speed);
+        while let Err(overlap) = mesh.contact(geometry, sigma, (q + step * fraction).as_slice(), &rest) {
+            fraction /= 2.0;
+            if fraction < 1e-3 {
+                return Err(overlapped(model, index, overlap));
+            }
+        }
+    }
+    Ok(fraction)
+}
+
+fn overlapped(model: &Model, mesh: usize, overlap: crate::mesh::Overlap) -> AnalysisError {
+    let [driver, driven] = model.gear_names(mesh);
+    AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
+}

@@ -1,0 +1,12 @@
+//! What is asked of a model: equilibrium, synchronous response, motion.
+
+mod equilibrium;
+mod error;
+pub mod simulate;
+mod stability;
+mod synchronous;
+
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use error::AnalysisError;
+pub use stability::Spectrum;
+pub use synchronous::{response, synchronous};

@@ -1,0 +1,141 @@
+//! Recording: the motion at the times asked for, of the coordinates asked for.
+
+use super::Plan;
+use crate::integrate::{Halt, Span};
+use crate::mesh::MeshState;
+use crate::motion::Motion;
+
+/// What is recorded of a mesh, in this order.
+pub const MESH_FIELDS: [&str; 8] = [
+    "deflection",
+    "force",
+    "stiffness",
+    "pressure_angle",
+    "centre_distance",
+    "centre_line_angle",
+    "contact_ratio",
+    "pairs_in_contact",
+];
+
+/// The recorded motion, time after time.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// (v, w) of every point, m.
+    pub displacement: Vec<f64>,
+    /// θ of every point, rad; zero in a scene without twist.
+    pub twist: Vec<f64>,
+    /// Force of the shaft on the bearings of every bearing node over (y, z), N.
+    pub bearing_force: Vec<f64>,
+    /// The fields of every mesh: field after field, each time after time.
+    pub mesh: [Vec<f64>; 8],
+    /// Kinetic and elastic energy, J; empty where not asked for.
+    pub energy: Vec<f64>,
+}
+
+/// Records while a run goes on.
+pub(super) struct Recorder<'a, 'm> {
+    motion: Motion<'m>,
+    plan: &'a Plan,
+    times: &'a [f64],
+    origin: f64,
+    coordinates: Vec<usize>,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    record: Record,
+}
+
+impl<'a, 'm> Recorder<'a, 'm> {
+    /// A recorder of `plan` at `times`; elapsed time counts from `origin`.
+    pub fn new(motion: Motion<'m>, plan: &'a Plan, times: &'a [f64], origin: f64) -> Self {
+        let model = motion.model();
+        let count = times.len();
+        let room = |channels: usize| Vec::with_capacity(count * channels);
+        let record = Record {
+            time: room(1),
+            displacement: room(2 * plan.points.len()),
+            twist: room(plan.points.len()),
+            bearing_force: room(2 * plan.bearings.len()),
+            mesh: std::array::from_fn(|_| room(plan.meshes.len())),
+            energy: room(usize::from(plan.energy)),
+        };
+        Self {
+            coordinates: plan.coordinates(model),
+            displacement: vec![0.0; model.len()],
+            velocity: vec![0.0; model.len()],
+            motion,
+            plan,
+            times,
+            origin,
+            record,
+        }
+    }
+
+    /// Elapsed time of the next record.
+    pub fn next(&self) -> Option<f64> {
+        self.times.get(self.record.time.len()).map(|time| time - self.origin)
+    }
+
+    /// Records all that is due within a step.
+    pub fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
+        while let Some(elapsed) = self.next().filter(|elapsed| *elapsed <= end) {
+            let weights = span.weights(elapsed);
+            for index in &self.coordinates {
+                (self.displacement[*index], self.velocity[*index]) = span.at(&weights, *index);
+            }
+            self.sample(elapsed)?;
+            self.record.time.push(self.times[self.record.time.len()]);
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, elapsed: f64) -> Result<(), Halt> {
+        let model = self.motion.model();
+        let (q, v) = (&self.displacement, &self.velocity);
+        // What may fail comes first, so that a record never holds a part of an instant.
+        let mut meshes = Vec::with_capacity(self.plan.meshes.len());
+        for mesh in &self.plan.meshes {
+            let state = self.motion.mesh_state(*mesh, elapsed, q, v);
+            meshes.push(state.map_err(|overlap| Halt::Overlap { mesh: *mesh, overlap })?);
+        }
+        if self.plan.energy {
+            let energy = self.motion.energy(elapsed, q, v);
+            self.record.energy.push(energy.map_err(|overlap| Halt::Overlap { mesh: 0, overlap })?);
+        }
+        for state in &meshes {
+            for (series, value) in self.record.mesh.iter_mut().zip(fields(state)) {
+                series.push(value);
+            }
+        }
+        for point in &self.plan.points {
+            let translation = model.numbering.translation(point.node);
+            self.record.displacement.extend(translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]));
+            self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
+        }
+        for node in &self.plan.bearings {
+            let force = model.bearing_force(*node, q, v);
+            self.record.bearing_force.extend(force);
+        }
+        Ok(())
+    }
+
+    /// What was recorded.
+    pub fn finish(self) -> Record {
+        self.record
+    }
+}
+
+/// The fields of a mesh, as [`MESH_FIELDS`] names them.
+pub fn fields(state: &MeshState) -> [f64; 8] {
+    [
+        state.deflection,
+        state.force,
+        state.stiffness,
+        state.centres.pressure_angle,
+        state.centres.distance,
+        state.centres.angle,
+        state.centres.contact_ratio,
+        state.pairs_in_contact,
+    ]
+}

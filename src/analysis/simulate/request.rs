@@ -1,0 +1,143 @@
+//! What to record: names resolved to coordinates. Nothing else is ever looked at.
+
+use crate::model::Model;
+use crate::scene::{Node, Path, SceneError};
+
+/// One entry of a list of what to record.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// A gear, disk or shaft, or a group: gears, disks, meshes, bearings, nodes, energy.
+    Name(String),
+    /// A node of a shaft.
+    Node(String, f64),
+    /// The mesh of two gears.
+    Mesh(String, String),
+    /// The bearings at a node of a shaft.
+    Bearing(String, f64),
+}
+
+/// A node to record.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// The node.
+    pub node: Node,
+    /// Gears and disks that sit there.
+    pub names: Vec<String>,
+}
+
+/// What to record, resolved.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Nodes, for displacement and twist.
+    pub points: Vec<Point>,
+    /// Nodes with bearings, for their force.
+    pub bearings: Vec<Node>,
+    /// Meshes.
+    pub meshes: Vec<usize>,
+    /// Energy.
+    pub energy: bool,
+}
+
+impl Plan {
+    /// Resolves `requests`; asking twice records once.
+    ///
+    /// # Errors
+    /// [`SceneError`] for what the scene does not have.
+    pub fn new(model: &Model, requests: &[Request]) -> Result<Self, SceneError> {
+        let mut plan = Self::default();
+        for (index, request) in requests.iter().enumerate() {
+            plan.add(model, request, &Path::entry("record", index))?;
+        }
+        Ok(plan)
+    }
+
+    fn add(&mut self, model: &Model, request: &Request, at: &Path) -> Result<(), SceneError> {
+        let scene = &model.scene;
+        match request {
+            Request::Name(name) => match name.as_str() {
+                "gears" => scene.gears.iter().for_each(|gear| self.add_point(model, gear.body.node)),
+                "disks" => scene.disks.iter().for_each(|disk| self.add_point(model, disk.node)),
+                "meshes" => (0..scene.meshes.len()).for_each(|mesh| self.add_mesh(mesh)),
+                "bearings" => scene.bearings.iter().for_each(|bearing| self.add_bearing(bearing.node)),
+                "nodes" => (0..scene.shafts.len()).for_each(|shaft| self.add_shaft(model, shaft)),
+                "energy" => self.energy = true,
+                _ => match (scene.body(name), scene.shaft(name)) {
+                    (Some(body), _) => self.add_point(model, body.node),
+                    (None, Some(shaft)) => self.add_shaft(model, shaft),
+                    (None, None) => {
+                        let groups = "gears, disks, meshes, bearings, nodes, energy";
+                        return Err(at.error(format!("\"{name}\" is no gear, disk or shaft, and none of {groups}")));
+                    }
+                },
+            },
+            Request::Node(shaft, position) => self.add_point(model, node(model, shaft, *position, at)?),
+            Request::Bearing(shaft, position) => {
+                let node = node(model, shaft, *position, at)?;
+                if scene.bearings.iter().all(|bearing| bearing.node != node) {
+                    return Err(at.error(format!("no bearing stands at {position} m of shaft \"{shaft}\"")));
+                }
+                self.add_bearing(node);
+            }
+            Request::Mesh(first, second) => {
+                let mesh = scene.mesh(first, second);
+                self.add_mesh(mesh.ok_or_else(|| at.error(format!("\"{first}\" and \"{second}\" are not in mesh")))?);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_shaft(&mut self, model: &Model, shaft: usize) {
+        for node in 0..model.scene.shafts[shaft].nodes.len() {
+            self.add_point(model, Node { shaft, node });
+        }
+    }
+
+    fn add_point(&mut self, model: &Model, node: Node) {
+        if self.points.iter().all(|point| point.node != node) {
+            let bodies = model.scene.bodies().filter(|body| body.node == node);
+            self.points.push(Point { node, names: bodies.map(|body| body.name.clone()).collect() });
+        }
+    }
+
+    fn add_mesh(&mut self, mesh: usize) {
+        if !self.meshes.contains(&mesh) {
+            self.meshes.push(mesh);
+        }
+    }
+
+    fn add_bearing(&mut self, node: Node) {
+        if !self.bearings.contains(&node) {
+            self.bearings.push(node);
+        }
+    }
+
+    /// The coordinates that recording needs, ascending.
+    pub(super) fn coordinates(&self, model: &Model) -> Vec<usize> {
+        if self.energy {
+            return (0..model.len()).collect();
+        }
+        let mut coordinates = Vec::new();
+        let mut add_node = |node: Node| {
+            coordinates.extend(model.numbering.translation(node).into_iter().flat_map(|v| [v, v + 1]));
+            coordinates.extend(model.numbering.twist(node));
+        };
+        self.points.iter().for_each(|point| add_node(point.node));
+        self.bearings.iter().for_each(|node| add_node(*node));
+        for mesh in &self.meshes {
+            let pair = &model.scene.meshes[*mesh];
+            for gear in [pair.driver, pair.driven] {
+                add_node(model.scene.gears[gear].body.node);
+            }
+        }
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        coordinates
+    }
+}
+
+fn node(model: &Model, shaft: &str, position: f64, at: &Path) -> Result<Node, SceneError> {
+    let index = model.scene.shaft(shaft).ok_or_else(|| at.error(format!("no shaft is called \"{shaft}\"")))?;
+    let node = model.scene.shafts[index].node_at(position);
+    let node = node.ok_or_else(|| at.error(format!("shaft \"{shaft}\" has no node at {position} m")))?;
+    Ok(Node { shaft: index, node })
+}

@@ -1,0 +1,80 @@
+//! How fast the fastest motion of a scene is: the limit of every explicit step.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::integrate::tableau::Tableau;
+use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::modal::Basis;
+
+/// Bounds of the eigenvalues.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spectrum {
+    /// ω_max of the undamped system, rad/s.
+    pub omega_max: f64,
+    /// Bound of xᵀCx/xᵀMx, 1/s.
+    pub damping: f64,
+    /// Bound of what the gyroscopic matrix adds to a frequency, rad/s.
+    pub gyroscopic: f64,
+}
+
+impl Spectrum {
+    /// Bounds at `speed` of the reference shaft.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
+        let model = &basis.model;
+        let omega_max = basis.real_modes(speed)?.highest();
+        let [alpha, beta] = model.scene.rayleigh;
+        let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
+        let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
+        Ok(Self { omega_max, damping: spread + dampers(basis, speed)?, gyroscopic: 2.0 * spin })
+    }
+
+    /// Bound of |λ|: λ² + dλ + ω² = 0 has |λ| ≤ (d + √(d² + 4ω²))/2.
+    pub fn radius(&self) -> f64 {
+        self.gyroscopic + (self.damping + (self.damping * self.damping + 4.0 * self.omega_max.powi(2)).sqrt()) / 2.0
+    }
+
+    /// The longest stable step of a method, s.
+    pub fn longest_step<const S: usize>(&self, tableau: &Tableau<S>) -> f64 {
+        let undamped = tableau.imaginary_limit / (self.omega_max + self.gyroscopic);
+        if self.damping == 0.0 { undamped } else { undamped.min(tableau.real_limit / self.radius()) }
+    }
+}
+
+/// The largest eigenvalue of M⁻¹C for the dampers of bearings and meshes: that of the small matrix dᵀM⁻¹d, where each
+/// damper c on the coordinate g contributes the column d = √c·g.
+fn dampers(basis: &Basis, speed: f64) -> Result<f64, DecompositionError> {
+    let model = &basis.model;
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    for support in &model.supports {
+        // Its Frobenius norm bounds what a damping matrix, symmetric or not, does in any direction.
+        let norm = support.damping.as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
+        for lane in (0..2).filter(|_| norm > 0.0) {
+            let mut column = DVector::zeros(model.len());
+            column[support.index + lane] = norm.sqrt();
+            columns.push(column);
+        }
+    }
+    for (index, mesh) in model.meshes.iter().enumerate().filter(|(_, mesh)| mesh.damping > 0.0) {
+        let sigma = model.sigma(index, speed);
+        let mut column = DVector::zeros(model.len());
+        let normal = mesh.contact_at_rest(sigma).normal;
+        mesh.gradient(sigma, normal, |index, slope| column[index] += mesh.damping.sqrt() * slope);
+        columns.push(column);
+    }
+    if columns.is_empty() {
+        return Ok(0.0);
+    }
+    let dampers = DMatrix::from_columns(&columns);
+    let mut accelerated = dampers.clone();
+    for mut column in accelerated.column_iter_mut() {
+        for shaft in &model.shafts {
+            shaft.solve_mass(column.as_mut_slice());
+        }
+    }
+    let small = dampers.transpose() * accelerated;
+    let identity = DMatrix::identity(small.nrows(), small.nrows());
+    Ok(symmetric_pencil(&small, &identity, &DMatrix::zeros(small.nrows(), 0))?.values.max())
+}

@@ -1,0 +1,113 @@
+//! Timoshenko beam element of hollow circular section, two nodes (Przemieniecki 1968; Nelson 1980).
+//!
+//! The shape functions are the static solutions of the beam. A circular shaft bends alike in both planes, so one set
+//! of matrices over (u₁, φ₁, u₂, φ₂) serves them both: (v, Γ) in the xy plane and (w, −B) in the xz plane. As one
+//! complex displacement u = v + iw, φ = Γ − iB the element is
+//!
+//! ```text
+//! M ü − iΩ·G u̇ + K u = 0,    G = 2R,
+//! ```
+//!
+//! with R the rotary inertia: the gyroscopic term is skew between the planes, and forward whirl is e^{iωt}, ω > 0.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix2, Matrix4, Vector4};
+
+use crate::scene::{Element, Material};
+
+/// Matrices of a shaft element.
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
+    /// Mass ρA∫NᵥᵀNᵥ dx, with rotary inertia.
+    pub mass: Matrix4<f64>,
+    /// Gyroscopic matrix 2R, per unit spin.
+    pub gyroscopic: Matrix4<f64>,
+    /// Bending and shear stiffness.
+    pub stiffness: Matrix4<f64>,
+    /// Polar inertia over (θ₁, θ₂).
+    pub torsional_mass: Matrix2<f64>,
+    /// Torsional stiffness GJ/l.
+    pub torsional_stiffness: Matrix2<f64>,
+}
+
+/// Shear coefficient κ of a hollow circle with radii ratio m = rᵢ/rₒ (Cowper 1966).
+pub fn shear_coefficient(poisson_ratio: f64, radii_ratio: f64) -> f64 {
+    let square = radii_ratio * radii_ratio;
+    let sum = (1.0 + square) * (1.0 + square);
+    6.0 * (1.0 + poisson_ratio) * sum / ((7.0 + 6.0 * poisson_ratio) * sum + (20.0 + 12.0 * poisson_ratio) * square)
+}
+
+/// Abscissae on [0, 1] and weights of the four-point Gauss rule, exact for the sixth-degree products below.
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+impl Beam {
+    /// Matrices of `element`.
+    pub fn new(element: &Element, material: &Material, shear: bool) -> Self {
+        let Element { length: l, outer_radius, inner_radius } = *element;
+        let Material { youngs_modulus: e, shear_modulus: g, poisson_ratio, density } = *material;
+        let area = PI * (outer_radius * outer_radius - inner_radius * inner_radius);
+        let second_moment = area * (outer_radius * outer_radius + inner_radius * inner_radius) / 4.0;
+        let polar = 2.0 * second_moment;
+        let phi = if shear {
+            let kappa = shear_coefficient(poisson_ratio, inner_radius / outer_radius);
+            12.0 * e * second_moment / (kappa * g * area * l * l)
+        } else {
+            0.0
+        };
+
+        let translation = integral(l, |xi| displacement(xi, l, phi)) * (density * area);
+        let rotary = integral(l, |xi| rotation(xi, l, phi)) * (density * second_moment);
+        let bending = e * second_moment / (l * l * l * (1.0 + phi));
+        let (a, b, c, d) = (12.0, 6.0 * l, (4.0 + phi) * l * l, (2.0 - phi) * l * l);
+        #[rustfmt::skip]
+        let stiffness = bending * Matrix4::new(
+             a,  b, -a,  b,
+             b,  c, -b,  d,
+            -a, -b,  a, -b,
+             b,  d, -b,  c,
+        );
+        Self {
+            mass: translation + rotary,
+            gyroscopic: rotary * 2.0,
+            stiffness,
+            torsional_mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (density * polar * l / 6.0),
+            torsional_stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (g * polar / l),
+        }
+    }
+}
+
+/// Displacement shape functions Nᵥ at ξ.
+fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
+    let (square, cube) = (xi * xi, xi * xi * xi);
+    Vector4::new(
+        1.0 - 3.0 * square + 2.0 * cube + (1.0 - xi) * phi,
+        l * (xi - 2.0 * square + cube + (xi - square) * phi / 2.0),
+        3.0 * square - 2.0 * cube + xi * phi,
+        l * (-square + cube - (xi - square) * phi / 2.0),
+    ) / (1.0 + phi)
+}
+
+/// Shape functions N_θ of the section's rotation at ξ.
+fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
+    let square = xi * xi;
+    Vector4::new(
+        6.0 / l * (square - xi),
+        1.0 - 4.0 * xi + 3.0 * square + (1.0 - xi) * phi,
+        6.0 / l * (xi - square),
+        -2.0 * xi + 3.0 * square + xi * phi,
+    ) / (1.0 + phi)
+}
+
+/// ∫NᵀN dx over an element of length `l`.
+fn integral(l: f64, shape: impl Fn(f64) -> Vector4<f64>) -> Matrix4<f64> {
+    GAUSS.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
+        let shape = shape(xi);
+        sum + shape * shape.transpose() * (weight * l)
+    })
+}

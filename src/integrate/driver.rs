@@ -1,0 +1,171 @@
+//! The loop over steps.
+//!
+//! Steps do not know of output times: what is asked for is interpolated, and the last step runs past the end. The
+//! state that is kept is the one before it, so a run that continues takes that step again, and a run in two parts is
+//! the same, bit for bit, as a run in one.
+
+use super::controller::SHORTEST;
+use super::{Adaptive, Control, Halt, Observer, RungeKutta, Span, Statistics, System};
+
+/// Steps between two questions to the observer whether to go on.
+const PATIENCE: u64 = 64;
+
+/// Where an integration stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Steps since the origin, where the step is fixed.
+    pub count: u64,
+    /// Elapsed time since the origin, s.
+    pub elapsed: f64,
+    /// What the sum `elapsed` has lost to round-off.
+    pub carry: f64,
+    /// The step to try next, s; zero before the first.
+    pub next_step: f64,
+    /// Scaled error of the step before.
+    pub previous_error: f64,
+    /// Displacements, then velocities.
+    pub y: Vec<f64>,
+}
+
+impl State {
+    /// The beginning of a run.
+    pub fn new(y: Vec<f64>) -> Self {
+        Self { count: 0, elapsed: 0.0, carry: 0.0, next_step: 0.0, previous_error: 1.0, y }
+    }
+}
+
+/// A run that stopped early: why, and at which elapsed time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Halted {
+    /// Why.
+    pub halt: Halt,
+    /// When, s.
+    pub elapsed: f64,
+}
+
+/// What a step made of its state, apart from y.
+#[derive(Clone, Copy, Debug)]
+struct Taken {
+    step: f64,
+    next_step: f64,
+    error: f64,
+    at_limit: bool,
+}
+
+/// Integrates from `state` until `end` (elapsed time) and all the observer asks for.
+///
+/// # Errors
+/// [`Halted`]; `state` is then the last good one.
+pub fn run<const S: usize>(
+    system: &mut impl System,
+    method: &mut RungeKutta<S>,
+    control: &Control,
+    state: &mut State,
+    end: f64,
+    observer: &mut impl Observer,
+    statistics: &mut Statistics,
+) -> Result<(), Halted> {
+    let at = |elapsed: f64| move |halt: Halt| Halted { halt, elapsed };
+    method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
+    statistics.evaluations += 1;
+    let mut asked = 0;
+    while state.elapsed < end || observer.next().is_some() {
+        asked += 1;
+        if asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
+            return Err(at(state.elapsed)(Halt::Interrupted));
+        }
+        let taken = match control {
+            Control::Fixed(step) => fixed(system, method, state, *step, statistics),
+            Control::Adaptive(adaptive) => attempt(system, method, state, adaptive, statistics),
+        };
+        let taken = taken.map_err(at(state.elapsed))?;
+        let after = advanced(state, control, &taken);
+        let derivatives = method.derivatives();
+        if !method.end().iter().sum::<f64>().is_finite() {
+            return Err(at(state.elapsed)(Halt::Diverged));
+        }
+        let span = Span {
+            start: state.elapsed,
+            step: taken.step,
+            before: (&state.y, derivatives.0),
+            after: (method.end(), derivatives.1),
+        };
+        if observer.next().is_some_and(|next| next <= after.0) {
+            observer.observe(&span, after.0).map_err(at(state.elapsed))?;
+        }
+        if after.0 > end {
+            break;
+        }
+        method.commit(&mut state.y);
+        (state.elapsed, state.carry) = after;
+        state.count += 1;
+        state.next_step = taken.next_step;
+        state.previous_error = taken.error;
+        statistics.accept(taken.step, taken.at_limit);
+    }
+    Ok(())
+}
+
+/// Elapsed time and its carry after a step: i·h where the step is fixed, else a compensated sum.
+fn advanced(state: &State, control: &Control, taken: &Taken) -> (f64, f64) {
+    match control {
+        Control::Fixed(step) => ((state.count + 1) as f64 * step, 0.0),
+        Control::Adaptive(_) => {
+            let addend = taken.step - state.carry;
+            let sum = state.elapsed + addend;
+            (sum, (sum - state.elapsed) - addend)
+        }
+    }
+}
+
+fn fixed<const S: usize>(
+    system: &mut impl System,
+    method: &mut RungeKutta<S>,
+    state: &State,
+    step: f64,
+    statistics: &mut Statistics,
+) -> Result<Taken, Halt> {
+    method.step(system, state.elapsed, &state.y, step)?;
+    statistics.evaluations += S as u64 - 1;
+    Ok(Taken { step, next_step: step, error: 1.0, at_limit: false })
+}
+
+/// Tries steps until one meets the tolerance.
+fn attempt<const S: usize>(
+    system: &mut impl System,
+    method: &mut RungeKutta<S>,
+    state: &State,
+    control: &Adaptive,
+    statistics: &mut Statistics,
+) -> Result<Taken, Halt> {
+    let order = method.tableau.order;
+    let mut step = if state.next_step > 0.0 { state.next_step } else { control.longest };
+    let mut rejected = false;
+    let before = system.size(&state.y);
+    loop {
+        method.step(system, state.elapsed, &state.y, step)?;
+        statistics.evaluations += S as u64 - 1;
+        let scale = before.max(system.size(method.end())).max(control.floor);
+        let error = match method.error(system, step) {
+            error if error == 0.0 => 0.0,
+            error => error / (control.rtol * scale),
+        };
+        if error <= 1.0 {
+            let factor = control.grow(order, error, state.previous_error);
+            // Growing right after a rejection would only be rejected again.
+            let factor = if rejected { factor.min(1.0) } else { factor };
+            return Ok(Taken {
+                step,
+                next_step: (step * factor).min(control.longest),
+                error,
+                at_limit: step == control.longest,
+            });
+        }
+        statistics.rejected += 1;
+        rejected = true;
+        step *= if error.is_finite() { control.shrink(order, error) } else { 0.1 };
+        if step < SHORTEST * control.longest {
+            return Err(Halt::Diverged);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The motion within a step.
+//!
+//! Displacement, velocity and acceleration are known at both ends, so the displacement is a quintic Hermite polynomial
+//! (error of order h⁶) and the velocity its derivative (h⁵), whatever method made the step.
+
+/// A step with its ends: states y (displacements, then velocities) and their derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<'a> {
+    /// Elapsed time at the beginning.
+    pub start: f64,
+    /// Length, s.
+    pub step: f64,
+    /// State and derivative at the beginning.
+    pub before: (&'a [f64], &'a [f64]),
+    /// State and derivative at the end.
+    pub after: (&'a [f64], &'a [f64]),
+}
+
+/// Weights of the six end values for displacement and velocity at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    displacement: [f64; 6],
+    velocity: [f64; 6],
+}
+
+impl Span<'_> {
+    /// Elapsed time at the end.
+    pub fn end(&self) -> f64 {
+        self.start + self.step
+    }
+
+    /// Weights of the instant `elapsed`.
+    pub fn weights(&self, elapsed: f64) -> Weights {
+        let h = self.step;
+        let s = (elapsed - self.start) / h;
+        let (s2, s3) = (s * s, s * s * s);
+        let rise = s3 * (10.0 - 15.0 * s + 6.0 * s2);
+        let slope = 30.0 * s2 * (1.0 - 2.0 * s + s2) / h;
+        Weights {
+            displacement: [
+                1.0 - rise,
+                rise,
+                h * s * (1.0 - s2 * (6.0 - 8.0 * s + 3.0 * s2)),
+                h * s3 * (-4.0 + 7.0 * s - 3.0 * s2),
+                h * h * 0.5 * s2 * (1.0 - 3.0 * s + 3.0 * s2 - s3),
+                h * h * 0.5 * s3 * (1.0 - 2.0 * s + s2),
+            ],
+            velocity: [
+                -slope,
+                slope,
+                1.0 - s2 * (18.0 - 32.0 * s + 15.0 * s2),
+                s2 * (-12.0 + 28.0 * s - 15.0 * s2),
+                h * 0.5 * s * (2.0 - 9.0 * s + 12.0 * s2 - 5.0 * s3),
+                h * 0.5 * s2 * (3.0 - 8.0 * s + 5.0 * s2),
+            ],
+        }
+    }
+
+    /// Displacement and velocity of coordinate `index`.
+    pub fn at(&self, weights: &Weights, index: usize) -> (f64, f64) {
+        let velocity = self.before.0.len() / 2 + index;
+        let ends = [
+            self.before.0[index],
+            self.after.0[index],
+            self.before.0[velocity],
+            self.after.0[velocity],
+            self.before.1[velocity],
+            self.after.1[velocity],
+        ];
+        let sum = |weights: &[f64; 6]| weights.iter().zip(&ends).map(|(weight, end)| weight * end).sum();
+        (sum(&weights.displacement), sum(&weights.velocity))
+    }
+}

@@ -1,0 +1,19 @@
+//! Explicit Runge–Kutta integration, hand-written for systems whose right-hand side knows its own energy.
+//!
+//! Tableau (data), step (machinery), controller, interpolation, driver and statistics stand apart. Nothing here knows
+//! of shafts or gears: a [`System`] gives derivatives and norms. A step allocates nothing.
+
+mod controller;
+mod driver;
+mod interpolate;
+mod statistics;
+mod step;
+mod system;
+pub mod tableau;
+
+pub use controller::{Adaptive, Control};
+pub use driver::{Halted, State, run};
+pub use interpolate::Span;
+pub use statistics::{Limit, Statistics};
+pub use step::RungeKutta;
+pub use system::{Halt, Observer, System};

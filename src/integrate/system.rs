@@ -1,0 +1,58 @@
+//! What an integrator asks of a system, and what may stop it.
+
+use super::Span;
+use crate::mesh::Overlap;
+
+/// Why an integration stopped before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Halt {
+    /// The base circles of a mesh overlap.
+    Overlap {
+        /// Index of the mesh.
+        mesh: usize,
+        /// How far.
+        overlap: Overlap,
+    },
+    /// The state is not finite any more, or no step is short enough.
+    Diverged,
+    /// The observer asked for it.
+    Interrupted,
+}
+
+/// A first-order system ẏ = f(t, y) of second-order origin: y holds displacements, then velocities.
+pub trait System {
+    /// Length of y.
+    fn len(&self) -> usize;
+
+    /// Whether there is nothing to integrate.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Writes f(t, y) into `derivative`; `elapsed` is t, counted from the run's origin.
+    ///
+    /// # Errors
+    /// [`Halt`] where f is not defined.
+    fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt>;
+
+    /// Energy norm of a difference of states: √(eᵀKe + ėᵀMė). Metres and radians have no other common measure.
+    fn norm(&mut self, difference: &[f64]) -> f64;
+
+    /// Energy norm of the deviation of a state from the system's equilibrium, the scale of a tolerance.
+    fn size(&mut self, y: &[f64]) -> f64;
+}
+
+/// What looks at an integration while it runs.
+pub trait Observer {
+    /// Elapsed time up to which everything has been seen.
+    fn next(&self) -> Option<f64>;
+
+    /// Sees the motion over a step, up to `end`; called for every step that holds a time asked for.
+    ///
+    /// # Errors
+    /// [`Halt`] where what it looks at is not defined.
+    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt>;
+
+    /// Whether to go on, asked every few steps with the elapsed time.
+    fn go_on(&mut self, elapsed: f64) -> bool;
+}

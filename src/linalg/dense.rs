@@ -1,0 +1,64 @@
+//! Dense decompositions by faer, on nalgebra's matrices. Both are column-major, so nothing is copied on the way in.
+
+use faer::MatRef;
+use faer::linalg::solvers::Solve;
+use nalgebra::{Complex, DMatrix, DVector};
+use thiserror::Error;
+
+/// A dense decomposition that did not succeed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum DecompositionError {
+    /// The mass matrix is not positive definite at this row.
+    #[error("the mass matrix is not positive definite at row {0}")]
+    Mass(usize),
+    /// The eigenvalue iteration did not converge.
+    #[error("the eigenvalue iteration did not converge")]
+    Eigenvalues,
+}
+
+/// Eigenvalues and right eigenvectors, unordered, vectors of unit length.
+#[derive(Clone, Debug)]
+pub struct Eigen {
+    /// Eigenvalues.
+    pub values: DVector<Complex<f64>>,
+    /// Right eigenvectors, one a column.
+    pub vectors: DMatrix<Complex<f64>>,
+}
+
+pub(super) fn view<T>(matrix: &DMatrix<T>) -> MatRef<'_, T> {
+    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
+}
+
+pub(super) fn copy<T: Copy + nalgebra::Scalar>(matrix: MatRef<'_, T>) -> DMatrix<T> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
+}
+
+/// Eigenvalues and right eigenvectors of a general real matrix.
+///
+/// faer does not balance: scale the matrix first.
+///
+/// # Errors
+/// [`DecompositionError::Eigenvalues`] if the iteration does not converge.
+pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
+    if matrix.is_empty() {
+        return Ok(Eigen { values: DVector::zeros(0), vectors: DMatrix::zeros(0, 0) });
+    }
+    let eigen = view(matrix).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
+    let values = eigen.S().column_vector();
+    let mut vectors = copy(eigen.U());
+    for mut column in vectors.column_iter_mut() {
+        let norm = column.norm();
+        column.unscale_mut(norm);
+    }
+    Ok(Eigen { values: DVector::from_fn(values.nrows(), |i, _| values[i]), vectors })
+}
+
+/// Solves a square real system by LU with partial pivoting.
+pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    copy(view(matrix).partial_piv_lu().solve(view(right)).as_ref())
+}
+
+/// Solves a square complex system by LU with partial pivoting.
+pub fn solve_complex(matrix: &DMatrix<Complex<f64>>, right: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    copy(view(matrix).partial_piv_lu().solve(view(right)).as_ref())
+}

@@ -1,0 +1,9 @@
+//! Linear algebra: what a shaft's chain of nodes needs, and the dense decompositions.
+
+mod block_tridiagonal;
+mod dense;
+mod pencil;
+
+pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite};
+pub use dense::{DecompositionError, Eigen, eigen, solve, solve_complex};
+pub use pencil::{SymmetricPencil, symmetric_pencil};

@@ -1,0 +1,94 @@
+//! The symmetric eigenproblem K φ = ω² M φ, with the motions that K does not resist taken out exactly.
+//!
+//! With M = LLᵀ the problem is A u = ω² u, A = L⁻¹KL⁻ᵀ, φ = L⁻ᵀu. Householder reflections turn the known null vectors
+//! into coordinate axes and leave A on their complement, so that ω = 0 is exact and every other mode is orthogonal to
+//! it; an eigensolver alone leaves ω² = ±1e-5 and mixes null vectors into the low modes.
+
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Mat, Par, Side};
+use nalgebra::{DMatrix, DVector};
+
+use super::DecompositionError;
+use super::dense::{copy, view};
+
+/// Eigenvalues and vectors of a symmetric pencil.
+#[derive(Clone, Debug)]
+pub struct SymmetricPencil {
+    /// ω², ascending within the null motions (zeros, first) and the others.
+    pub values: DVector<f64>,
+    /// Vectors φ, one a column, φᵀMφ = 1.
+    pub vectors: DMatrix<f64>,
+}
+
+/// Solves K φ = ω² M φ; `null` has orthonormal columns (in M) that K does not resist.
+///
+/// # Errors
+/// [`DecompositionError`] if M is not positive definite or the iteration fails.
+pub fn symmetric_pencil(
+    stiffness: &DMatrix<f64>,
+    mass: &DMatrix<f64>,
+    null: &DMatrix<f64>,
+) -> Result<SymmetricPencil, DecompositionError> {
+    let n = stiffness.nrows();
+    let known = null.ncols();
+    let llt = view(mass).llt(Side::Lower).map_err(|error| match error {
+        faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } => DecompositionError::Mass(index),
+    })?;
+    let factor = llt.L();
+
+    // A = L⁻¹ (L⁻¹ K)ᵀ for symmetric K.
+    let mut half = view(stiffness).to_owned();
+    solve_lower_triangular_in_place(factor, half.as_mut(), Par::Seq);
+    let mut standard = half.transpose().to_owned();
+    solve_lower_triangular_in_place(factor, standard.as_mut(), Par::Seq);
+    let mut standard = copy(standard.as_ref());
+
+    let mut axes = copy((factor.transpose() * view(null)).as_ref());
+    let mut reflections: Vec<DVector<f64>> = Vec::with_capacity(known);
+    for column in 0..known {
+        let mut axis = axes.column(column).into_owned();
+        axis.rows_mut(0, column).fill(0.0);
+        let norm = axis.norm();
+        axis[column] += norm.copysign(axis[column]);
+        axis.normalize_mut();
+        reflect_rows(&axis, &mut axes);
+        reflect_rows(&axis, &mut standard);
+        standard.transpose_mut();
+        reflect_rows(&axis, &mut standard);
+        reflections.push(axis);
+    }
+
+    let rest = n - known;
+    let mut values = DVector::zeros(n);
+    let mut vectors = DMatrix::zeros(n, n);
+    if rest > 0 {
+        let block = standard.view((known, known), (rest, rest));
+        let symmetric = Mat::from_fn(rest, rest, |i, j| (block[(i, j)] + block[(j, i)]) / 2.0);
+        let eigen = symmetric.self_adjoint_eigen(Side::Lower).map_err(|_| DecompositionError::Eigenvalues)?;
+        let (found, unit) = (eigen.S().column_vector(), eigen.U());
+        for j in 0..rest {
+            values[known + j] = found[j];
+            for i in 0..rest {
+                vectors[(known + i, known + j)] = unit[(i, j)];
+            }
+        }
+    }
+    for axis in reflections.iter().rev() {
+        reflect_rows(axis, &mut vectors);
+    }
+    let mut physical = view(&vectors).to_owned();
+    solve_upper_triangular_in_place(factor.transpose(), physical.as_mut(), Par::Seq);
+    let mut vectors = copy(physical.as_ref());
+    for column in 0..known {
+        vectors.set_column(column, &null.column(column));
+    }
+    Ok(SymmetricPencil { values, vectors })
+}
+
+/// `matrix ← (I − 2aaᵀ)·matrix`.
+fn reflect_rows(axis: &DVector<f64>, matrix: &mut DMatrix<f64>) {
+    for mut column in matrix.column_iter_mut() {
+        let shift = -2.0 * axis.dot(&column);
+        column.axpy(shift, axis, 1.0);
+    }
+}

@@ -1,0 +1,168 @@
+//! Damped modes at speed.
+//!
+//! In undamped modes η, with the displacement of each elastic one scaled by its ω (x = ωη), the motion is
+//!
+//! ```text
+//! ẋ = ω η̇,        d(η̇)/dt = −ω x − D η̇ − N ω⁻¹ x,        D = Φᵀ(C + ΩG)Φ,    N = Φᵀ K_skew Φ
+//! ```
+//!
+//! Without damping the matrix is skew, so its eigenvalues are as well conditioned as they can be; faer does not
+//! balance, and the raw matrix of M⁻¹K and M⁻¹C gives growth where there is none. Null motions have no x: nothing
+//! depends on where they stand.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::real::RealModes;
+use super::whirl::{Whirl, classify};
+use super::{Basis, real};
+use crate::linalg::{DecompositionError, eigen};
+use crate::model::Model;
+
+/// Entries of D below this part of its largest do not couple a null motion to anything.
+const UNCOUPLED: f64 = 1e-12;
+
+/// One mode of vibration: a conjugate pair of eigenvalues, or a real one.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// λ, rad/s, imaginary part not negative.
+    pub eigenvalue: Complex<f64>,
+    /// φ in the inside order: φᴴMφ = 1, its largest entry real and positive.
+    pub shape: DVector<Complex<f64>>,
+    /// How it whirls.
+    pub whirl: Whirl,
+}
+
+impl Mode {
+    /// Damped frequency |Im λ|/2π, Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        self.eigenvalue.im / (2.0 * std::f64::consts::PI)
+    }
+
+    /// Damping ratio −Re λ/|λ|, zero for a null motion.
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.eigenvalue.norm();
+        if size == 0.0 { 0.0 } else { -self.eigenvalue.re / size }
+    }
+}
+
+/// All modes at `speed` of the reference shaft, by ascending frequency.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
+    let model = &basis.model;
+    let real = basis.real_modes(speed)?;
+    let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
+    let supports = model.support_stiffness_matrix();
+    let skew = (&supports - supports.transpose()) / 2.0;
+    let (eigenvalues, coordinates) = if damping.amax() == 0.0 && skew.amax() == 0.0 {
+        undamped(real)
+    } else {
+        damped(real, &project(real, &damping), &project(real, &skew))?
+    };
+    let lateral = real::lateral_mask(model);
+    let mass = model.mass_matrix();
+    let to_physical = |coordinates: &DVector<Complex<f64>>| {
+        let parts = |part: fn(&Complex<f64>) -> f64| &real.vectors * coordinates.map(|value| part(&value));
+        let (re, im) = (parts(|value| value.re), parts(|value| value.im));
+        DVector::from_fn(re.len(), |i, _| Complex::new(re[i], im[i]))
+    };
+    let mut modes: Vec<Mode> = eigenvalues
+        .into_iter()
+        .zip(&coordinates)
+        .map(|(eigenvalue, coordinates)| {
+            let shape = normalised(to_physical(coordinates));
+            let whirl = classify(model, speed, eigenvalue, &shape, &mass, &lateral);
+            Mode { eigenvalue, shape, whirl }
+        })
+        .collect();
+    modes.sort_by(|a, b| {
+        a.eigenvalue.im.total_cmp(&b.eigenvalue.im).then(a.eigenvalue.norm().total_cmp(&b.eigenvalue.norm()))
+    });
+    Ok(modes)
+}
+
+type Pairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
+
+fn undamped(real: &RealModes) -> Pairs {
+    let n = real.frequencies.len();
+    let axis = |i: usize| DVector::from_fn(n, |k, _| Complex::new(if k == i { 1.0 } else { 0.0 }, 0.0));
+    let eigenvalues = real.frequencies.iter().map(|frequency| Complex::new(0.0, *frequency)).collect();
+    (eigenvalues, (0..n).map(axis).collect())
+}
+
+/// Eigenvalues with Im λ ≥ 0, and η normalised to unit length.
+fn damped(real: &RealModes, damping: &DMatrix<f64>, skew: &DMatrix<f64>) -> Result<Pairs, DecompositionError> {
+    let n = real.frequencies.len();
+    let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
+    let negligible = UNCOUPLED * damping.amax();
+    let coupled = |i: usize| damping.row(i).amax() > negligible || damping.column(i).amax() > negligible;
+    let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
+    let (e, m) = (elastic.len(), moving.len());
+
+    let mut matrix = DMatrix::zeros(e + m, e + m);
+    for (row, i) in moving.iter().enumerate() {
+        for (column, j) in moving.iter().enumerate() {
+            matrix[(e + row, e + column)] = -damping[(*i, *j)];
+        }
+        for (column, j) in elastic.iter().enumerate() {
+            let own = if i == j { real.frequencies[*j] } else { 0.0 };
+            matrix[(e + row, column)] = -own - skew[(*i, *j)] / real.frequencies[*j];
+            if i == j {
+                matrix[(column, e + row)] = own;
+            }
+        }
+    }
+    let eigen = eigen(&matrix)?;
+
+    // Null motions: one mode each for where they stand; their velocities are among the others where they couple.
+    let mut eigenvalues = vec![Complex::new(0.0, 0.0); n - e];
+    let zero = |i: usize| real.frequencies[i] == 0.0;
+    let mut coordinates: Vec<_> = (0..n)
+        .filter(|i| zero(*i))
+        .map(|i| DVector::from_fn(n, |k, _| Complex::new(if k == i { 1.0 } else { 0.0 }, 0.0)))
+        .collect();
+    let nothing = f64::EPSILON * matrix.amax() * (e + m) as f64;
+    for (value, vector) in eigen.values.iter().zip(eigen.vectors.column_iter()) {
+        if value.im < 0.0 || (e < n && value.norm() <= nothing) {
+            continue;
+        }
+        let mut eta = DVector::zeros(n);
+        for (row, i) in moving.iter().enumerate() {
+            eta[*i] = vector[e + row] / value;
+        }
+        for (row, i) in elastic.iter().enumerate() {
+            eta[*i] = vector[row] / real.frequencies[*i];
+        }
+        let norm = eta.norm();
+        eigenvalues.push(*value);
+        coordinates.push(eta.unscale(norm));
+    }
+    Ok((eigenvalues, coordinates))
+}
+
+fn project(real: &RealModes, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    real.vectors.transpose() * (matrix * &real.vectors)
+}
+
+/// Scales η's image so that its largest entry is real and positive; ηᴴη = 1 is φᴴMφ = 1.
+fn normalised(shape: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let mut largest = Complex::new(0.0, 0.0);
+    for value in shape.iter() {
+        // Entries that tie to round-off keep the first, so that mirrored modes turn out alike.
+        if value.norm() > largest.norm() * (1.0 + 1e-9) {
+            largest = *value;
+        }
+    }
+    let turn = largest.conj() / largest.norm();
+    shape.map(|value| value * turn)
+}
+
+/// φᴴMφ over the coordinates that `keep` keeps.
+pub(super) fn kinetic(model: &Model, mass: &DMatrix<f64>, shape: &DVector<Complex<f64>>, keep: &[bool]) -> f64 {
+    let part = |of: fn(&Complex<f64>) -> f64| {
+        let vector = DVector::from_fn(model.len(), |i, _| if keep[i] { of(&shape[i]) } else { 0.0 });
+        vector.dot(&(mass * &vector))
+    };
+    part(|value| value.re) + part(|value| value.im)
+}

@@ -1,0 +1,9 @@
+//! Modes: undamped, the basis of everything linear, and damped at speed, with the names of their whirl.
+
+mod complex;
+mod real;
+mod whirl;
+
+pub use complex::{Mode, modes};
+pub use real::{Basis, RealModes};
+pub use whirl::Whirl;

@@ -1,0 +1,160 @@
+//! Undamped modes of (M, K) at rest, with the mean mesh: φᵀMφ = 1, ascending.
+//!
+//! Motions without stiffness are found first and exactly. A shaft resists no rigid motion, so the null space of K is
+//! that of bearings and meshes alone over the rigid motions of the shafts: four of bending and one of twist each, a
+//! small eigenproblem. A train on bearings has one, its rolling.
+
+use std::sync::OnceLock;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::model::{Kind, Model};
+use crate::scene::Node;
+
+/// Rigid motions resisted by less than this part of the stiffest are not resisted: round-off leaves 1e-15.
+const NULL: f64 = 1e-13;
+
+/// Undamped modes.
+#[derive(Clone, Debug)]
+pub struct RealModes {
+    /// ω, rad/s: zeros of the null motions first, then ascending.
+    pub frequencies: DVector<f64>,
+    /// Vectors in the inside order, one a column.
+    pub vectors: DMatrix<f64>,
+    /// How many null motions lead.
+    pub null: usize,
+}
+
+impl RealModes {
+    fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
+        let supports = model.support_stiffness_matrix();
+        // A cross-coupled bearing is not symmetric; its skew part belongs to the damped problem.
+        let connections = (&supports + supports.transpose()) / 2.0 + model.mesh_stiffness_matrix(speed);
+        let mass = model.mass_matrix();
+        let null = null_motions(model, &connections, &mass)?;
+        let stiffness = model.shaft_stiffness_matrix() + connections;
+        let pencil = symmetric_pencil(&stiffness, &mass, &null)?;
+        let known = null.ncols();
+        // A negative ω² is round-off: every part of K is positive semi-definite.
+        let frequency = |i: usize, square: f64| if i < known { 0.0 } else { square.max(0.0).sqrt() };
+        let frequencies = DVector::from_fn(model.len(), |i, _| frequency(i, pencil.values[i]));
+        Ok(Self { frequencies, vectors: pencil.vectors, null: known })
+    }
+
+    /// ω_max, rad/s.
+    pub fn highest(&self) -> f64 {
+        self.frequencies.max()
+    }
+
+    /// MΦ·diag(2ζω)·ΦᵀM.
+    fn damping_matrix(&self, model: &Model, ratio: f64) -> DMatrix<f64> {
+        let weighted = model.mass_matrix() * &self.vectors;
+        let mut scaled = weighted.clone();
+        for (mut column, frequency) in scaled.column_iter_mut().zip(&self.frequencies) {
+            column *= 2.0 * ratio * frequency;
+        }
+        scaled * weighted.transpose()
+    }
+}
+
+/// A model with its undamped modes, made when first asked for.
+#[derive(Debug)]
+pub struct Basis {
+    /// The model.
+    pub model: Model,
+    modes: [OnceLock<Result<RealModes, DecompositionError>>; 2],
+}
+
+impl Basis {
+    /// The basis of a model.
+    pub fn new(model: Model) -> Self {
+        Self { model, modes: [const { OnceLock::new() }; 2] }
+    }
+
+    /// Undamped modes, with the flanks that carry at `speed`.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition fails.
+    pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
+        let cell = &self.modes[usize::from(speed < 0.0)];
+        cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+    }
+
+    /// Damping C of shafts, bearings and meshes, with the modal damping.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes that modal damping needs cannot be found.
+    pub fn damping_matrix(&self, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
+        let mut matrix = self.model.damping_matrix(speed);
+        if let Some(modal) = self.modal_damping_matrix(speed)? {
+            matrix += modal;
+        }
+        Ok(matrix)
+    }
+
+    /// The modal damping alone, where the scene has any.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes cannot be found.
+    pub fn modal_damping_matrix(&self, speed: f64) -> Result<Option<DMatrix<f64>>, DecompositionError> {
+        let ratio = self.model.scene.modal_damping;
+        if ratio == 0.0 {
+            return Ok(None);
+        }
+        Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model, ratio)))
+    }
+}
+
+/// Orthonormal motions (in M) that neither the shafts nor the `connections` resist, one a column.
+fn null_motions(
+    model: &Model,
+    connections: &DMatrix<f64>,
+    mass: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, DecompositionError> {
+    let rigid = rigid_motions(model);
+    let over = |matrix: &DMatrix<f64>| rigid.transpose() * matrix * &rigid;
+    let reduced = over(connections);
+    let pencil = symmetric_pencil(&reduced, &over(mass), &DMatrix::zeros(reduced.nrows(), 0))?;
+    let stiffest = pencil.values.amax();
+    let free: Vec<usize> = (0..pencil.values.len()).filter(|i| pencil.values[*i] <= NULL * stiffest).collect();
+    Ok(rigid * pencil.vectors.select_columns(&free))
+}
+
+/// The rigid motions of every shaft on its own, one a column.
+fn rigid_motions(model: &Model) -> DMatrix<f64> {
+    let mut columns = Vec::new();
+    for (shaft, given) in model.scene.shafts.iter().enumerate() {
+        let middle = given.length() / 2.0;
+        let mut push = |entry: &dyn Fn(usize, f64, &mut DVector<f64>)| {
+            let mut column = DVector::zeros(model.len());
+            for (node, x) in given.nodes.iter().enumerate() {
+                entry(node, x - middle, &mut column);
+            }
+            columns.push(column);
+        };
+        if model.numbering.lateral(shaft).is_some() {
+            for lane in 0..2 {
+                let index = |node| model.numbering.translation(Node { shaft, node }).unwrap_or_default() + lane;
+                push(&|node, _, column| column[index(node)] = 1.0);
+                push(&|node, x, column| {
+                    column[index(node)] = x;
+                    column[index(node) + 2] = 1.0;
+                });
+            }
+        }
+        if let Some(start) = model.numbering.torsion(shaft) {
+            push(&|node, _, column| column[start + node] = 1.0);
+        }
+    }
+    DMatrix::from_columns(&columns)
+}
+
+/// How many of the coordinates of a model bend.
+pub(super) fn lateral_mask(model: &Model) -> Vec<bool> {
+    let mut mask = vec![false; model.len()];
+    for dof in model.numbering.dofs() {
+        mask[dof.index] = matches!(dof.kind, Kind::V | Kind::W | Kind::B | Kind::Gamma);
+    }
+    mask
+}

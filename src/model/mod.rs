@@ -1,0 +1,162 @@
+//! The assembled scene: numbering, matrices of every shaft, meshes, and what excites them.
+//!
+//! ```text
+//! M q̈ + (C + ΩG) q̇ + K q + Σ_mesh F ∂δ/∂q = Σ_s K_s q_b,s(t) + f_unbalance(t) + f_torque + f_gravity
+//! ```
+//!
+//! A shaft couples neighbouring nodes alone, a bearing one node, a mesh six coordinates by one scalar force. Nothing
+//! here is ever stored as a dense matrix except on demand (`dense`), for eigenvalues and factorisations.
+
+mod bow;
+mod dense;
+mod numbering;
+mod shaft;
+
+use nalgebra::DVector;
+
+pub use numbering::{Dof, Kind, Numbering};
+pub use shaft::{Excitation, ShaftModel};
+
+use crate::linalg::NotPositiveDefinite;
+use crate::mesh::{Coordinates, Coupling};
+use crate::scene::{Node, Scene, SceneError};
+
+/// A bearing on its coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
+    /// Index of v; w follows.
+    pub index: usize,
+    /// Stiffness over (v, w), N/m.
+    pub stiffness: [[f64; 2]; 2],
+    /// Damping over (v, w), N s/m.
+    pub damping: [[f64; 2]; 2],
+}
+
+/// An assembled scene.
+#[derive(Debug)]
+pub struct Model {
+    /// The scene it was made from.
+    pub scene: Scene,
+    /// Which coordinate stands where.
+    pub numbering: Numbering,
+    /// Every shaft with the bodies on it.
+    pub shafts: Vec<ShaftModel>,
+    /// Bearings; empty in a scene without bending.
+    pub supports: Vec<Support>,
+    /// Meshes.
+    pub meshes: Vec<Coupling>,
+    /// Torque and gravity: the constant load.
+    pub constant_load: DVector<f64>,
+}
+
+impl Model {
+    /// Assembles a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] if a node has no inertia, or a bow asks for a sag that the bearings do not define.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let numbering = Numbering::new(&scene);
+        let shafts = (0..scene.shafts.len())
+            .map(|index| ShaftModel::new(&scene, &numbering, index))
+            .collect::<Result<Vec<_>, _>>()?;
+        let supports = scene
+            .bearings
+            .iter()
+            .filter_map(|bearing| {
+                let index = numbering.translation(bearing.node)?;
+                Some(Support { index, stiffness: bearing.stiffness, damping: bearing.damping })
+            })
+            .collect();
+        let meshes = scene
+            .meshes
+            .iter()
+            .map(|mesh| {
+                let nodes = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node);
+                let [a, b] = nodes.map(|node| numbering.translation(node));
+                let translation = a.zip(b).map(|(a, b)| [a, b]);
+                // A scene with a mesh has twist: `Scene::required_motion` has seen to that.
+                let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
+                Coupling::new(mesh, &scene.gears, Coordinates { translation, twist })
+            })
+            .collect();
+        let mut model = Self {
+            constant_load: DVector::zeros(numbering.len()),
+            scene,
+            numbering,
+            shafts,
+            supports,
+            meshes,
+        };
+        model.constant_load = model.assemble_constant_load();
+        Ok(model)
+    }
+
+    /// Number of degrees of freedom n.
+    pub fn len(&self) -> usize {
+        self.numbering.len()
+    }
+
+    /// Whether there is nothing to move.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Force of the shaft on the bearings of a node over (y, z), N.
+    pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let mut force = [0.0; 2];
+        let index = self.numbering.translation(node);
+        for support in self.supports.iter().filter(|support| Some(support.index) == index) {
+            let (i, k, c) = (support.index, &support.stiffness, &support.damping);
+            for (row, force) in force.iter_mut().enumerate() {
+                *force += k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+            }
+        }
+        force
+    }
+
+    /// Names of the driving and the driven gear of a mesh.
+    pub fn gear_names(&self, mesh: usize) -> [&str; 2] {
+        let pair = &self.scene.meshes[mesh];
+        [pair.driver, pair.driven].map(|gear| self.scene.gears[gear].body.name.as_str())
+    }
+
+    /// σ of every mesh: the sign of its driver's spin, at rest that of its speed ratio.
+    pub fn sigma(&self, mesh: usize, speed: f64) -> f64 {
+        let ratio = self.scene.speed_ratios[self.meshes[mesh].driver_shaft];
+        ratio.signum() * if speed < 0.0 { -1.0 } else { 1.0 }
+    }
+
+    fn assemble_constant_load(&self) -> DVector<f64> {
+        let mut load = DVector::zeros(self.len());
+        for torque in &self.scene.torques {
+            if let Some(index) = self.numbering.twist(torque.node) {
+                load[index] += torque.value;
+            }
+        }
+        if self.scene.gravity != [0.0; 2] {
+            let mut acceleration = DVector::zeros(self.len());
+            for dof in self.numbering.dofs() {
+                match dof.kind {
+                    Kind::V => acceleration[dof.index] = self.scene.gravity[0],
+                    Kind::W => acceleration[dof.index] = self.scene.gravity[1],
+                    _ => {}
+                }
+            }
+            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
+        }
+        load
+    }
+
+    /// `out += M x`.
+    pub fn multiply_mass(&self, x: &[f64], out: &mut [f64]) {
+        for shaft in &self.shafts {
+            shaft.multiply_mass(x, out);
+        }
+    }
+}
+
+/// The scene error of a shaft whose mass matrix cannot be factored.
+fn massless(scene: &Scene, shaft: usize, failure: NotPositiveDefinite) -> SceneError {
+    let x = scene.shafts[shaft].nodes[failure.node];
+    SceneError::new(format!("shafts[{shaft}]"), format!("the node at {x} m has no inertia, or one lost to round-off"))
+}

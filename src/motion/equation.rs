@@ -1,0 +1,209 @@
+//! M q̈ = f(t) − K q − (C + ΩG) q̇ − Σ_mesh F ∂δ/∂q, node by node.
+//!
+//! The two bending planes of a shaft are the lanes of one complex chain, its twist is a chain of its own; every chain
+//! is multiplied and solved in time proportional to its nodes. What a scene leaves out (spin, damping, bow) is skipped.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::phase;
+use crate::integrate::{Halt, System};
+use crate::mesh::Geometry;
+use crate::modal::Basis;
+use crate::model::{Model, ShaftModel};
+
+/// A force on a coordinate pair that turns with its shaft.
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    index: usize,
+    amplitude: Complex64,
+}
+
+/// What turns with one shaft.
+#[derive(Clone, Debug)]
+struct Excited {
+    spin: f64,
+    at_origin: Complex64,
+    forces: Vec<Turning>,
+}
+
+/// The equation of motion of a model at one speed.
+#[derive(Clone, Debug)]
+pub struct Motion<'m> {
+    pub(super) model: &'m Model,
+    pub(super) geometry: Geometry,
+    pub(super) sigma: Vec<f64>,
+    /// Signed spin of each shaft, rad/s.
+    pub(super) spins: Vec<f64>,
+    /// e^{iϑ} of each shaft at the origin of the elapsed time.
+    pub(super) at_origin: Vec<Complex64>,
+    excited: Vec<Excited>,
+    modal_damping: Option<DMatrix<f64>>,
+    equilibrium: DVector<f64>,
+    /// Room for one vector of displacements.
+    pub(super) scratch: Vec<f64>,
+}
+
+impl<'m> Motion<'m> {
+    /// The motion at `speed` of the reference shaft, from the time `origin`; tolerances are relative to the deviation
+    /// from `equilibrium`.
+    pub fn new(
+        basis: &'m Basis,
+        geometry: Geometry,
+        speed: f64,
+        origin: f64,
+        equilibrium: DVector<f64>,
+    ) -> Result<Self, crate::linalg::DecompositionError> {
+        let model = &basis.model;
+        let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
+        let at_origin: Vec<_> = spins.iter().map(|spin| phase(*spin, origin)).collect();
+        let excited = |((shaft, spin), at_origin): ((&ShaftModel, &f64), &Complex64)| Excited {
+            spin: *spin,
+            at_origin: *at_origin,
+            forces: shaft
+                .excitations
+                .iter()
+                .map(|excitation| Turning { index: excitation.index, amplitude: excitation.amplitude(*spin) })
+                .collect(),
+        };
+        let excited: Vec<_> = model
+            .shafts
+            .iter()
+            .zip(&spins)
+            .zip(&at_origin)
+            .map(excited)
+            .filter(|excited| !excited.forces.is_empty())
+            .collect();
+        let modal_damping = basis.modal_damping_matrix(speed)?;
+        Ok(Self {
+            model,
+            geometry,
+            sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
+            spins,
+            at_origin,
+            excited,
+            modal_damping,
+            equilibrium,
+            scratch: vec![0.0; model.len()],
+        })
+    }
+
+    /// e^{iϑ} of a shaft.
+    pub fn turn(&self, shaft: usize, elapsed: f64) -> Complex64 {
+        self.at_origin[shaft] * Complex64::from_polar(1.0, self.spins[shaft] * elapsed)
+    }
+
+    /// The external forces and the mesh forces, into `force`.
+    #[inline(always)]
+    fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
+        force.copy_from_slice(self.model.constant_load.as_slice());
+        for excited in &self.excited {
+            let turn = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
+            for Turning { index, amplitude } in &excited.forces {
+                force[*index] += amplitude.re * turn.re - amplitude.im * turn.im;
+                force[*index + 1] += amplitude.re * turn.im + amplitude.im * turn.re;
+            }
+        }
+        for support in &self.model.supports {
+            let (i, k, c) = (support.index, &support.stiffness, &support.damping);
+            for row in 0..2 {
+                force[i + row] -=
+                    k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+            }
+        }
+        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+            let contact = mesh
+                .contact(self.geometry, *sigma, q, v)
+                .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
+            mesh.apply(*sigma, contact.force, contact.normal, force);
+        }
+        if let Some(damping) = &self.modal_damping {
+            for (column, rate) in damping.column_iter().zip(v) {
+                for (force, entry) in force.iter_mut().zip(column.iter()) {
+                    *force -= entry * rate;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `force −= K q + (C − iΩG) v`, then `force ← M⁻¹ force`, for one shaft.
+#[inline(always)]
+fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [f64]) {
+    if let Some(chain) = &shaft.bending {
+        let range = chain.start..chain.start + 4 * chain.nodes;
+        let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
+        for node in 0..chain.nodes {
+            let elastic = chain.stiffness.row::<2>(node, q);
+            let mut sum = [[0.0; 2]; 2];
+            for i in 0..2 {
+                for lane in 0..2 {
+                    sum[i][lane] = force[4 * node + 2 * i + lane] - elastic[i][lane];
+                }
+            }
+            if spin != 0.0 {
+                let [[u_re, u_im], [phi_re, phi_im]] = shaft.gyroscopic.row::<2>(node, v);
+                sum[0][0] -= spin * u_im;
+                sum[0][1] += spin * u_re;
+                sum[1][0] -= spin * phi_im;
+                sum[1][1] += spin * phi_re;
+            }
+            if let Some(damping) = &chain.damping {
+                let damped = damping.row::<2>(node, v);
+                for i in 0..2 {
+                    for lane in 0..2 {
+                        sum[i][lane] -= damped[i][lane];
+                    }
+                }
+            }
+            for (force, sum) in force[4 * node..4 * node + 4].iter_mut().zip(sum.iter().flatten()) {
+                *force = *sum;
+            }
+        }
+        chain.mass_factor.solve::<2>(force);
+    }
+    if let Some(chain) = &shaft.twist {
+        let range = chain.start..chain.start + chain.nodes;
+        let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
+        chain.stiffness.multiply_add::<1>(-1.0, q, force);
+        if let Some(damping) = &chain.damping {
+            damping.multiply_add::<1>(-1.0, v, force);
+        }
+        chain.mass_factor.solve::<1>(force);
+    }
+}
+
+impl System for Motion<'_> {
+    fn len(&self) -> usize {
+        2 * self.model.len()
+    }
+
+    fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        let n = self.model.len();
+        let (q, v) = y.split_at(n);
+        let (rate, acceleration) = derivative.split_at_mut(n);
+        rate.copy_from_slice(v);
+        self.loads(elapsed, q, v, acceleration)?;
+        for (shaft, spin) in self.model.shafts.iter().zip(&self.spins) {
+            accelerate(shaft, *spin, q, v, acceleration);
+        }
+        Ok(())
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        let (q, v) = difference.split_at(self.model.len());
+        (self.elastic_form(q) + self.kinetic_form(v)).max(0.0).sqrt()
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        let (q, v) = y.split_at(self.model.len());
+        let mut deviation = std::mem::take(&mut self.scratch);
+        for ((deviation, q), equilibrium) in deviation.iter_mut().zip(q).zip(&self.equilibrium) {
+            *deviation = q - equilibrium;
+        }
+        let square = self.elastic_form(&deviation) + self.kinetic_form(v);
+        self.scratch = deviation;
+        square.max(0.0).sqrt()
+    }
+}

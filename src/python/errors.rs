@@ -1,0 +1,37 @@
+//! Errors of the core as the exceptions of `gearbow.errors`.
+
+use pyo3::PyErr;
+use pyo3::exceptions::PyKeyboardInterrupt;
+
+use crate::analysis::AnalysisError;
+use crate::linalg::DecompositionError;
+
+pyo3::import_exception!(gearbow.errors, SceneError);
+pyo3::import_exception!(gearbow.errors, StabilityError);
+pyo3::import_exception!(gearbow.errors, ContactError);
+pyo3::import_exception!(gearbow.errors, ConvergenceError);
+
+impl From<crate::scene::SceneError> for PyErr {
+    fn from(error: crate::scene::SceneError) -> Self {
+        SceneError::new_err(error.to_string())
+    }
+}
+
+impl From<DecompositionError> for PyErr {
+    fn from(error: DecompositionError) -> Self {
+        ConvergenceError::new_err(error.to_string())
+    }
+}
+
+impl From<AnalysisError> for PyErr {
+    fn from(error: AnalysisError) -> Self {
+        let text = error.to_string();
+        match error {
+            AnalysisError::Scene(error) => error.into(),
+            AnalysisError::Stability(_) => StabilityError::new_err(text),
+            AnalysisError::Contact(_) => ContactError::new_err(text),
+            AnalysisError::Convergence(_) => ConvergenceError::new_err(text),
+            AnalysisError::Interrupted(_) => PyKeyboardInterrupt::new_err(text),
+        }
+    }
+}

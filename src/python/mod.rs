@@ -1,0 +1,20 @@
+//! `gearbow._core`: the core as Python sees it. The only place that knows of pyo3.
+
+mod convert;
+mod errors;
+mod model;
+mod simulate;
+
+use pyo3::pymodule;
+
+/// The compiled core of gearbow.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::model::PyModel;
+
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        pyo3::types::PyModuleMethods::add(module, "__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,244 @@
+//! `_core.Model`: a checked and assembled system.
+
+use nalgebra::Complex;
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::{Depythonizer, pythonize};
+
+use super::convert::{outside_matrix, outside_vector, stack, table};
+use super::simulate;
+use crate::analysis::{self, AnalysisError};
+use crate::mesh::Geometry;
+use crate::modal::{self, Basis};
+use crate::model::Model;
+use crate::scene::{Node, Path, Scene, SceneError, System};
+
+/// A checked and assembled system.
+#[pyclass(name = "Model", module = "gearbow._core", frozen)]
+pub struct PyModel {
+    system: System,
+    pub(super) basis: Basis,
+}
+
+/// A gear or disk, or a shaft and a position on it.
+#[derive(FromPyObject)]
+enum At {
+    Body(String),
+    Position(String, f64),
+}
+
+impl PyModel {
+    fn build(system: System) -> Result<Self, SceneError> {
+        let model = Model::new(Scene::new(&system)?)?;
+        Ok(Self { system, basis: Basis::new(model) })
+    }
+
+    fn model(&self) -> &Model {
+        &self.basis.model
+    }
+
+    pub(super) fn place(&self, node: Node) -> (&str, f64) {
+        let shaft = &self.model().scene.shafts[node.shaft];
+        (&shaft.name, shaft.nodes[node.node])
+    }
+}
+
+/// The geometry of this name.
+pub(super) fn geometry(name: &str) -> Result<Geometry, SceneError> {
+    match name {
+        "live" => Ok(Geometry::Live),
+        "frozen" => Ok(Geometry::Frozen),
+        _ => Err(SceneError::new("geometry", format!("must be \"live\" or \"frozen\", got \"{name}\""))),
+    }
+}
+
+#[pymethods]
+impl PyModel {
+    #[new]
+    fn new(description: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let system = System::deserialize(&mut Depythonizer::from_object(description))?;
+        Ok(Self::build(system)?)
+    }
+
+    #[staticmethod]
+    fn from_toml(text: &str) -> PyResult<Self> {
+        Ok(Self::build(System::from_toml(text)?)?)
+    }
+
+    fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(pythonize(py, &self.system)?)
+    }
+
+    fn to_toml(&self) -> PyResult<String> {
+        Ok(self.system.to_toml()?)
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.model().scene.warnings.clone()
+    }
+
+    #[getter]
+    fn dofs(&self) -> Vec<(String, f64, &'static str)> {
+        let dofs = self.model().numbering.dofs().iter();
+        dofs.map(|dof| {
+            let (shaft, position) = self.place(dof.node);
+            (shaft.to_owned(), position, dof.kind.name())
+        })
+        .collect()
+    }
+
+    #[getter]
+    fn shafts(&self) -> Vec<String> {
+        self.model().scene.shafts.iter().map(|shaft| shaft.name.clone()).collect()
+    }
+
+    #[getter]
+    fn speed_ratios<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.model().scene.speed_ratios)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn indices(&self, at: At) -> PyResult<(Option<usize>, Option<usize>, Option<usize>)> {
+        let model = self.model();
+        let place = Path::root("at");
+        let node = match &at {
+            At::Body(name) => model.scene.body(name).map(|body| body.node).ok_or_else(|| {
+                place.error(format!("no gear or disk is called \"{name}\""))
+            })?,
+            At::Position(shaft, position) => {
+                let index = model.scene.shaft(shaft);
+                let index = index.ok_or_else(|| place.error(format!("no shaft is called \"{shaft}\"")))?;
+                let node = model.scene.shafts[index].node_at(*position);
+                let none = || place.error(format!("shaft \"{shaft}\" has no node at {position} m"));
+                Node { shaft: index, node: node.ok_or_else(none)? }
+            }
+        };
+        let (translation, twist) = (model.numbering.translation(node), model.numbering.twist(node));
+        let outside = |index: usize| model.numbering.dofs().iter().position(|dof| dof.index == index);
+        Ok((
+            translation.and_then(outside),
+            translation.and_then(|v| outside(v + 1)),
+            twist.and_then(outside),
+        ))
+    }
+
+    fn matrices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let model = self.model();
+        let matrices = [
+            ("mass", model.mass_matrix()),
+            ("stiffness", model.stiffness_matrix(0.0)),
+            ("damping", self.basis.damping_matrix(0.0)?),
+            ("gyroscopic", model.gyroscopic_matrix()),
+        ];
+        let dict = PyDict::new(py);
+        for (name, matrix) in matrices {
+            dict.set_item(name, outside_matrix(py, &model.numbering, &matrix))?;
+        }
+        Ok(dict)
+    }
+
+    #[pyo3(signature = (speed, count=None))]
+    fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
+        Path::root("speed").finite(speed)?;
+        let mut modes = py.detach(|| modal::modes(&self.basis, speed))?;
+        modes.truncate(count.unwrap_or(usize::MAX));
+        let numbering = &self.model().numbering;
+        let shapes: Vec<Complex<f64>> =
+            modes.iter().flat_map(|mode| numbering.outside(mode.shape.as_slice())).collect();
+        let list = |of: fn(&modal::Mode) -> f64| modes.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
+        let eigenvalues: Vec<_> = modes.iter().map(|mode| mode.eigenvalue).collect();
+        let whirl: Vec<_> = modes.iter().map(|mode| mode.whirl.to_string()).collect();
+        let dict = PyDict::new(py);
+        dict.set_item("eigenvalues", eigenvalues.into_pyarray(py))?;
+        dict.set_item("frequencies_hz", list(modal::Mode::frequency_hz))?;
+        dict.set_item("damping_ratios", list(modal::Mode::damping_ratio))?;
+        dict.set_item("whirl", whirl)?;
+        dict.set_item("shapes", table(py, shapes, modes.len(), numbering.len())?)?;
+        Ok(dict)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn synchronous<'py>(
+        &self,
+        py: Python<'py>,
+        speeds: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+        let speeds = speeds.as_array().to_vec();
+        for (index, speed) in speeds.iter().enumerate() {
+            Path::entry("speeds", index).finite(*speed)?;
+        }
+        let amplitudes = py.detach(|| analysis::synchronous(&self.basis, &speeds))?;
+        let model = self.model();
+        let values: Vec<Complex<f64>> = amplitudes
+            .iter()
+            .flat_map(|sources| sources.column_iter())
+            .flat_map(|column| model.numbering.outside(column.into_owned().as_slice()))
+            .collect();
+        stack(py, values, speeds.len(), model.shafts.len(), model.len())
+    }
+
+    #[pyo3(signature = (geometry="live"))]
+    fn r#static<'py>(&self, py: Python<'py>, geometry: &str) -> PyResult<Bound<'py, PyDict>> {
+        let geometry = self::geometry(geometry)?;
+        let model = self.model();
+        let found = py.detach(|| analysis::equilibrium(&self.basis, geometry, 0.0))?;
+        let q = found.displacement.as_slice();
+        let rest = vec![0.0; model.len()];
+        let mut fields: [Vec<f64>; 8] = Default::default();
+        for (index, mesh) in model.meshes.iter().enumerate() {
+            let state = mesh.state(geometry, model.sigma(index, 0.0), 0.0, q, &rest).map_err(|overlap| {
+                let [driver, driven] = model.gear_names(index);
+                AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
+            })?;
+            for (series, value) in fields.iter_mut().zip(analysis::simulate::fields(&state)) {
+                series.push(value);
+            }
+        }
+        let bearings = simulate::bearing_nodes(model);
+        let forces: Vec<f64> = bearings.iter().flat_map(|node| model.bearing_force(*node, q, &rest)).collect();
+        let dict = PyDict::new(py);
+        dict.set_item("state", outside_vector(py, &model.numbering, &found.displacement))?;
+        dict.set_item("meshes", simulate::mesh_names(model, 0..model.meshes.len()))?;
+        dict.set_item("mesh", simulate::mesh_fields(py, fields, 1, model.meshes.len(), true)?)?;
+        dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;
+        dict.set_item("bearing_force", table(py, forces, bearings.len(), 2)?)?;
+        Ok(dict)
+    }
+
+    fn default_output_step(&self, duration: f64, speed: f64) -> f64 {
+        simulate::default_output_step(self.model(), duration, speed)
+    }
+
+    #[pyo3(signature = (duration, speed, *, method, step, rtol, initial, times, record, geometry, start, progress))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        duration: f64,
+        speed: f64,
+        method: &str,
+        step: Option<f64>,
+        rtol: f64,
+        initial: &Bound<'py, PyAny>,
+        times: PyReadonlyArray1<'py, f64>,
+        record: Vec<simulate::Recorded>,
+        geometry: &str,
+        start: f64,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = analysis::simulate::Options {
+            duration,
+            speed,
+            method: analysis::simulate::Method::named(method)?,
+            step,
+            rtol,
+            initial: simulate::initial(initial)?,
+            times: times.as_array().to_vec(),
+            geometry: self::geometry(geometry)?,
+            start,
+        };
+        simulate::simulate(self, py, &options, record, progress)
+    }
+}

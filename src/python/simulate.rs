@@ -1,0 +1,220 @@
+//! `_core.Model.simulate`: a run with the interpreter released, what it recorded, and the state it left.
+
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::convert::{stack, table};
+use super::model::{self, PyModel};
+use crate::analysis::AnalysisError;
+use crate::analysis::simulate::{self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response};
+use crate::integrate::State;
+use crate::mesh::Geometry;
+use crate::model::Model;
+use crate::scene::{Node, SceneError};
+
+/// One entry of `record`.
+#[derive(FromPyObject)]
+pub enum Recorded {
+    Name(String),
+    Node(String, f64),
+    Mesh(String, String),
+    Bearing(String, String, f64),
+}
+
+impl Recorded {
+    fn request(self, index: usize) -> Result<Request, SceneError> {
+        Ok(match self {
+            Self::Name(name) => Request::Name(name),
+            Self::Node(shaft, position) => Request::Node(shaft, position),
+            Self::Mesh(first, second) => Request::Mesh(first, second),
+            Self::Bearing(kind, shaft, position) if kind == "bearing" => Request::Bearing(shaft, position),
+            Self::Bearing(kind, ..) => {
+                let message = format!("must be (\"bearing\", shaft, position), got \"{kind}\"");
+                return Err(SceneError::new(format!("record[{index}]"), message));
+            }
+        })
+    }
+}
+
+/// Runs, asking Python every 50 ms whether to go on.
+pub fn simulate<'py>(
+    owner: &PyModel,
+    py: Python<'py>,
+    options: &Options,
+    record: Vec<Recorded>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
+    let plan = Plan::new(&owner.basis.model, &requests.collect::<Result<Vec<_>, _>>()?)?;
+    let mut raised: Option<PyErr> = None;
+    let mut watch = |done: f64| {
+        let asked = Python::attach(|py| {
+            py.check_signals()?;
+            progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (done,)).map(|_| ()))
+        });
+        raised = asked.err();
+        raised.is_none()
+    };
+    let outcome = py.detach(|| simulate::simulate(&owner.basis, options, &plan, &mut watch));
+    match outcome {
+        Ok(response) => {
+            if let Some(progress) = &progress {
+                progress.call1(py, (1.0,))?;
+            }
+            response_dict(owner, py, &plan, response)
+        }
+        Err(stopped) => {
+            let error = match (stopped.error, raised) {
+                (AnalysisError::Interrupted(_), Some(raised)) => raised,
+                (error, _) => error.into(),
+            };
+            if let Some(response) = stopped.response {
+                error.value(py).setattr("partial", response_dict(owner, py, &plan, *response)?)?;
+            }
+            Err(error)
+        }
+    }
+}
+
+fn response_dict<'py>(
+    owner: &PyModel,
+    py: Python<'py>,
+    plan: &Plan,
+    response: Response,
+) -> PyResult<Bound<'py, PyDict>> {
+    let model = &owner.basis.model;
+    let record = response.record;
+    let (times, points, bearings) = (record.time.len(), plan.points.len(), plan.bearings.len());
+    let dict = PyDict::new(py);
+    dict.set_item("time", record.time.into_pyarray(py))?;
+    let place = |point: &simulate::Point| {
+        let (shaft, position) = owner.place(point.node);
+        (shaft.to_owned(), position, point.names.clone())
+    };
+    dict.set_item("points", plan.points.iter().map(place).collect::<Vec<_>>())?;
+    dict.set_item("displacement", stack(py, record.displacement, times, points, 2)?)?;
+    dict.set_item("twist", table(py, record.twist, times, points)?)?;
+    dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
+    dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
+    dict.set_item("meshes", mesh_names(model, plan.meshes.iter().copied()))?;
+    dict.set_item("mesh", mesh_fields(py, record.mesh, times, plan.meshes.len(), false)?)?;
+    dict.set_item("energy", plan.energy.then(|| record.energy.into_pyarray(py)))?;
+    dict.set_item("final", final_dict(py, &response.last)?)?;
+
+    let count = response.statistics;
+    let statistics = PyDict::new(py);
+    statistics.set_item("steps", count.steps)?;
+    statistics.set_item("rejected", count.rejected)?;
+    statistics.set_item("evaluations", count.evaluations)?;
+    statistics.set_item("events", 0)?;
+    statistics.set_item("step_min", if count.steps > 0 { count.shortest } else { 0.0 })?;
+    statistics.set_item("step_max", count.longest)?;
+    statistics.set_item("omega_max", response.spectrum.omega_max)?;
+    statistics.set_item("limited_by", response.limited_by.name())?;
+    dict.set_item("statistics", statistics)?;
+    Ok(dict)
+}
+
+fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("method", last.method.name())?;
+    dict.set_item("time", last.time)?;
+    dict.set_item("origin", last.origin)?;
+    dict.set_item("speed", last.speed)?;
+    dict.set_item("geometry", if last.geometry == Geometry::Live { "live" } else { "frozen" })?;
+    dict.set_item("setting", last.setting)?;
+    dict.set_item("count", last.state.count)?;
+    dict.set_item("elapsed", last.state.elapsed)?;
+    dict.set_item("carry", last.state.carry)?;
+    dict.set_item("next_step", last.state.next_step)?;
+    dict.set_item("previous_error", last.state.previous_error)?;
+    dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
+    Ok(dict)
+}
+
+/// The beginning of a run: a name, or the `final` of another run.
+pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
+    if let Ok(name) = given.extract::<String>() {
+        return match name.as_str() {
+            "synchronous" => Ok(Initial::Synchronous),
+            "static" => Ok(Initial::Static),
+            "rest" => Ok(Initial::Rest),
+            _ => {
+                let message = format!("must be \"synchronous\", \"static\", \"rest\" or a response, got \"{name}\"");
+                Err(SceneError::new("initial", message).into())
+            }
+        };
+    }
+    let item = |key: &str| given.get_item(key);
+    let number = |key: &str| item(key)?.extract::<f64>();
+    let state = item("state")?;
+    let y = state.cast::<PyArray1<f64>>()?.to_vec()?;
+    if let Some(index) = y.iter().position(|value| !value.is_finite()) {
+        return Err(SceneError::new(format!("initial.state[{index}]"), "must be finite").into());
+    }
+    Ok(Initial::Continue(Final {
+        method: Method::named(&item("method")?.extract::<String>()?)?,
+        time: number("time")?,
+        origin: number("origin")?,
+        speed: number("speed")?,
+        geometry: model::geometry(&item("geometry")?.extract::<String>()?)?,
+        setting: number("setting")?,
+        state: State {
+            count: item("count")?.extract()?,
+            elapsed: number("elapsed")?,
+            carry: number("carry")?,
+            next_step: number("next_step")?,
+            previous_error: number("previous_error")?,
+            y,
+        },
+    }))
+}
+
+/// Names of the gears of meshes.
+pub fn mesh_names(model: &Model, meshes: impl Iterator<Item = usize>) -> Vec<(&str, &str)> {
+    meshes.map(|mesh| model.gear_names(mesh).into()).collect()
+}
+
+/// The fields of meshes by name, (times, meshes) each; `flat` drops the times.
+pub fn mesh_fields<'py>(
+    py: Python<'py>,
+    fields: [Vec<f64>; 8],
+    times: usize,
+    meshes: usize,
+    flat: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, values) in MESH_FIELDS.iter().zip(fields) {
+        if flat {
+            dict.set_item(name, values.into_pyarray(py))?;
+        } else {
+            dict.set_item(name, table(py, values, times, meshes)?)?;
+        }
+    }
+    Ok(dict)
+}
+
+/// Nodes that carry bearings, each once.
+pub fn bearing_nodes(model: &Model) -> Vec<Node> {
+    let mut nodes: Vec<Node> = Vec::new();
+    for bearing in &model.scene.bearings {
+        if !nodes.contains(&bearing.node) {
+            nodes.push(bearing.node);
+        }
+    }
+    nodes
+}
+
+/// A twentieth of the shortest period among shafts and teeth, and no coarser than a thousandth of the run.
+pub fn default_output_step(model: &Model, duration: f64, speed: f64) -> f64 {
+    let scene = &model.scene;
+    let turns = scene.speed_ratios.iter().map(|ratio| ratio.abs());
+    let teeth = scene.meshes.iter().map(|mesh| {
+        let gear = &scene.gears[mesh.driver];
+        f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs()
+    });
+    let fastest = turns.chain(teeth).fold(0.0, f64::max) * speed.abs();
+    let period = if fastest > 0.0 { 2.0 * std::f64::consts::PI / fastest } else { f64::INFINITY };
+    (period / 20.0).min(duration / 1000.0)
+}

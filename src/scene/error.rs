@@ -1,0 +1,78 @@
+//! What is wrong with a scene, and where.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// A description that cannot be: the path of the entry, and what is wrong with it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{path}: {message}")]
+pub struct SceneError {
+    /// Where it stands, e.g. `shafts[1].bow.amplitude`.
+    pub path: String,
+    /// What is wrong, with the value.
+    pub message: String,
+}
+
+impl SceneError {
+    /// An error at `path`.
+    pub fn new(path: impl fmt::Display, message: impl fmt::Display) -> Self {
+        Self { path: path.to_string(), message: message.to_string() }
+    }
+}
+
+/// The path of an entry, written as a user writes it.
+#[derive(Clone, Debug)]
+pub(crate) struct Path(String);
+
+impl Path {
+    /// An entry of the description itself.
+    pub fn root(field: &str) -> Self {
+        Self(field.to_owned())
+    }
+
+    /// Entry `index` of the list `field`.
+    pub fn entry(field: &str, index: usize) -> Self {
+        Self(format!("{field}[{index}]"))
+    }
+
+    /// `field` of this entry.
+    pub fn field(&self, field: &str) -> Self {
+        Self(format!("{}.{field}", self.0))
+    }
+
+    /// Entry `index` of this list.
+    pub fn index(&self, index: usize) -> Self {
+        Self(format!("{}[{index}]", self.0))
+    }
+
+    /// The error that stands here.
+    pub fn error(&self, message: impl fmt::Display) -> SceneError {
+        SceneError::new(&self.0, message)
+    }
+
+    /// `value`, if it is finite.
+    pub fn finite(&self, value: f64) -> Result<f64, SceneError> {
+        if value.is_finite() { Ok(value) } else { Err(self.error(format!("must be finite, got {value}"))) }
+    }
+
+    /// `value`, if it is finite and above zero.
+    pub fn positive(&self, value: f64) -> Result<f64, SceneError> {
+        if self.finite(value)? > 0.0 { Ok(value) } else { Err(self.error(format!("must be positive, got {value}"))) }
+    }
+
+    /// `value`, if it is finite and not below zero.
+    pub fn non_negative(&self, value: f64) -> Result<f64, SceneError> {
+        if self.finite(value)? >= 0.0 {
+            Ok(value)
+        } else {
+            Err(self.error(format!("must not be negative, got {value}")))
+        }
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}

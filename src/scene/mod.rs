@@ -1,0 +1,272 @@
+//! What a user describes, checked once: from here on every name is an index and every number makes sense.
+//!
+//! `description` → [`Scene::new`] → [`Scene`]. Shaft positions that carry something are nodes, what was left out has
+//! its value, speeds of all shafts follow from the meshes, and torques are in balance where one was asked to balance.
+
+mod bow;
+pub mod description;
+mod error;
+mod gear;
+mod material;
+mod place;
+mod shaft;
+mod train;
+
+use num_complex::Complex64;
+
+pub use bow::Bow;
+pub use description::{Motion, System};
+pub use error::SceneError;
+pub use gear::{Gear, Mesh};
+pub use material::Material;
+pub use shaft::{Element, Shaft};
+
+pub(crate) use error::Path;
+use place::Names;
+
+/// More elements than this are refused: dense modes of them would not fit any machine's memory.
+pub const MAX_ELEMENTS: usize = 10_000;
+
+/// A node of a shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node {
+    /// Index of the shaft.
+    pub shaft: usize,
+    /// Index of the node on it, from x = 0.
+    pub node: usize,
+}
+
+/// A rigid body on a shaft: a disk, or the body of a gear.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Where it sits.
+    pub node: Node,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moment of inertia about a diameter, kg m².
+    pub diametral_inertia: f64,
+    /// Moment of inertia about the axis, kg m².
+    pub polar_inertia: f64,
+    /// Mass times eccentricity, kg m, with its angle in the shaft.
+    pub unbalance: Complex64,
+}
+
+/// A bearing.
+#[derive(Clone, Debug)]
+pub struct Bearing {
+    /// Where it sits.
+    pub node: Node,
+    /// Stiffness over (y, z), N/m.
+    pub stiffness: [[f64; 2]; 2],
+    /// Damping over (y, z), N s/m.
+    pub damping: [[f64; 2]; 2],
+}
+
+/// A torque about +x.
+#[derive(Clone, Debug)]
+pub struct Torque {
+    /// Where it acts.
+    pub node: Node,
+    /// N m.
+    pub value: f64,
+}
+
+/// A checked scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The shafts, with their nodes and elements.
+    pub shafts: Vec<Shaft>,
+    /// Gears, in the order of the description.
+    pub gears: Vec<Gear>,
+    /// Disks, in the order of the description.
+    pub disks: Vec<Body>,
+    /// Meshes, in the order of the description.
+    pub meshes: Vec<Mesh>,
+    /// Bearings, in the order of the description.
+    pub bearings: Vec<Bearing>,
+    /// Torques, balance resolved.
+    pub torques: Vec<Torque>,
+    /// Signed spin of each shaft over the reference shaft's.
+    pub speed_ratios: Vec<f64>,
+    /// Damping ratio of every undamped mode; zero where none was given.
+    pub modal_damping: f64,
+    /// `[α, β]` of the shafts' own Rayleigh damping.
+    pub rayleigh: [f64; 2],
+    /// Gravity along y and z, m/s².
+    pub gravity: [f64; 2],
+    /// Whether nodes have v, w, B, Γ.
+    pub lateral: bool,
+    /// Whether nodes have θ.
+    pub torsion: bool,
+    /// What is possible but looks unintended.
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Checks a description.
+    ///
+    /// # Errors
+    /// [`SceneError`] naming the first entry that cannot be.
+    pub fn new(system: &System) -> Result<Self, SceneError> {
+        if system.shafts.is_empty() {
+            return Err(SceneError::new("shafts", "at least one shaft is needed"));
+        }
+        let names = Names::new(system)?;
+        let stations = names.stations(system)?;
+        let shafts = shaft::build(system, &stations)?;
+        let mut warnings = Vec::new();
+        let gears = gear::gears(system, &names, &shafts)?;
+        let meshes = gear::meshes(system, &gears, &mut warnings)?;
+        let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
+        let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
+        let mut scene = Self {
+            disks: disks(system, &names, &shafts)?,
+            bearings: bearings(system, &names, &shafts)?,
+            modal_damping: modal_damping(system)?,
+            rayleigh: rayleigh(system)?,
+            gravity: gravity(system)?,
+            shafts,
+            gears,
+            meshes,
+            torques,
+            speed_ratios,
+            lateral: true,
+            torsion: true,
+            warnings,
+        };
+        (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
+        Ok(scene)
+    }
+
+    /// All rigid bodies: gears, then disks.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.gears.iter().map(|gear| &gear.body).chain(&self.disks)
+    }
+
+    /// The gear or disk of this name.
+    pub fn body(&self, name: &str) -> Option<&Body> {
+        self.bodies().find(|body| body.name == name)
+    }
+
+    /// The shaft of this name.
+    pub fn shaft(&self, name: &str) -> Option<usize> {
+        self.shafts.iter().position(|shaft| shaft.name == name)
+    }
+
+    /// The mesh of these two gears, in either order.
+    pub fn mesh(&self, first: &str, second: &str) -> Option<usize> {
+        let name = |gear: usize| self.gears[gear].body.name.as_str();
+        self.meshes.iter().position(|mesh| {
+            let pair = (name(mesh.driver), name(mesh.driven));
+            pair == (first, second) || pair == (second, first)
+        })
+    }
+
+    /// The shortest element: its shaft, where it begins, and its length.
+    pub fn shortest_element(&self) -> (&str, f64, f64) {
+        let mut shortest = (self.shafts[0].name.as_str(), 0.0, f64::INFINITY);
+        for shaft in &self.shafts {
+            for (element, x) in shaft.elements.iter().zip(&shaft.nodes) {
+                if element.length < shortest.2 {
+                    shortest = (&shaft.name, *x, element.length);
+                }
+            }
+        }
+        shortest
+    }
+
+    /// Which degrees of freedom the scene requires: bending where something holds, bends or shakes a shaft sideways,
+    /// twist where something turns one, both where nothing says which.
+    fn required_motion(&self, asked: Option<Motion>) -> Result<(bool, bool), SceneError> {
+        let twisted = !self.meshes.is_empty() || !self.torques.is_empty();
+        let bent = self.shafts.iter().any(|shaft| shaft.bow.is_some())
+            || self.bodies().any(|body| body.unbalance.norm() > 0.0)
+            || self.gravity != [0.0; 2];
+        let held = !self.bearings.is_empty();
+        let motion = Path::root("motion");
+        match asked {
+            Some(Motion::Lateral) if twisted => {
+                Err(motion.error("\"lateral\" leaves out the twist that meshes and torques act on"))
+            }
+            Some(Motion::Torsion) if bent => {
+                Err(motion.error("\"torsion\" leaves out the bending that bow, unbalance and gravity act on"))
+            }
+            Some(Motion::Lateral) => Ok((true, false)),
+            Some(Motion::Torsion) => Ok((false, true)),
+            Some(Motion::Coupled) => Ok((true, true)),
+            None if held || bent => Ok((true, twisted)),
+            None => Ok((!twisted, true)),
+        }
+    }
+}
+
+fn disks(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Body>, SceneError> {
+    let body = |(index, disk): (usize, &description::Disk)| {
+        let at = Path::entry("disks", index);
+        Ok(Body {
+            name: disk.name.clone(),
+            node: names.node(shafts, &disk.shaft, disk.position, &at)?,
+            mass: at.field("mass").non_negative(disk.mass)?,
+            diametral_inertia: at.field("diametral_inertia").non_negative(disk.diametral_inertia)?,
+            polar_inertia: at.field("polar_inertia").non_negative(disk.polar_inertia)?,
+            unbalance: unbalance(disk.unbalance, &at)?,
+        })
+    };
+    system.disks.iter().enumerate().map(body).collect()
+}
+
+fn bearings(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bearing>, SceneError> {
+    let bearing = |(index, bearing): (usize, &description::Bearing)| {
+        let at = Path::entry("bearings", index);
+        Ok(Bearing {
+            node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
+            stiffness: coefficient(Some(bearing.stiffness), &at.field("stiffness"))?,
+            damping: coefficient(bearing.damping, &at.field("damping"))?,
+        })
+    };
+    system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// A finite 2×2 coefficient without a negative diagonal, which would push the shaft away from where it runs.
+fn coefficient(given: Option<description::Coefficient>, at: &Path) -> Result<[[f64; 2]; 2], SceneError> {
+    let rows = given.unwrap_or(description::Coefficient::Isotropic(0.0)).rows();
+    for (i, row) in rows.iter().enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            let place = match given {
+                Some(description::Coefficient::Full(_)) => at.index(i).index(j),
+                Some(description::Coefficient::Orthotropic(_)) => at.index(i),
+                _ => at.clone(),
+            };
+            if i == j { place.non_negative(*value)? } else { place.finite(*value)? };
+        }
+    }
+    Ok(rows)
+}
+
+fn unbalance(given: Option<description::Complex>, at: &Path) -> Result<Complex64, SceneError> {
+    let value = given.map_or(Complex64::ZERO, Complex64::from);
+    at.field("unbalance").finite(value.re)?;
+    at.field("unbalance").finite(value.im)?;
+    Ok(value)
+}
+
+fn modal_damping(system: &System) -> Result<f64, SceneError> {
+    Path::root("modal_damping").non_negative(system.modal_damping.unwrap_or(0.0))
+}
+
+fn rayleigh(system: &System) -> Result<[f64; 2], SceneError> {
+    let [alpha, beta] = system.rayleigh.unwrap_or([0.0; 2]);
+    let at = Path::root("rayleigh");
+    Ok([at.index(0).non_negative(alpha)?, at.index(1).non_negative(beta)?])
+}
+
+fn gravity(system: &System) -> Result<[f64; 2], SceneError> {
+    let at = Path::root("gravity");
+    match system.gravity {
+        None => Ok([0.0; 2]),
+        Some(description::Gravity::Down(g)) => Ok([0.0, -at.finite(g)?]),
+        Some(description::Gravity::Vector([y, z])) => Ok([at.index(0).finite(y)?, at.index(1).finite(z)?]),
+    }
+}

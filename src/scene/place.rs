@@ -1,0 +1,97 @@
+//! Names and positions: what stands where, and which positions of a shaft must be nodes.
+
+use std::collections::HashMap;
+
+use super::description::{Place, System};
+use super::{Node, Path, SceneError, Shaft};
+
+/// The names of a description, each used once.
+pub(super) struct Names<'a> {
+    shafts: HashMap<&'a str, usize>,
+    bodies: HashMap<&'a str, (&'a str, f64)>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn new(system: &'a System) -> Result<Self, SceneError> {
+        let shafts = system.shafts.iter().map(|shaft| shaft.name.as_str());
+        let gears = system.gears.iter().map(|gear| gear.name.as_str());
+        let disks = system.disks.iter().map(|disk| disk.name.as_str());
+        let lists = shafts
+            .enumerate()
+            .map(|entry| ("shafts", entry))
+            .chain(gears.enumerate().map(|entry| ("gears", entry)))
+            .chain(disks.enumerate().map(|entry| ("disks", entry)));
+        let mut used: HashMap<&str, Path> = HashMap::new();
+        for (list, (index, name)) in lists {
+            let at = Path::entry(list, index);
+            if name.is_empty() {
+                return Err(at.field("name").error("must not be empty"));
+            }
+            if let Some(first) = used.get(name) {
+                return Err(at.field("name").error(format!("\"{name}\" is the name of {first} already")));
+            }
+            used.insert(name, at);
+        }
+        let gears = system.gears.iter().map(|gear| (gear.name.as_str(), (gear.shaft.as_str(), gear.position)));
+        let disks = system.disks.iter().map(|disk| (disk.name.as_str(), (disk.shaft.as_str(), disk.position)));
+        Ok(Self {
+            shafts: system.shafts.iter().enumerate().map(|(index, shaft)| (shaft.name.as_str(), index)).collect(),
+            bodies: gears.chain(disks).collect(),
+        })
+    }
+
+    /// The shaft of this name, which the entry `at` gave.
+    pub(super) fn shaft(&self, name: &str, at: &Path) -> Result<usize, SceneError> {
+        self.shafts.get(name).copied().ok_or_else(|| at.error(format!("no shaft is called \"{name}\"")))
+    }
+
+    /// The node at a position that [`Self::stations`] made one.
+    pub(super) fn node(&self, shafts: &[Shaft], shaft: &str, position: f64, at: &Path) -> Result<Node, SceneError> {
+        let shaft = self.shaft(shaft, &at.field("shaft"))?;
+        let node = shafts[shaft]
+            .node_at(position)
+            .ok_or_else(|| at.field("position").error(format!("no node stands at {position} m")))?;
+        Ok(Node { shaft, node })
+    }
+
+    /// The node of a place.
+    pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &Path) -> Result<Node, SceneError> {
+        let (shaft, position) = self.shaft_and_position(place, at)?;
+        self.node(shafts, shaft, position, at)
+    }
+
+    fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &Path) -> Result<(&'b str, f64), SceneError> {
+        match place {
+            Place::Shaft(shaft, position) => Ok((shaft, *position)),
+            Place::Body(name) => self
+                .bodies
+                .get(name.as_str())
+                .copied()
+                .ok_or_else(|| at.field("at").error(format!("no gear or disk is called \"{name}\""))),
+        }
+    }
+
+    /// For every shaft, the positions that must be nodes, with the entry that asks for each.
+    pub(super) fn stations(&self, system: &System) -> Result<Vec<Vec<(f64, Path)>>, SceneError> {
+        let mut stations = vec![Vec::new(); system.shafts.len()];
+        let gears = system.gears.iter().map(|gear| (gear.shaft.as_str(), gear.position));
+        let disks = system.disks.iter().map(|disk| (disk.shaft.as_str(), disk.position));
+        let bearings = system.bearings.iter().map(|bearing| (bearing.shaft.as_str(), bearing.position));
+        let lists = gears
+            .enumerate()
+            .map(|entry| ("gears", entry))
+            .chain(disks.enumerate().map(|entry| ("disks", entry)))
+            .chain(bearings.enumerate().map(|entry| ("bearings", entry)));
+        for (list, (index, (shaft, position))) in lists {
+            let at = Path::entry(list, index);
+            let shaft = self.shaft(shaft, &at.field("shaft"))?;
+            stations[shaft].push((position, at.field("position")));
+        }
+        for (index, torque) in system.torques.iter().enumerate() {
+            let at = Path::entry("torques", index);
+            let (shaft, position) = self.shaft_and_position(&torque.at, &at)?;
+            stations[self.shaft(shaft, &at.field("at"))?].push((position, at.field("at")));
+        }
+        Ok(stations)
+    }
+}

@@ -1,0 +1,158 @@
+//! Shafts as nodes and elements.
+
+use super::description::{self, STEEL, System};
+use super::{Bow, MAX_ELEMENTS, Material, Path, SceneError};
+
+/// Positions nearer than this part of the shaft's length are one node.
+const SAME_POSITION: f64 = 1e-9;
+
+/// A piece of a shaft between two nodes: a hollow circular cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// Length l, m.
+    pub length: f64,
+    /// Outer radius, m.
+    pub outer_radius: f64,
+    /// Inner radius, m.
+    pub inner_radius: f64,
+}
+
+/// A checked shaft.
+#[derive(Clone, Debug)]
+pub struct Shaft {
+    /// Name.
+    pub name: String,
+    /// Positions of the nodes, ascending from 0, m.
+    pub nodes: Vec<f64>,
+    /// The elements between them, one fewer than nodes.
+    pub elements: Vec<Element>,
+    /// Material.
+    pub material: Material,
+    /// Whether shear deformation is modelled.
+    pub shear: bool,
+    /// Residual bow.
+    pub bow: Option<Bow>,
+}
+
+impl Shaft {
+    /// Length of the shaft, m.
+    pub fn length(&self) -> f64 {
+        self.nodes.last().copied().unwrap_or(0.0)
+    }
+
+    /// The node at a position, if there is one.
+    pub fn node_at(&self, position: f64) -> Option<usize> {
+        let tolerance = SAME_POSITION * self.length();
+        self.nodes.iter().position(|x| (x - position).abs() <= tolerance)
+    }
+}
+
+/// Builds all shafts, with a node at every station.
+pub(super) fn build(system: &System, stations: &[Vec<(f64, Path)>]) -> Result<Vec<Shaft>, SceneError> {
+    let mut elements = 0;
+    let mut shafts = Vec::with_capacity(system.shafts.len());
+    for (index, given) in system.shafts.iter().enumerate() {
+        let at = Path::entry("shafts", index);
+        let segments = segments(given, &at)?;
+        for segment in &segments {
+            elements = segment.elements.saturating_add(elements);
+        }
+        if elements > MAX_ELEMENTS {
+            return Err(at.error(format!("{elements} elements up to here, more than the {MAX_ELEMENTS} that one system may have")));
+        }
+        shafts.push(shaft(given, &segments, &stations[index], &at)?);
+    }
+    Ok(shafts)
+}
+
+/// The segments of a shaft, a uniform one being a single segment.
+fn segments(given: &description::Shaft, at: &Path) -> Result<Vec<description::Segment>, SceneError> {
+    let uniform = [
+        ("length", given.length.is_some()),
+        ("outer_diameter", given.outer_diameter.is_some()),
+        ("inner_diameter", given.inner_diameter.is_some()),
+        ("elements", given.elements.is_some()),
+    ];
+    let (segments, path): (_, Box<dyn Fn(usize) -> Path>) = match &given.segments {
+        Some(segments) => {
+            if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
+                return Err(at.field(name).error("stands beside segments, which say it"));
+            }
+            if segments.is_empty() {
+                return Err(at.field("segments").error("at least one segment is needed"));
+            }
+            (segments.clone(), Box::new(|index| at.field("segments").index(index)))
+        }
+        None => {
+            let needed = |value: Option<f64>, name: &str| value.ok_or_else(|| at.error(format!("needs {name}, or segments")));
+            let segment = description::Segment {
+                length: needed(given.length, "length")?,
+                outer_diameter: needed(given.outer_diameter, "outer_diameter")?,
+                inner_diameter: given.inner_diameter.unwrap_or(0.0),
+                elements: given.elements.ok_or_else(|| at.error("needs elements, or segments"))?,
+            };
+            (vec![segment], Box::new(|_| at.clone()))
+        }
+    };
+    for (index, segment) in segments.iter().enumerate() {
+        let at = path(index);
+        at.field("length").positive(segment.length)?;
+        at.field("outer_diameter").positive(segment.outer_diameter)?;
+        at.field("inner_diameter").non_negative(segment.inner_diameter)?;
+        if segment.inner_diameter >= segment.outer_diameter {
+            return Err(at.field("inner_diameter").error(format!(
+                "{} m does not fit into the outer diameter of {} m",
+                segment.inner_diameter, segment.outer_diameter
+            )));
+        }
+        if segment.elements == 0 {
+            return Err(at.field("elements").error("must be at least 1, got 0"));
+        }
+    }
+    Ok(segments)
+}
+
+fn shaft(
+    given: &description::Shaft,
+    segments: &[description::Segment],
+    stations: &[(f64, Path)],
+    at: &Path,
+) -> Result<Shaft, SceneError> {
+    let length: f64 = segments.iter().map(|segment| segment.length).sum();
+    let tolerance = SAME_POSITION * length;
+    let mut nodes = vec![0.0];
+    let mut sections = Vec::new();
+    let mut start = 0.0;
+    for (index, segment) in segments.iter().enumerate() {
+        for piece in 1..=segment.elements {
+            nodes.push(start + segment.length * piece as f64 / segment.elements as f64);
+            sections.push(index);
+        }
+        start += segment.length;
+    }
+    for (position, path) in stations {
+        path.finite(*position)?;
+        if *position < -tolerance || *position > length + tolerance {
+            return Err(path.error(format!("{position} m is off the shaft \"{}\", which is {length} m long", given.name)));
+        }
+        let next = nodes.partition_point(|x| *x < position - tolerance);
+        if (nodes[next.min(nodes.len() - 1)] - position).abs() > tolerance {
+            nodes.insert(next, *position);
+            sections.insert(next - 1, sections[next - 1]);
+        }
+    }
+    let element = |(span, section): (&[f64], &usize)| Element {
+        length: span[1] - span[0],
+        outer_radius: segments[*section].outer_diameter / 2.0,
+        inner_radius: segments[*section].inner_diameter / 2.0,
+    };
+    let bow = given.bow.as_ref().map(|bow| Bow::new(bow, length, &at.field("bow"))).transpose()?;
+    Ok(Shaft {
+        name: given.name.clone(),
+        elements: nodes.windows(2).zip(&sections).map(element).collect(),
+        nodes,
+        material: Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?,
+        shear: given.shear,
+        bow,
+    })
+}

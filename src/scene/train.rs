@@ -1,0 +1,113 @@
+//! The train: how fast every shaft turns, and what torque keeps it in balance.
+
+use super::description::System;
+use super::place::Names;
+use super::{Gear, Mesh, Path, SceneError, Shaft, Torque};
+
+/// Ratios around a loop that agree to this part are the same number.
+const SAME: f64 = 1e-9;
+
+/// Signed spin of each shaft over the reference shaft's: every external mesh multiplies by −z_a/z_b.
+pub(super) fn speed_ratios(
+    system: &System,
+    names: &Names,
+    gears: &[Gear],
+    meshes: &[Mesh],
+) -> Result<Vec<f64>, SceneError> {
+    let reference = reference(system, names)?;
+    let teeth = |gear: usize| f64::from(gears[gear].teeth);
+    let ratios = follow(system.shafts.len(), reference, gears, meshes, teeth);
+    let of = |shaft: usize| {
+        let name = |shaft: usize| &system.shafts[shaft].name;
+        ratios[shaft].ok_or_else(|| {
+            let message = format!(
+                "no mesh connects \"{}\" to the reference shaft \"{}\", so its speed is unknown",
+                name(shaft),
+                name(reference)
+            );
+            Path::entry("shafts", shaft).error(message)
+        })
+    };
+    let ratios = (0..system.shafts.len()).map(of).collect::<Result<Vec<_>, _>>()?;
+    for (index, mesh) in meshes.iter().enumerate() {
+        let (a, b) = (gears[mesh.driver].body.node.shaft, gears[mesh.driven].body.node.shaft);
+        let asked = -ratios[a] * teeth(mesh.driver) / teeth(mesh.driven);
+        if (asked - ratios[b]).abs() > SAME * asked.abs() {
+            let message = format!(
+                "closes a loop that cannot turn: it asks shaft \"{}\" for a speed ratio of {asked}, the other meshes for {}",
+                system.shafts[b].name, ratios[b]
+            );
+            return Err(Path::entry("meshes", index).error(message));
+        }
+    }
+    Ok(ratios)
+}
+
+/// All torques, with the value of the one that balances the others.
+///
+/// Balance is that of the rolling motion, which leaves every mesh undeflected: it follows the base radii, which
+/// published data may round differently from the tooth numbers.
+pub(super) fn torques(
+    system: &System,
+    names: &Names,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    meshes: &[Mesh],
+) -> Result<Vec<Torque>, SceneError> {
+    let radius = |gear: usize| gears[gear].base_radius;
+    let rolling = follow(shafts.len(), reference(system, names)?, gears, meshes, radius);
+    let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
+    let mut balance: Option<usize> = None;
+    let mut power = 0.0;
+    for (index, given) in system.torques.iter().enumerate() {
+        let at = Path::entry("torques", index);
+        let node = names.place(shafts, &given.at, &at)?;
+        let value = match (given.value, given.balance) {
+            (Some(value), false) => at.field("value").finite(value)?,
+            (None, true) => {
+                if let Some(first) = balance.replace(index) {
+                    return Err(at.error(format!("torques[{first}] balances the others already")));
+                }
+                0.0
+            }
+            _ => return Err(at.error("needs a value, or balance = true")),
+        };
+        power += value * rolling[node.shaft].unwrap_or(0.0);
+        torques.push(Torque { node, value });
+    }
+    if let Some(index) = balance {
+        // Every shaft is connected to the reference: `speed_ratios` has seen to that.
+        torques[index].value = -power / rolling[torques[index].node.shaft].unwrap_or(1.0);
+    }
+    Ok(torques)
+}
+
+fn reference(system: &System, names: &Names) -> Result<usize, SceneError> {
+    system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &Path::root("reference")))
+}
+
+/// Follows the meshes from shaft `start`, whose ratio is 1; `size` of a gear is its teeth or its radius.
+fn follow(
+    shafts: usize,
+    start: usize,
+    gears: &[Gear],
+    meshes: &[Mesh],
+    size: impl Fn(usize) -> f64,
+) -> Vec<Option<f64>> {
+    let mut ratios = vec![None; shafts];
+    ratios[start] = Some(1.0);
+    let mut found = vec![(start, 1.0)];
+    while let Some((shaft, ratio)) = found.pop() {
+        for mesh in meshes {
+            for (from, to) in [(mesh.driver, mesh.driven), (mesh.driven, mesh.driver)] {
+                let next = gears[to].body.node.shaft;
+                if gears[from].body.node.shaft == shaft && ratios[next].is_none() {
+                    let next_ratio = -ratio * size(from) / size(to);
+                    ratios[next] = Some(next_ratio);
+                    found.push((next, next_ratio));
+                }
+            }
+        }
+    }
+    ratios
+}

@@ -1,0 +1,236 @@
+"""What no choice of coordinates, step or sense may change: symmetry, energy, turned and mirrored scenes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference import scenes
+from reference.scenes import PAIR, GearAt, Geared, HalfSine
+
+BOWED = Geared(
+    bows={"input": HalfSine(2e-4, 0.3), "middle": HalfSine(3e-4, -1.2), "output": HalfSine(1e-4)},
+    angles=(0.4, -1.1),
+)
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        BOWED.package,
+        replace(BOWED, options={"reference": "output"}).package,
+        replace(BOWED, bearing_stiffness=np.array([[1e8, 2e7], [2e7, 5e7]])).package,
+        scenes.v1,
+        scenes.v2,
+        scenes.v3,
+    ],
+    ids=["demo", "other reference", "anisotropic", "Rao", "Nelson", "Friswell"],
+)
+def test_mass_and_stiffness_symmetric_gyroscopic_skew(build):
+    matrices = build().matrices()
+    for name in ("mass", "stiffness", "damping"):
+        matrix = getattr(matrices, name)
+        # sums of the same products in another order: a few units in the last place of the largest entry
+        assert np.abs(matrix - matrix.T).max() <= 1e-15 * np.abs(matrix).max(), name
+    g = matrices.gyroscopic
+    assert np.abs(g + g.T).max() <= 1e-15 * np.abs(g).max()
+    assert np.abs(g).max() > 0
+    assert np.linalg.eigvalsh(matrices.mass).min() > 0
+    # no direction of negative stiffness, down to round-off
+    scale = 1 / np.sqrt(np.diag(matrices.mass))
+    squares = np.linalg.eigvalsh(matrices.stiffness * np.outer(scale, scale))
+    assert squares.min() > -1e-12 * squares.max()
+
+
+# Undamped, at rest, shafts that start straight although they are bent: the bow lets go and everything
+# swings, with live geometry. Nothing does work, so kinetic plus elastic energy stays.
+FREE = replace(
+    PAIR,
+    bows={"input": HalfSine(1e-3, 0.3), "output": HalfSine(6e-4, -1.0)},
+    angles=(0.5,),
+    elements=2,
+    torque=0.0,
+    mesh_damping_ratio=0.0,
+    bearing_damping=0.0,
+)
+
+
+def drift(system: gb.RotorSystem, torques: dict[str, float] | None = None, **how: object) -> float:
+    """Largest change of the energy, less the work of the torques, over the energy that is in motion."""
+    response = system.simulate(
+        5e-3, 0.0, initial="rest", record=("energy", "gears", "meshes"), output_step=1e-4, **how
+    )
+    total = response.energy.copy()
+    for at, torque in (torques or {}).items():
+        total -= torque * response.twist(at)
+    scale = max(total[0], np.ptp(response.energy))
+    return float(np.abs(total - total[0]).max() / scale)
+
+
+def first_step(system: gb.RotorSystem) -> float:
+    response = system.simulate(1e-6, 0.0, initial="rest", method="rk45", times=[0.0])
+    # a whole number of steps to each output time, 0.4 at the highest frequency
+    return 1e-4 / np.ceil(1e-4 * response.statistics.omega_max / 0.4)
+
+
+def test_energy_at_the_start_is_that_of_the_bow():
+    train = FREE.reference()
+    strain = sum(
+        train.bow_shape(s, 0.0) @ train.elastic @ train.bow_shape(s, 0.0) for s in train.shafts
+    )
+    response = FREE.package().simulate(
+        1e-5, 0.0, initial="rest", record=("energy",), times=[0.0], method="rk4"
+    )
+    assert response.energy[0] == pytest.approx(strain / 2, rel=1e-9)  # two assemblies, round-off
+
+
+def test_energy_drift_of_rk4_falls_with_the_fifth_power_of_the_step():
+    system = FREE.package()
+    h = first_step(system)
+    drifts = [drift(system, method="rk4", step=h / 2**i) for i in range(3)]
+    # |R(i x)|^2 = 1 - x^6/72: the energy lost in a given time goes with the fifth power, 32; a tenth for
+    # the higher terms at x = 0.4
+    assert drifts[0] / drifts[1] > 28
+    assert drifts[1] / drifts[2] > 28
+    assert drifts[2] > 1e-14  # or the ratio would be one of round-off
+
+
+def test_energy_drift_of_rk45_falls_with_the_tolerance():
+    system = FREE.package()
+    loose, middle, tight = (drift(system, method="rk45", rtol=r) for r in (1e-5, 1e-8, 1e-11))
+    assert middle < loose / 30  # proportional would be 1000; a loose one may be capped by stability
+    assert tight < middle / 30
+    assert tight < 1e-8
+
+
+def test_energy_less_work_of_the_torque_is_kept():
+    system = replace(FREE, torque=400.0).package()
+    torques = {"g1": 400.0, "g2": 800.0}
+    assert drift(system, torques, method="rk45", rtol=1e-11) < 1e-8
+    # the load does work, so without it the balance fails
+    assert drift(system, {"g1": 400.0}, method="rk45", rtol=1e-11) > 1e-2
+
+
+def test_geometry_that_moves_is_what_keeps_the_energy():
+    # a bow at which the centres move by millimetres, two thirds of the way to overlapping base circles
+    large = replace(FREE, bows={"input": HalfSine(1.8e-3, 0.3)})
+    system = large.package()
+    assert drift(system, method="rk45", rtol=1e-11) < 1e-8
+    response = system.simulate(5e-3, 0.0, initial="rest", method="rk45", output_step=1e-4)
+    assert np.ptp(response.mesh("g1", "g2").pressure_angle) > np.radians(1)
+
+
+def spun(scene: Geared, angle: float) -> Geared:
+    """The whole scene turned about x by an angle."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s], [s, c]])
+    return replace(
+        scene,
+        angles=[a + angle for a in scene.angles],
+        bows={n: HalfSine(b.amplitude, b.phase + angle) for n, b in scene.bows.items()},
+        gears=[replace(g, unbalance=g.unbalance * np.exp(1j * angle)) for g in scene.gears],
+        gravity=tuple(turn @ scene.gravity),
+        bearing_stiffness=turn @ scene.bearing_stiffness @ turn.T,
+        bearing_damping=turn @ scene.bearing_damping @ turn.T,
+    )
+
+
+UNEQUAL = replace(
+    BOWED,
+    gravity=(2.0, -9.81),
+    bearing_stiffness=np.array([[1e8, 1e7], [1e7, 4e7]]),
+    bearing_damping=np.array([[500.0, 50.0], [50.0, 900.0]]),
+    gears=[
+        GearAt("g1", "input", 0.25, 25, unbalance=2e-3),
+        GearAt("g2", "middle", 0.125, 50, unbalance=1e-3j),
+        GearAt("g3", "middle", 0.375, 25),
+        GearAt("g4", "output", 0.25, 50, unbalance=-3e-3 + 1e-3j),
+    ],
+)
+NAMES = ("g1", "g2", "g3", "g4")
+RUNS = {
+    "rk4 from rest": {"method": "rk4", "initial": "rest"},
+    "rk4 from synchronous": {"method": "rk4", "initial": "synchronous"},
+    "frozen": {"method": "rk4", "initial": "rest", "geometry": "frozen"},
+}
+
+
+def run(scene: Geared, speed: float, **how: object) -> gb.Response:
+    return scene.package().simulate(4e-3, speed, output_step=1e-4, **how)
+
+
+@pytest.mark.parametrize("how", RUNS.values(), ids=RUNS.keys())
+def test_turned_scene_gives_the_turned_motion(how: dict[str, str]):
+    angle, speed = 0.83, 150.0
+    first, second = run(UNEQUAL, speed, **how), run(spun(UNEQUAL, angle), speed, **how)
+    for name in NAMES:
+        u = first.displacement(name) @ np.array([1, 1j])
+        turned = second.displacement(name) @ np.array([1, 1j])
+        # the same steps in other coordinates: round-off, magnified by the stiffest mode's phase
+        assert np.abs(turned - u * np.exp(1j * angle)).max() < 1e-9 * np.abs(u).max()
+        twist = first.twist(name)
+        assert np.abs(second.twist(name) - twist).max() < 1e-9 * np.abs(twist).max()
+    for pair in UNEQUAL.meshes:
+        a, b = first.mesh(*pair), second.mesh(*pair)
+        assert np.abs(b.force - a.force).max() < 1e-8 * np.abs(a.force).max()
+        assert b.contact_ratio == pytest.approx(a.contact_ratio, rel=1e-9)
+
+
+def mirrored(scene: Geared) -> Geared:
+    """The scene in a mirror across the xz plane: y and every sense of rotation change sign."""
+    flip = np.diag([-1.0, 1.0])
+    return replace(
+        scene,
+        angles=[np.pi - a for a in scene.angles],
+        bows={n: HalfSine(b.amplitude, np.pi - b.phase) for n, b in scene.bows.items()},
+        gears=[replace(g, unbalance=-np.conj(g.unbalance)) for g in scene.gears],
+        gravity=(-scene.gravity[0], scene.gravity[1]),
+        torque=-scene.torque,
+        bearing_stiffness=flip @ scene.bearing_stiffness @ flip,
+        bearing_damping=flip @ scene.bearing_damping @ flip,
+    )
+
+
+@pytest.mark.parametrize("how", RUNS.values(), ids=RUNS.keys())
+def test_mirrored_scene_that_spins_the_other_way_gives_the_mirrored_motion(how: dict[str, str]):
+    speed = 150.0
+    first, second = run(UNEQUAL, speed, **how), run(mirrored(UNEQUAL), -speed, **how)
+    for name in NAMES:
+        u, other = first.displacement(name), second.displacement(name)
+        assert np.abs(other - u * [-1, 1]).max() < 1e-9 * np.abs(u).max()  # as above
+        twist = first.twist(name)
+        assert np.abs(second.twist(name) + twist).max() < 1e-9 * np.abs(twist).max()
+    for pair in UNEQUAL.meshes:
+        a, b = first.mesh(*pair), second.mesh(*pair)
+        # the driver drives in both: the same tooth force, of the same sign
+        assert np.mean(a.force) > 0
+        assert np.abs(b.force - a.force).max() < 1e-8 * np.abs(a.force).max()
+
+
+@pytest.mark.parametrize("speed", [80.0, -80.0])
+def test_modes_of_turned_and_mirrored_scenes(speed: float):
+    expected = UNEQUAL.package().modes(speed=speed)
+    for scene, sense in ((spun(UNEQUAL, -1.9), 1.0), (mirrored(UNEQUAL), -1.0)):
+        found = scene.package().modes(speed=sense * speed)
+        # round-off of the eigensolver; the rolling mode is 0
+        assert found.frequencies_hz[:40] == pytest.approx(
+            expected.frequencies_hz[:40], rel=1e-8, abs=1e-6
+        )
+        assert found.damping_ratios[1:40] == pytest.approx(
+            expected.damping_ratios[1:40], rel=1e-6, abs=1e-10
+        )
+
+
+def test_gyroscopic_and_bow_forces_do_no_work_on_a_shaft_that_stands():
+    # a bow that is already followed: nothing moves, although the bow force is large
+    scene = replace(FREE, elements=4)
+    response = scene.package().simulate(
+        2e-3, 0.0, initial="synchronous", geometry="frozen", output_step=1e-4, method="rk45"
+    )
+    for name, bow in (("g1", 1e-3 * np.exp(0.3j)), ("g2", 6e-4 * np.exp(-1.0j))):
+        u = response.displacement(name) @ np.array([1, 1j])
+        # the bow is zero at the bearings and the train rolls freely: the gear stands on the bow itself
+        assert np.abs(u - bow).max() < 1e-8 * abs(bow)

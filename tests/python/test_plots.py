@@ -1,0 +1,117 @@
+"""Figures show the numbers they are made from and leave matplotlib as it was."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow import plots
+from test_response import recorded, train
+
+
+def drawn(panel) -> list[np.ndarray]:
+    """Ordinates of the lines of a panel."""
+    return [np.asarray(line.get_ydata()) for line in panel.get_lines()]
+
+
+@pytest.fixture(autouse=True)
+def unchanged_settings():
+    before = dict(mpl.rcParams)
+    yield
+    assert dict(mpl.rcParams) == before
+
+
+@pytest.mark.parametrize("kind", list(plots.KINDS))
+def test_every_kind_is_a_figure_with_labelled_axes(kind, tmp_path):
+    figure = recorded().plot(kind)
+    assert figure.axes
+    columns = [axes for axes in figure.axes if axes.get_xlabel()]
+    assert columns
+    assert all(axes.get_ylabel().endswith("]") or kind == "mesh" for axes in figure.axes)
+    assert all(axes.get_lines() for axes in figure.axes)
+    figure.savefig(tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 1000
+
+
+def test_an_orbit_is_the_displacement_in_micrometres():
+    response = recorded()
+    figure = response.plot("orbits", names=["g2"])
+    (panel,) = figure.axes
+    np.testing.assert_allclose(
+        panel.get_lines()[0].get_xdata(), 1e6 * response.displacement("g2")[:, 0]
+    )
+    np.testing.assert_allclose(drawn(panel)[0], 1e6 * response.displacement("g2")[:, 1])
+    assert panel.get_title() == "g2"
+
+
+def test_names_come_first_and_places_where_there_are_none():
+    response = recorded()
+    assert [axes.get_title() for axes in response.plot("orbits").axes] == ["g1", "g2"]
+    response._data["points"] = [(shaft, x, []) for shaft, x, _ in response._data["points"]]
+    assert [axes.get_title() for axes in response.plot("orbits").axes] == [
+        "input at 0.25 m",
+        "output at 0.25 m",
+        "input at 0.1 m",
+    ]
+
+
+def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
+    response = recorded()
+    contact, pressure, centres = response.plot("mesh").axes
+    mesh = response.mesh("g1", "g2")
+    np.testing.assert_array_equal(drawn(contact)[0], mesh.contact_ratio)
+    np.testing.assert_allclose(drawn(pressure)[0], np.degrees(mesh.pressure_angle))
+    np.testing.assert_allclose(drawn(centres)[0], np.degrees(mesh.centre_line_angle))
+
+
+def test_a_sine_peaks_in_the_spectrum_at_its_frequency_with_its_amplitude():
+    response = recorded(rows=2000)
+    response.time = 1e-3 * np.arange(2000)
+    motion = np.zeros((2000, 3, 2))
+    motion[:, 0, 0] = 5e-6 + 3e-6 * np.sin(2 * np.pi * 50.0 * response.time)
+    response._data["displacement"] = motion
+    (panel,) = response.plot("spectrum", names=["g1"]).axes
+    line = panel.get_lines()[0]
+    frequency, amplitude = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    assert frequency[np.argmax(amplitude)] == pytest.approx(50.0)
+    assert amplitude.max() == pytest.approx(3.0, rel=1e-3)
+
+
+def test_a_spectrum_needs_a_grid():
+    response = recorded()
+    response.time = np.array([0.0, 0.1, 0.3, 0.4, 0.5])
+    with pytest.raises(gb.GearbowError, match="equally spaced"):
+        response.plot("spectrum")
+
+
+def test_an_unknown_kind_is_told_the_known_ones():
+    with pytest.raises(gb.GearbowError, match="kind: must be one of orbits, history"):
+        recorded().plot("pie")
+
+
+def test_nothing_to_draw_is_said():
+    response = recorded()
+    response._data["meshes"] = []
+    response._data["points"] = []
+    with pytest.raises(gb.GearbowError, match="no mesh was recorded"):
+        response.plot("mesh")
+    with pytest.raises(gb.GearbowError, match="no motion was recorded"):
+        response.plot("history")
+
+
+def test_modes_and_synchronous_response_are_drawn(tmp_path):
+    system = train()
+    modes = system.modes(count=5)
+    figure = modes.plot(count=4)
+    assert len(figure.axes) == 4
+    assert figure.axes[0].get_title() == f"{modes.frequencies_hz[0]:.1f} Hz: rolling of the train"
+    for axes in figure.axes:
+        assert max(np.abs(line).max() for line in drawn(axes)) == pytest.approx(1.0)
+    synchronous = system.synchronous(np.linspace(10.0, 500.0, 20))
+    drawing = synchronous.plot(["g1", ("output", 0.0)])
+    (line,) = drawn(drawing.axes[0])  # only the input shaft is bowed
+    np.testing.assert_allclose(line, 1e6 * synchronous.orbit("g1")[:, 0])
+    for name, result in {"modes": figure, "synchronous": drawing}.items():
+        result.savefig(tmp_path / f"{name}.png")
