@@ -121,6 +121,7 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
                 panel.plot(v, w, color=colour, label=f"{ratio:g}")
                 panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
                 panel.set_aspect("equal", adjustable="datalim")
+                panel.locator_params(nbins=5)
             for contact, angle, pair in zip(contacts, angles, MESHES, strict=True):
                 mesh = response.mesh(*pair)
                 contact.plot(response.time, mesh.contact_ratio, color=colour)

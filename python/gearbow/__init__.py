@@ -5,8 +5,7 @@ bearings and torques: describe a `RotorSystem`, then ask it for matrices, modes,
 response, equilibrium or a time history. SI units and radians throughout.
 """
 
-from importlib.metadata import version
-
+from gearbow._core import __version__
 from gearbow.bow import Bow
 from gearbow.errors import (
     ChannelError,
@@ -22,8 +21,6 @@ from gearbow.response import MeshResponse, Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
 from gearbow.system import RotorSystem
-
-__version__ = version("gearbow")
 
 __all__ = [
     "STEEL",

@@ -5,6 +5,7 @@ A figure is returned, never shown, and no global setting of matplotlib changes.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -79,6 +80,7 @@ def orbits(response: "Response", names: Sequence[At] | None = None) -> Figure:
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1])
             panel.set(title=_label(name), xlabel="v [µm]", ylabel="w [µm]")
             panel.set_aspect("equal", adjustable="datalim")
+            panel.locator_params(nbins=5)
     return figure
 
 
@@ -164,7 +166,7 @@ def mesh(response: "Response", names: Sequence[tuple[str, str]] | None = None) -
             }
             for row, (label, values) in enumerate(rows.items()):
                 panel = panels[row * columns + column]
-                panel.plot(response.time, values, color=PALETTE[column % len(PALETTE)])
+                panel.plot(response.time, values, color=_colour(column))
                 panel.set(ylabel=label)
                 # A hundredth of a degree on twenty: the ticks say it in full.
                 panel.ticklabel_format(axis="y", useOffset=False)
@@ -195,15 +197,19 @@ def spectrum(response: "Response", names: Sequence[At] | None = None) -> Figure:
         If the times are not equally spaced.
     """
     chosen = _points(response, names)
+    highest = 0.0
     with _figure(len(chosen), 2.4, columns=1, sharex=True) as (figure, panels):
         for panel, name in zip(panels, chosen, strict=True):
             frequency, amplitude = _spectrum(response.time, response.displacement(name))
             panel.semilogy(frequency, _MICRO * amplitude, label=["v", "w"])
             panel.set(ylabel=f"{_label(name)} [µm]")
-            # Twelve decades of round-off below the peak tell nothing.
-            top = _MICRO * amplitude.max()
+            # Decades of round-off below the peak tell nothing.
+            top = amplitude.max()
             if top > 0.0:
-                panel.set_ylim(1e-6 * top, 2.0 * top)
+                panel.set_ylim(_MICRO * 1e-6 * top, _MICRO * 2.0 * top)
+                highest = max(highest, frequency[np.any(amplitude > 1e-6 * top, axis=1)][-1])
+        if highest > 0.0:
+            panels[-1].set_xlim(0.0, 1.1 * highest)
         panels[-1].set(xlabel="frequency [Hz]")
         _legend(figure, panels[0])
     return figure
@@ -233,7 +239,7 @@ def synchronous(response: "Synchronous", names: Sequence[At]) -> Figure:
                         response.speeds,
                         orbit[:, source],
                         label=shaft,
-                        color=PALETTE[source % len(PALETTE)],
+                        color=_colour(source),
                     )
             panel.set(ylabel=f"{_label(name)} [µm]")
         panels[-1].set(xlabel="speed of the reference shaft [rad/s]")
@@ -254,29 +260,25 @@ def modes(result: "Modes", count: int = 6) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each mode: v (solid) and w (dashed), or the twist (dotted) where that is the
-        largest motion, over the largest of them.
+        One panel for each mode: v (solid) and w (dashed), or the twist where that has more than
+        half of the energy, over the largest of them.
     """
     names = result.names()[:count]
+    shares = result.energy_shares()
+    twisting = sum(share for (_, direction), share in shares.items() if direction == "twist")
+    twists = np.broadcast_to(twisting, len(result.whirl)) > 0.5
     shafts = list(dict.fromkeys(shaft for shaft, _, _ in result.dofs))
-    lines = {"v": "-", "w": "--", "twist": ":"}
     with _figure(len(names), 3.0, columns=2, width=13.0) as (figure, panels):
         for mode, (panel, name) in enumerate(zip(panels, names, strict=True)):
-            twists = name.startswith(("twist", "rolling"))
-            shape = _real(
-                result.shapes[mode],
-                [(d == "twist") == twists and d in lines for _, _, d in result.dofs],
-            )
-            for colour, shaft in zip(_cycled(len(shafts)), shafts, strict=True):
-                for direction in ["twist"] if twists else ["v", "w"]:
-                    at = [
-                        i for i, (s, _, d) in enumerate(result.dofs) if (s, d) == (shaft, direction)
-                    ]
-                    x = [result.dofs[i][1] for i in at]
-                    label = shaft if direction != "w" else None
-                    panel.plot(x, shape[at], lines[direction], color=colour, label=label)
+            lines = {"twist": "-"} if twists[mode] else {"v": "-", "w": "--"}
+            shape = _real(result.shapes[mode], [d in lines for _, _, d in result.dofs])
+            for (direction, line), (i, shaft) in product(lines.items(), enumerate(shafts)):
+                at = [n for n, (s, _, d) in enumerate(result.dofs) if (s, d) == (shaft, direction)]
+                x = [result.dofs[n][1] for n in at]
+                label = None if direction == "w" else shaft
+                panel.plot(x, shape[at], line, color=_colour(i), label=label)
             panel.set(title=f"{result.frequencies_hz[mode]:.1f} Hz: {name}", xlabel="position [m]")
-            panel.set(ylabel="twist" if twists else "v –, w - -", ylim=(-1.15, 1.15))
+            panel.set(ylabel="twist" if twists[mode] else "v (w dashed)", ylim=(-1.15, 1.15))
         _legend(figure, panels[0])
     return figure
 
@@ -305,6 +307,7 @@ def _figure(
         for panel in panels[count:]:
             panel.remove()
         yield figure, panels[:count]
+        figure.align_ylabels()
 
 
 def _legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
@@ -329,8 +332,8 @@ def _label(name: At) -> str:
     return name if isinstance(name, str) else f"{name[0]} at {name[1]:g} m"
 
 
-def _cycled(count: int) -> list[str]:
-    return [PALETTE[i % len(PALETTE)] for i in range(count)]
+def _colour(number: int) -> str:
+    return PALETTE[number % len(PALETTE)]
 
 
 def _spectrum(time: Array, values: Array) -> tuple[Array, Array]:

@@ -202,7 +202,7 @@ class Response:
         return self._data["twist"][:, self._point(name)]
 
     def bearing_force(self, shaft: str, position: float) -> Array:
-        """Force of a bearing on its shaft.
+        """Force of a shaft on its bearing.
 
         Parameters
         ----------
@@ -249,6 +249,8 @@ class Response:
             If it was not recorded; the text says what to record.
         """
         meshes = [tuple(pair) for pair in self._data["meshes"]]
+        if (driven, driver) in meshes:
+            raise ChannelError(f"{driven!r} drives {driver!r}: ask for ({driven!r}, {driver!r})")
         if (driver, driven) not in meshes:
             raise self._missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))
         i = meshes.index((driver, driven))
@@ -256,7 +258,7 @@ class Response:
 
     @property
     def energy(self) -> Array:
-        """Kinetic and elastic energy of the deviation from the uniform spin.
+        """Kinetic energy beside the spin, and elastic energy of shafts, bearings and meshes.
 
         Returns
         -------

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
 from gearbow._lookup import require
-from gearbow._run import grid, in_order, reported
+from gearbow._run import beginning, distinct, grid, in_order, number, reported
 from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
@@ -78,10 +78,11 @@ class RotorSystem:
     Examples
     --------
     >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1.5e-4)
     >>> system = gb.RotorSystem(
     ...     shafts=[
-    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1.5e-4)),
-    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05),
+    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, elements=8, bow=bow),
+    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05, elements=8),
     ...     ],
     ...     gears=[
     ...         gb.Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),
@@ -99,10 +100,10 @@ class RotorSystem:
     array([ 1. , -0.5])
     >>> system.modes().names()[0]
     'rolling of the train'
-    >>> response = system.simulate(0.02, speed=100.0)
+    >>> response = system.simulate(0.1, speed=100.0)
     >>> contact_ratio = response.mesh("g1", "g2").contact_ratio
-    >>> bool(contact_ratio.min() < 1.68316 < contact_ratio.max())
-    True
+    >>> print(f"{contact_ratio.max() - contact_ratio.min():.2f}")
+    0.10
     """
 
     shafts: tuple[Shaft, ...]
@@ -265,14 +266,15 @@ class RotorSystem:
         SceneError
             If the speed or the count is impossible.
         """
-        data = self._model.modes(float(speed), count)
+        speed = number(speed, "speed")
+        data = self._model.modes(speed, count)
         return Modes(
             frequencies_hz=data["frequencies_hz"],
             damping_ratios=data["damping_ratios"],
             whirl=tuple(data["whirl"]),
             shapes=data["shapes"],
             eigenvalues=data["eigenvalues"],
-            speed=float(speed),
+            speed=speed,
             dofs=self.dofs,
             system=self,
         )
@@ -345,14 +347,12 @@ class RotorSystem:
             Simulated time [s].
         speed : float
             Speed Ω of the reference shaft [rad/s]; shaft s stands at angle r_s Ω t.
-        method : {"rk45", "rk4", "exponential"}
-            Dormand–Prince 5(4) with error control, the classical method with fixed steps, or exact
-            where the system is linear.
+        method : {"rk45", "rk4"}
+            Dormand–Prince 5(4) with error control, or the classical method with fixed steps.
         step : float, optional
-            Step of a fixed-step method, or the largest step [s]; None is chosen from the limit of
-            stability.
+            Step of "rk4" [s]; None is one that resolves the fastest motion.
         rtol : float
-            Relative tolerance of the error control.
+            Relative tolerance of "rk45".
         initial : {"synchronous", "static", "rest"} or Response
             Where it starts: static equilibrium plus linear synchronous response, static equilibrium
             alone, or q = q̇ = 0. A response (or its `final`) is continued from where it ended, to
@@ -390,37 +390,44 @@ class RotorSystem:
         KeyboardInterrupt
             At Ctrl-C. This and every other error that ends a run has `.response`: what was
             computed.
+
+        Examples
+        --------
+        A shaft that is let go from rest in the plane of its bow, recorded in the middle:
+
+        >>> import gearbow as gb
+        >>> bow = gb.Bow.half_sine(1e-4)
+        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+        >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
+        >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+        >>> middle = ("rotor", 0.5)
+        >>> options = {"initial": "rest", "record": [middle, "energy"], "rtol": 1e-8}
+        >>> response = system.simulate(0.01, speed=0.0, **options)
+        >>> print(f"{1e6 * response.displacement(middle)[:, 0].max():.0f} µm")
+        200 µm
         """
-        if isinstance(initial, str):
-            state: str | dict[str, Any] = initial
-            begin = 0.0 if start is None else float(start)
-        else:
-            if start is not None:
-                raise SceneError("start: must be left out where a response is continued")
-            state = dict(initial.final if isinstance(initial, Response) else initial)
-            begin = float(state["time"])
+        duration, speed = number(duration, "duration"), number(speed, "speed")
+        state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         if times is None:
             if output_step is None:
-                output_step = self._model.default_output_step(float(duration), float(speed))
-            wanted, rows = grid(begin, float(duration), float(output_step)), None
+                output_step = self._model.default_output_step(duration, speed)
+            wanted, rows = grid(begin, duration, number(output_step, "output_step")), None
         elif output_step is None:
-            wanted, rows = np.unique(np.asarray(times, dtype=np.float64), return_inverse=True)
+            wanted, rows = distinct(times)
         else:
             raise SceneError("times: cannot be given together with output_step")
 
         try:
-            with reported(progress, float(duration)) as report:
+            with reported(progress, duration) as report:
                 data = self._model.simulate(
-                    float(duration),
-                    float(speed),
+                    duration,
+                    speed,
                     method=method,
-                    step=None if step is None else float(step),
-                    rtol=float(rtol),
+                    step=None if step is None else number(step, "step"),
+                    rtol=number(rtol, "rtol"),
                     initial=state,
                     times=wanted,
-                    record=[record]
-                    if isinstance(record, str)
-                    else [place(item) for item in record],
+                    record=[record] if isinstance(record, str) else [place(r) for r in record],
                     geometry=geometry,
                     start=begin,
                     progress=report,
@@ -428,10 +435,10 @@ class RotorSystem:
         except BaseException as error:
             partial: RunData | None = getattr(error, "partial", None)
             if partial is not None:
-                error.response = Response(in_order(partial, rows), float(speed))  # type: ignore[attr-defined]
+                error.response = Response(in_order(partial, rows), speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             raise
-        return Response(in_order(data, rows), float(speed))
+        return Response(in_order(data, rows), speed)
 
     def _lateral(self, name: At) -> list[int]:
         """Give the indices of v and w somewhere."""

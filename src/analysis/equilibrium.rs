@@ -21,22 +21,11 @@ const STALLED: f64 = 1e-14;
 /// A smooth problem takes three to five; more mean that there is no equilibrium near.
 const ITERATIONS: usize = 60;
 
-/// An equilibrium, and the system linearised there.
-#[derive(Clone, Debug)]
-pub struct Equilibrium {
-    /// Displacements q.
-    pub displacement: DVector<f64>,
-    /// Tangent stiffness: shafts, bearings, meshes with the turning of their lines of action.
-    pub stiffness: DMatrix<f64>,
-    /// Damping, with each mesh along its line of action there.
-    pub damping: DMatrix<f64>,
-}
-
-/// The equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not part of it.
+/// Displacements q of the equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not part of it.
 ///
 /// # Errors
 /// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.
-pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<Equilibrium, AnalysisError> {
+pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
     let model = &basis.model;
     let real = basis.real_modes(speed)?;
     let load = &model.constant_load;
@@ -66,9 +55,7 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<Equi
             break;
         }
         if converged {
-            let (_, tangent) = mesh_forces(model, geometry, speed, &q)?;
-            let damping = damping(basis, geometry, speed, &q)?;
-            return Ok(Equilibrium { stiffness: linear + tangent, damping, displacement: q });
+            return Ok(q);
         }
     }
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
@@ -119,23 +106,6 @@ fn mesh_forces(
         mesh.tangent(geometry, sigma, mesh.stiffness, &contact, |row, column, value| tangent[(row, column)] += value);
     }
     Ok((force, tangent))
-}
-
-/// Damping with each mesh along its line of action at `q`.
-fn damping(basis: &Basis, geometry: Geometry, speed: f64, q: &DVector<f64>) -> Result<DMatrix<f64>, AnalysisError> {
-    let model = &basis.model;
-    let mut matrix = basis.damping_matrix(speed)?;
-    let rest = vec![0.0; model.len()];
-    for (index, mesh) in model.meshes.iter().enumerate().filter(|(_, mesh)| mesh.damping > 0.0) {
-        let sigma = model.sigma(index, speed);
-        let contact = mesh
-            .contact(geometry, sigma, q.as_slice(), &rest)
-            .map_err(|overlap| overlapped(model, index, overlap))?;
-        for (contact, damping) in [(mesh.contact_at_rest(sigma), -mesh.damping), (contact, mesh.damping)] {
-            mesh.tangent(Geometry::Frozen, sigma, damping, &contact, |row, column, value| matrix[(row, column)] += value);
-        }
-    }
-    Ok(matrix)
 }
 
 /// The part of a Newton step that keeps the base circles apart.

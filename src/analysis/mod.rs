@@ -6,7 +6,7 @@ pub mod simulate;
 mod stability;
 mod synchronous;
 
-pub use equilibrium::{Equilibrium, equilibrium};
+pub use equilibrium::equilibrium;
 pub use error::AnalysisError;
 pub use stability::Spectrum;
-pub use synchronous::{response, synchronous};
+pub use synchronous::synchronous;

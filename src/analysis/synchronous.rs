@@ -9,24 +9,19 @@ use super::AnalysisError;
 use crate::linalg::solve_complex;
 use crate::modal::Basis;
 
-/// Amplitudes a of shaft after shaft as the source, one a column, in the inside order, for the system of stiffness and
-/// damping given.
+/// Amplitudes a at `speed` of shaft after shaft as the source, one a column, in the inside order; the meshes are
+/// linearised at rest.
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
-pub fn response(
-    basis: &Basis,
-    speed: f64,
-    stiffness: &DMatrix<f64>,
-    damping: &DMatrix<f64>,
-) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+pub fn synchronous(basis: &Basis, speed: f64) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
     let model = &basis.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
     if model.shafts.iter().all(|shaft| shaft.excitations.is_empty()) {
         return Ok(amplitudes);
     }
-    let mass = model.mass_matrix();
-    let rate = damping + model.gyroscopic_matrix() * speed;
+    let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(speed));
+    let rate = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
     for (source, shaft) in model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
         let spin = shaft.ratio * speed;
         let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
@@ -49,17 +44,6 @@ pub fn response(
         amplitudes.set_column(source, &solve_complex(&dynamic, &force).column(0));
     }
     Ok(amplitudes)
-}
-
-/// Amplitudes at each of `speeds` of the reference shaft, with the meshes linearised at rest.
-///
-/// # Errors
-/// [`AnalysisError`] if the undamped modes that modal damping needs cannot be found.
-pub fn synchronous(basis: &Basis, speeds: &[f64]) -> Result<Vec<DMatrix<Complex<f64>>>, AnalysisError> {
-    let at = |speed: &f64| {
-        response(basis, *speed, &basis.model.stiffness_matrix(*speed), &basis.damping_matrix(*speed)?)
-    };
-    speeds.iter().map(at).collect()
 }
 
 /// Displacement and velocity of the synchronous motion where shaft s stands at e^{iϑ} = `turns[s]`.

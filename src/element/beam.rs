@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
+use super::{Bending, Twist};
 use crate::scene::{Element, Material};
 
 /// Matrices of a shaft element.
@@ -29,6 +30,10 @@ pub struct Beam {
     pub torsional_mass: Matrix2<f64>,
     /// Torsional stiffness GJ/l.
     pub torsional_stiffness: Matrix2<f64>,
+    /// The bending stiffness as strains.
+    pub bending: Bending,
+    /// The torsional stiffness as strains.
+    pub twist: Twist,
 }
 
 /// Shear coefficient κ of a hollow circle with radii ratio m = rᵢ/rₒ (Cowper 1966).
@@ -78,6 +83,8 @@ impl Beam {
             stiffness,
             torsional_mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (density * polar * l / 6.0),
             torsional_stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (g * polar / l),
+            bending: Bending { half_length: l / 2.0, flexural: e * second_moment / l, transverse: 12.0 * bending },
+            twist: Twist { stiffness: g * polar / l },
         }
     }
 }

@@ -47,6 +47,8 @@ pub struct Halted {
 #[derive(Clone, Copy, Debug)]
 struct Taken {
     step: f64,
+    /// Elapsed time and its carry after the step.
+    after: (f64, f64),
     next_step: f64,
     error: f64,
     at_limit: bool,
@@ -79,7 +81,7 @@ pub fn run<const S: usize>(
             Control::Adaptive(adaptive) => attempt(system, method, state, adaptive, statistics),
         };
         let taken = taken.map_err(at(state.elapsed))?;
-        let after = advanced(state, control, &taken);
+        let after = taken.after;
         let derivatives = method.derivatives();
         if !method.end().iter().sum::<f64>().is_finite() {
             return Err(at(state.elapsed)(Halt::Diverged));
@@ -106,16 +108,11 @@ pub fn run<const S: usize>(
     Ok(())
 }
 
-/// Elapsed time and its carry after a step: i·h where the step is fixed, else a compensated sum.
-fn advanced(state: &State, control: &Control, taken: &Taken) -> (f64, f64) {
-    match control {
-        Control::Fixed(step) => ((state.count + 1) as f64 * step, 0.0),
-        Control::Adaptive(_) => {
-            let addend = taken.step - state.carry;
-            let sum = state.elapsed + addend;
-            (sum, (sum - state.elapsed) - addend)
-        }
-    }
+/// Elapsed time and its carry after a step: a compensated sum.
+fn advanced(state: &State, step: f64) -> (f64, f64) {
+    let addend = step - state.carry;
+    let sum = state.elapsed + addend;
+    (sum, (sum - state.elapsed) - addend)
 }
 
 fn fixed<const S: usize>(
@@ -125,9 +122,10 @@ fn fixed<const S: usize>(
     step: f64,
     statistics: &mut Statistics,
 ) -> Result<Taken, Halt> {
-    method.step(system, state.elapsed, &state.y, step)?;
+    let after = ((state.count + 1) as f64 * step, 0.0);
+    method.step(system, (state.elapsed, after.0), &state.y, step)?;
     statistics.evaluations += S as u64 - 1;
-    Ok(Taken { step, next_step: step, error: 1.0, at_limit: false })
+    Ok(Taken { step, after, next_step: step, error: 1.0, at_limit: false })
 }
 
 /// Tries steps until one meets the tolerance.
@@ -143,7 +141,8 @@ fn attempt<const S: usize>(
     let mut rejected = false;
     let before = system.size(&state.y);
     loop {
-        method.step(system, state.elapsed, &state.y, step)?;
+        let after = advanced(state, step);
+        method.step(system, (state.elapsed, after.0), &state.y, step)?;
         statistics.evaluations += S as u64 - 1;
         let scale = before.max(system.size(method.end())).max(control.floor);
         let error = match method.error(system, step) {
@@ -156,6 +155,7 @@ fn attempt<const S: usize>(
             let factor = if rejected { factor.min(1.0) } else { factor };
             return Ok(Taken {
                 step,
+                after,
                 next_step: (step * factor).min(control.longest),
                 error,
                 at_limit: step == control.longest,

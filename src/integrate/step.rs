@@ -27,15 +27,24 @@ impl<const S: usize> RungeKutta<S> {
         system.derivative(elapsed, y, &mut self.stages[0])
     }
 
-    /// Steps from `y` at `elapsed` by `step`; the first stage must stand.
+    /// Steps from `y` at `elapsed` by `step` to `end`, which round-off may part from their sum; the first stage must
+    /// stand. Stages at the end are evaluated at `end` itself, as the next step would.
     ///
     /// # Errors
     /// [`Halt`] of the system.
-    pub fn step(&mut self, system: &mut impl System, elapsed: f64, y: &[f64], step: f64) -> Result<(), Halt> {
+    pub fn step(
+        &mut self,
+        system: &mut impl System,
+        (elapsed, end): (f64, f64),
+        y: &[f64],
+        step: f64,
+    ) -> Result<(), Halt> {
         for stage in 1..S {
             let (done, rest) = self.stages.split_at_mut(stage);
             combine(y, step, &self.tableau.weights[stage], done, &mut self.end);
-            system.derivative(elapsed + self.tableau.nodes[stage] * step, &self.end, &mut rest[0])?;
+            let node = self.tableau.nodes[stage];
+            let time = if node < 1.0 { elapsed + node * step } else { end };
+            system.derivative(time, &self.end, &mut rest[0])?;
         }
         Ok(())
     }

@@ -6,6 +6,8 @@
 
 use thiserror::Error;
 
+use crate::element::Values;
+
 /// A matrix that should be positive definite is not.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("the matrix is not positive definite at node {node}")]
@@ -15,7 +17,6 @@ pub struct NotPositiveDefinite {
 }
 
 type Block<const B: usize> = [[f64; B]; B];
-type Values<const B: usize, const L: usize> = [[f64; L]; B];
 
 /// A symmetric block-tridiagonal matrix.
 #[derive(Clone, Debug)]
@@ -182,8 +183,9 @@ impl<const B: usize> BlockTridiagonalFactor<B> {
     }
 }
 
+/// The values of `node` in a vector.
 #[inline(always)]
-fn load<const B: usize, const L: usize>(x: &[f64], node: usize) -> Values<B, L> {
+pub fn load<const B: usize, const L: usize>(x: &[f64], node: usize) -> Values<B, L> {
     let chunk = &x[node * B * L..(node + 1) * B * L];
     let mut values = [[0.0; L]; B];
     for (i, value) in values.iter_mut().enumerate() {

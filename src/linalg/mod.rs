@@ -4,6 +4,6 @@ mod block_tridiagonal;
 mod dense;
 mod pencil;
 
-pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite};
+pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use dense::{DecompositionError, Eigen, eigen, solve, solve_complex};
 pub use pencil::{SymmetricPencil, symmetric_pencil};

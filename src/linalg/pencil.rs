@@ -9,7 +9,7 @@ use faer::{Mat, Par, Side};
 use nalgebra::{DMatrix, DVector};
 
 use super::DecompositionError;
-use super::dense::{copy, view};
+use super::dense::{copy, symmetric_eigen, view};
 
 /// Eigenvalues and vectors of a symmetric pencil.
 #[derive(Clone, Debug)]
@@ -64,8 +64,7 @@ pub fn symmetric_pencil(
     if rest > 0 {
         let block = standard.view((known, known), (rest, rest));
         let symmetric = Mat::from_fn(rest, rest, |i, j| (block[(i, j)] + block[(j, i)]) / 2.0);
-        let eigen = symmetric.self_adjoint_eigen(Side::Lower).map_err(|_| DecompositionError::Eigenvalues)?;
-        let (found, unit) = (eigen.S().column_vector(), eigen.U());
+        let (found, unit) = symmetric_eigen(&symmetric)?;
         for j in 0..rest {
             values[known + j] = found[j];
             for i in 0..rest {

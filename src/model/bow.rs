@@ -2,7 +2,6 @@
 
 use num_complex::Complex64;
 
-use super::shaft::BENDING;
 use crate::linalg::BlockTridiagonal;
 use crate::scene::{Bow, Scene, SceneError};
 
@@ -13,8 +12,8 @@ const RIGID: f64 = 1e8;
 pub(super) fn shape(
     scene: &Scene,
     index: usize,
-    mass: &BlockTridiagonal<BENDING>,
-    stiffness: &BlockTridiagonal<BENDING>,
+    mass: &BlockTridiagonal<2>,
+    stiffness: &BlockTridiagonal<2>,
 ) -> Result<Option<Vec<Complex64>>, SceneError> {
     let shaft = &scene.shafts[index];
     let at_nodes = |curve: &dyn Fn(f64) -> (Complex64, Complex64)| {
@@ -45,8 +44,8 @@ pub(super) fn shape(
 fn unit_sag(
     scene: &Scene,
     index: usize,
-    mass: &BlockTridiagonal<BENDING>,
-    stiffness: &BlockTridiagonal<BENDING>,
+    mass: &BlockTridiagonal<2>,
+    stiffness: &BlockTridiagonal<2>,
 ) -> Result<Vec<f64>, SceneError> {
     let shaft = &scene.shafts[index];
     let undefined = |message: &str| SceneError::new(format!("shafts[{index}].bow"), message);
@@ -59,7 +58,7 @@ fn unit_sag(
     }
     let mut largest: f64 = 0.0;
     stiffness.for_each(|row, column, value| {
-        if row == column && row % BENDING == 0 {
+        if row == column && row % 2 == 0 {
             largest = largest.max(value);
         }
     });
@@ -72,6 +71,6 @@ fn unit_sag(
     let mut sag = vec![0.0; weightless.len()];
     mass.multiply_add::<1>(1.0, &weightless, &mut sag);
     factor.solve::<1>(&mut sag);
-    let deepest = sag.iter().step_by(BENDING).fold(0.0_f64, |deepest, value| deepest.max(value.abs()));
+    let deepest = sag.iter().step_by(2).fold(0.0_f64, |deepest, value| deepest.max(value.abs()));
     Ok(sag.iter().map(|value| value / deepest).collect())
 }

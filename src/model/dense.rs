@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::Model;
-use super::shaft::Chain;
+use super::shaft::{BendingChain, TwistChain};
 use crate::linalg::BlockTridiagonal;
 use crate::mesh::Geometry;
 
@@ -94,8 +94,8 @@ impl Model {
 
 fn add_bending<'a>(
     matrix: &mut DMatrix<f64>,
-    chain: Option<&'a Chain<2>>,
-    of: impl Fn(&'a Chain<2>) -> Option<&'a BlockTridiagonal<2>>,
+    chain: Option<&'a BendingChain>,
+    of: impl Fn(&'a BendingChain) -> Option<&'a BlockTridiagonal<2>>,
 ) {
     if let Some((chain, part)) = chain.and_then(|chain| Some((chain, of(chain)?))) {
         part.for_each(|row, column, value| {
@@ -108,8 +108,8 @@ fn add_bending<'a>(
 
 fn add_twist<'a>(
     matrix: &mut DMatrix<f64>,
-    chain: Option<&'a Chain<1>>,
-    of: impl Fn(&'a Chain<1>) -> Option<&'a BlockTridiagonal<1>>,
+    chain: Option<&'a TwistChain>,
+    of: impl Fn(&'a TwistChain) -> Option<&'a BlockTridiagonal<1>>,
 ) {
     if let Some((chain, part)) = chain.and_then(|chain| Some((chain, of(chain)?))) {
         part.for_each(|row, column, value| matrix[(chain.start + row, chain.start + column)] += value);

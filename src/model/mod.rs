@@ -9,13 +9,14 @@
 
 mod bow;
 mod dense;
+mod form;
 mod numbering;
 mod shaft;
 
 use nalgebra::DVector;
 
 pub use numbering::{Dof, Kind, Numbering};
-pub use shaft::{Excitation, ShaftModel};
+pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::{Coordinates, Coupling};

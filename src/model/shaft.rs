@@ -7,18 +7,13 @@ use num_complex::Complex64;
 
 use super::numbering::Numbering;
 use super::{bow, massless};
-use crate::element::Beam;
-use crate::linalg::{BlockTridiagonal, BlockTridiagonalFactor};
+use crate::element::{Beam, Bending, Elastic, Twist, Values};
+use crate::linalg::{BlockTridiagonal, BlockTridiagonalFactor, load};
 use crate::scene::{Node, Scene, SceneError};
 
-/// Bending: nodes of (u, φ), two lanes.
-pub const BENDING: usize = 2;
-/// Twist: nodes of θ, one lane.
-pub const TWIST: usize = 1;
-
-/// The matrices of one chain.
+/// The matrices of one chain, elements of kind `E` between nodes of `B` unknowns.
 #[derive(Clone, Debug)]
-pub struct Chain<const B: usize> {
+pub struct Chain<const B: usize, E> {
     /// Index of the first coordinate.
     pub start: usize,
     /// Number of nodes.
@@ -27,10 +22,40 @@ pub struct Chain<const B: usize> {
     pub mass: BlockTridiagonal<B>,
     /// Factor of the mass.
     pub mass_factor: BlockTridiagonalFactor<B>,
-    /// Elastic stiffness of the shaft.
+    /// The elastic elements between the nodes.
+    pub elements: Vec<E>,
+    /// Elastic stiffness of the shaft, assembled.
     pub stiffness: BlockTridiagonal<B>,
     /// Rayleigh damping of the shaft, where the scene has any.
     pub damping: Option<BlockTridiagonal<B>>,
+}
+
+/// Bending: nodes of (u, φ), real and imaginary part as lanes.
+pub type BendingChain = Chain<2, Bending>;
+/// Twist: nodes of θ, one lane.
+pub type TwistChain = Chain<1, Twist>;
+
+impl<const B: usize, E: Elastic<B>> Chain<B, E> {
+    /// `force −= K q`, both of this chain alone.
+    #[inline(always)]
+    pub fn subtract_elastic<const L: usize>(&self, q: &[f64], force: &mut [f64]) {
+        let mut first: Values<B, L> = load(q, 0);
+        for (node, element) in self.elements.iter().enumerate() {
+            let second: Values<B, L> = load(q, node + 1);
+            let forces = element.forces(&first, &second);
+            let both = forces.as_flattened().as_flattened();
+            for (force, value) in force[node * B * L..(node + 2) * B * L].iter_mut().zip(both) {
+                *force += value;
+            }
+            first = second;
+        }
+    }
+
+    /// qᵀKq of this chain alone.
+    pub fn elastic_form<const L: usize>(&self, q: &[f64]) -> f64 {
+        let pair = |(node, element): (usize, &E)| element.form::<L>(&load(q, node), &load(q, node + 1));
+        self.elements.iter().enumerate().map(pair).sum()
+    }
 }
 
 /// A force that turns with the shaft: at shaft angle ϑ it is amplitude·e^{iϑ}, amplitude = bow + unbalance·(Ω² − iΩ̇).
@@ -57,11 +82,11 @@ pub struct ShaftModel {
     /// Signed spin over the reference shaft's.
     pub ratio: f64,
     /// Bending, where the scene has it.
-    pub bending: Option<Chain<BENDING>>,
+    pub bending: Option<BendingChain>,
     /// Gyroscopic matrix of bending, per unit spin of this shaft.
-    pub gyroscopic: BlockTridiagonal<BENDING>,
+    pub gyroscopic: BlockTridiagonal<2>,
     /// Twist, where the scene has it.
-    pub twist: Option<Chain<TWIST>>,
+    pub twist: Option<TwistChain>,
     /// Where bow and unbalance act.
     pub excitations: Vec<Excitation>,
     /// The bow at every node: u and φ of the stress-free shape in the shaft.
@@ -100,7 +125,8 @@ impl ShaftModel {
                 }
                 bow_shape = bow::shape(scene, index, &mass, &stiffness)?;
                 let mass_factor = mass.factor().map_err(|failure| massless(scene, index, failure))?;
-                Some(Chain { start, nodes, mass, mass_factor, stiffness, damping })
+                let elements = beams.iter().map(|beam| beam.bending).collect();
+                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
         };
         let twist = match numbering.torsion(index) {
@@ -117,7 +143,8 @@ impl ShaftModel {
                     mass.add_at_node(body.node.node, 0, 0, body.polar_inertia);
                 }
                 let mass_factor = mass.factor().map_err(|failure| massless(scene, index, failure))?;
-                Some(Chain { start, nodes, mass, mass_factor, stiffness, damping })
+                let elements = beams.iter().map(|beam| beam.twist).collect();
+                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
         };
         let excitations = bending.as_ref().map(|chain| excitations(scene, index, chain, bow_shape.as_deref()));
@@ -150,16 +177,6 @@ impl ShaftModel {
             chain.mass_factor.solve::<1>(&mut x[chain.start..]);
         }
     }
-
-    /// `out += K x` of the shaft's own elastic matrix.
-    pub fn multiply_stiffness(&self, x: &[f64], out: &mut [f64]) {
-        if let Some(chain) = &self.bending {
-            chain.stiffness.multiply_add::<2>(1.0, &x[chain.start..], &mut out[chain.start..]);
-        }
-        if let Some(chain) = &self.twist {
-            chain.stiffness.multiply_add::<1>(1.0, &x[chain.start..], &mut out[chain.start..]);
-        }
-    }
 }
 
 /// αM + βK, or nothing where both vanish.
@@ -179,13 +196,13 @@ fn rayleigh<const B: usize>(
 fn excitations(
     scene: &Scene,
     index: usize,
-    chain: &Chain<BENDING>,
+    chain: &BendingChain,
     bow: Option<&[Complex64]>,
 ) -> Vec<Excitation> {
     let mut force = vec![0.0; 4 * chain.nodes];
     if let Some(bow) = bow {
-        let parts: Vec<f64> = bow.iter().flat_map(|value| [value.re, value.im]).collect();
-        chain.stiffness.multiply_add::<2>(1.0, &parts, &mut force);
+        let opposite: Vec<f64> = bow.iter().flat_map(|value| [-value.re, -value.im]).collect();
+        chain.subtract_elastic::<2>(&opposite, &mut force);
     }
     let mut unbalance = vec![Complex64::ZERO; 2 * chain.nodes];
     for body in scene.bodies().filter(|body| body.node.shaft == index) {

@@ -5,27 +5,6 @@ use crate::mesh::{MeshState, Overlap};
 use crate::model::Model;
 
 impl<'m> Motion<'m> {
-    /// vᵀMv.
-    pub(super) fn kinetic_form(&self, v: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for shaft in &self.model.shafts {
-            if let Some(chain) = &shaft.bending {
-                sum += chain.mass.quadratic::<2>(&v[chain.start..]);
-            }
-            if let Some(chain) = &shaft.twist {
-                sum += chain.mass.quadratic::<1>(&v[chain.start..]);
-            }
-        }
-        sum
-    }
-
-    /// qᵀKq, each mesh linearised at rest.
-    pub(super) fn elastic_form(&self, q: &[f64]) -> f64 {
-        let meshes = self.model.meshes.iter().zip(&self.sigma);
-        let strained: f64 = meshes.map(|(mesh, sigma)| mesh.stiffness * mesh.deflection_at_rest(*sigma, q).powi(2)).sum();
-        self.shaft_form(q) + self.support_form(q) + strained
-    }
-
     /// Kinetic and elastic energy, J: ½vᵀMv + ½(q − q_b)ᵀK_s(q − q_b) + ½qᵀK_bearings q + Σ½kδ².
     ///
     /// # Errors
@@ -43,34 +22,13 @@ impl<'m> Motion<'m> {
                 }
             }
         }
-        let mut sum = self.kinetic_form(v) + self.shaft_form(&unbent) + self.support_form(q);
+        let mut sum = self.model.kinetic_form(v) + self.model.shaft_form(&unbent) + self.model.support_form(q);
         self.scratch = unbent;
         for (mesh, sigma) in self.model.meshes.iter().zip(&self.sigma) {
             let contact = mesh.contact(self.geometry, *sigma, q, v)?;
             sum += mesh.stiffness * contact.deflection * contact.deflection;
         }
         Ok(sum / 2.0)
-    }
-
-    fn shaft_form(&self, q: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for shaft in &self.model.shafts {
-            if let Some(chain) = &shaft.bending {
-                sum += chain.stiffness.quadratic::<2>(&q[chain.start..]);
-            }
-            if let Some(chain) = &shaft.twist {
-                sum += chain.stiffness.quadratic::<1>(&q[chain.start..]);
-            }
-        }
-        sum
-    }
-
-    fn support_form(&self, q: &[f64]) -> f64 {
-        let form = |k: &[[f64; 2]; 2], u: [f64; 2]| {
-            k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
-        };
-        let supports = self.model.supports.iter();
-        supports.map(|support| form(&support.stiffness, [q[support.index], q[support.index + 1]])).sum()
     }
 
     /// What a response reports of a mesh.

@@ -88,6 +88,11 @@ impl<'m> Motion<'m> {
         })
     }
 
+    /// qᵀKq, each mesh linearised at rest.
+    fn elastic_form(&self, q: &[f64]) -> f64 {
+        self.model.elastic_form(q, |mesh| self.sigma[mesh])
+    }
+
     /// e^{iϑ} of a shaft.
     pub fn turn(&self, shaft: usize, elapsed: f64) -> Complex64 {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.spins[shaft] * elapsed)
@@ -134,39 +139,25 @@ fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [
     if let Some(chain) = &shaft.bending {
         let range = chain.start..chain.start + 4 * chain.nodes;
         let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
-        for node in 0..chain.nodes {
-            let elastic = chain.stiffness.row::<2>(node, q);
-            let mut sum = [[0.0; 2]; 2];
-            for i in 0..2 {
-                for lane in 0..2 {
-                    sum[i][lane] = force[4 * node + 2 * i + lane] - elastic[i][lane];
-                }
-            }
-            if spin != 0.0 {
+        chain.subtract_elastic::<2>(q, force);
+        if spin != 0.0 {
+            for (node, force) in force.chunks_exact_mut(4).enumerate() {
                 let [[u_re, u_im], [phi_re, phi_im]] = shaft.gyroscopic.row::<2>(node, v);
-                sum[0][0] -= spin * u_im;
-                sum[0][1] += spin * u_re;
-                sum[1][0] -= spin * phi_im;
-                sum[1][1] += spin * phi_re;
+                force[0] -= spin * u_im;
+                force[1] += spin * u_re;
+                force[2] -= spin * phi_im;
+                force[3] += spin * phi_re;
             }
-            if let Some(damping) = &chain.damping {
-                let damped = damping.row::<2>(node, v);
-                for i in 0..2 {
-                    for lane in 0..2 {
-                        sum[i][lane] -= damped[i][lane];
-                    }
-                }
-            }
-            for (force, sum) in force[4 * node..4 * node + 4].iter_mut().zip(sum.iter().flatten()) {
-                *force = *sum;
-            }
+        }
+        if let Some(damping) = &chain.damping {
+            damping.multiply_add::<2>(-1.0, v, force);
         }
         chain.mass_factor.solve::<2>(force);
     }
     if let Some(chain) = &shaft.twist {
         let range = chain.start..chain.start + chain.nodes;
         let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
-        chain.stiffness.multiply_add::<1>(-1.0, q, force);
+        chain.subtract_elastic::<1>(q, force);
         if let Some(damping) = &chain.damping {
             damping.multiply_add::<1>(-1.0, v, force);
         }
@@ -193,7 +184,7 @@ impl System for Motion<'_> {
 
     fn norm(&mut self, difference: &[f64]) -> f64 {
         let (q, v) = difference.split_at(self.model.len());
-        (self.elastic_form(q) + self.kinetic_form(v)).max(0.0).sqrt()
+        (self.elastic_form(q) + self.model.kinetic_form(v)).max(0.0).sqrt()
     }
 
     fn size(&mut self, y: &[f64]) -> f64 {
@@ -202,7 +193,7 @@ impl System for Motion<'_> {
         for ((deviation, q), equilibrium) in deviation.iter_mut().zip(q).zip(&self.equilibrium) {
             *deviation = q - equilibrium;
         }
-        let square = self.elastic_form(&deviation) + self.kinetic_form(v);
+        let square = self.elastic_form(&deviation) + self.model.kinetic_form(v);
         self.scratch = deviation;
         square.max(0.0).sqrt()
     }

@@ -169,7 +169,8 @@ impl PyModel {
         for (index, speed) in speeds.iter().enumerate() {
             Path::entry("speeds", index).finite(*speed)?;
         }
-        let amplitudes = py.detach(|| analysis::synchronous(&self.basis, &speeds))?;
+        let at = |speed: &f64| analysis::synchronous(&self.basis, *speed);
+        let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
         let model = self.model();
         let values: Vec<Complex<f64>> = amplitudes
             .iter()
@@ -184,7 +185,7 @@ impl PyModel {
         let geometry = self::geometry(geometry)?;
         let model = self.model();
         let found = py.detach(|| analysis::equilibrium(&self.basis, geometry, 0.0))?;
-        let q = found.displacement.as_slice();
+        let q = found.as_slice();
         let rest = vec![0.0; model.len()];
         let mut fields: [Vec<f64>; 8] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
@@ -199,7 +200,7 @@ impl PyModel {
         let bearings = simulate::bearing_nodes(model);
         let forces: Vec<f64> = bearings.iter().flat_map(|node| model.bearing_force(*node, q, &rest)).collect();
         let dict = PyDict::new(py);
-        dict.set_item("state", outside_vector(py, &model.numbering, &found.displacement))?;
+        dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
         dict.set_item("meshes", simulate::mesh_names(model, 0..model.meshes.len()))?;
         dict.set_item("mesh", simulate::mesh_fields(py, fields, 1, model.meshes.len(), true)?)?;
         dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;

@@ -53,7 +53,7 @@ impl Path {
 
     /// `value`, if it is finite.
     pub fn finite(&self, value: f64) -> Result<f64, SceneError> {
-        if value.is_finite() { Ok(value) } else { Err(self.error(format!("must be finite, got {value}"))) }
+        if value.is_finite() { Ok(value) } else { Err(self.error(format!("must be finite, got {}", lower(value)))) }
     }
 
     /// `value`, if it is finite and above zero.
@@ -69,6 +69,11 @@ impl Path {
             Err(self.error(format!("must not be negative, got {value}")))
         }
     }
+}
+
+/// A number that is not finite, as Python and TOML write it.
+fn lower(value: f64) -> String {
+    value.to_string().to_lowercase()
 }
 
 impl fmt::Display for Path {

@@ -77,7 +77,14 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
     let profile_shift = at.field("profile_shift").finite(given.profile_shift.unwrap_or(0.0))?;
     let module_given = optional("module", given.module)?;
     let (module, base_radius) = match (module_given, optional("base_radius", given.base_radius)?) {
-        (Some(module), Some(base)) => (module, base),
+        (Some(module), Some(base)) => {
+            let expected = module * teeth / 2.0 * pressure_angle.cos();
+            if (base - expected).abs() > BASE_PITCH_TOLERANCE * expected {
+                let message = format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
+                return Err(at.field("base_radius").error(message));
+            }
+            (module, base)
+        }
         (Some(module), None) => (module, module * teeth / 2.0 * pressure_angle.cos()),
         (None, Some(base)) => (2.0 * base / (teeth * pressure_angle.cos()), base),
         (None, None) => return Err(at.error("needs module or base_radius")),

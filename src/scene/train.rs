@@ -94,20 +94,22 @@ fn follow(
     meshes: &[Mesh],
     size: impl Fn(usize) -> f64,
 ) -> Vec<Option<f64>> {
-    let mut ratios = vec![None; shafts];
+    let mut ratios: Vec<Option<f64>> = vec![None; shafts];
     ratios[start] = Some(1.0);
-    let mut found = vec![(start, 1.0)];
-    while let Some((shaft, ratio)) = found.pop() {
+    // Pass after pass in the order of the description, so that a loop is closed by its last mesh.
+    loop {
+        let mut found = false;
         for mesh in meshes {
             for (from, to) in [(mesh.driver, mesh.driven), (mesh.driven, mesh.driver)] {
-                let next = gears[to].body.node.shaft;
-                if gears[from].body.node.shaft == shaft && ratios[next].is_none() {
-                    let next_ratio = -ratio * size(from) / size(to);
-                    ratios[next] = Some(next_ratio);
-                    found.push((next, next_ratio));
+                let (here, next) = (gears[from].body.node.shaft, gears[to].body.node.shaft);
+                if let (Some(ratio), None) = (ratios[here], ratios[next]) {
+                    ratios[next] = Some(-ratio * size(from) / size(to));
+                    found = true;
                 }
             }
         }
+        if !found {
+            return ratios;
+        }
     }
-    ratios
 }

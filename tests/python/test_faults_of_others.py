@@ -135,7 +135,12 @@ def test_ratios_follow_meshes_whatever_their_order():
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
     scene = replace(
-        DEMO, bows={}, gravity=(0.0, -9.81), bearing_damping=3e4, mesh_damping_ratio=0.3
+        DEMO,
+        bows={},
+        gravity=(0.0, -9.81),
+        bearing_damping=3e4,
+        mesh_damping_ratio=0.3,
+        modal_damping=0.1,  # or shafts that bend about their gears would swing on
     )
     system = scene.package()
     still = system.static(geometry=geometry)
@@ -145,7 +150,8 @@ def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
     assert np.abs(np.asarray(still.displacement("g1"))).max() > 1e-6
     for name in ("g1", "g2", "g3", "g4"):
         u = np.asarray(still.displacement(name))
-        # the slowest motion decays by exp(-0.2 * 3e4 / (2 * 8 kg)) = exp(-375); left is rtol 1e-6
+        # the slowest motion, 1.4e3 rad/s, decays by exp(-0.1 * 1.4e3 * 0.25) = 1e-15; a point that
+        # stands still is one for the integrator too, whatever its tolerance
         assert np.abs(response.displacement(name)[-1] - u).max() < 1e-5 * np.abs(u).max()
     for pair in DEMO.meshes:
         mesh, at_rest = response.mesh(*pair), still.mesh(*pair)
@@ -204,7 +210,7 @@ def test_small_free_vibration_has_the_frequencies_of_the_modes(motion: str):
     for y in series:
         # released from rest: cosines alone. The integrator leaves 1e-9 a step, the load's geometry 1e-8
         assert misfit(omega, y) < 1e-5
-        assert misfit(omega * 1.003, y) > 1e-3
+        assert misfit(omega * 1.01, y) > 1e-3
 
 
 def test_sign_of_mesh_force_in_time_and_in_bearings():
@@ -223,9 +229,9 @@ def test_sign_of_mesh_force_in_time_and_in_bearings():
         assert np.sign(r.displacement("g1")[0]).tolist() == [-np.sign(torque)] * 2
         n = np.array([np.sin(np.radians(20)), np.cos(np.radians(20))])
         carried = sum(r.bearing_force("output", x)[0] for x in (0.0, 0.5))
-        # the force of the bearings on the shaft holds it back; the line of action has turned by 1e-4
+        # the shaft presses on its bearings with the tooth force; the line of action has turned by 1e-4
         force = r.mesh("g1", "g2").force[0]
-        assert carried == pytest.approx(-force * n, rel=1e-3)
+        assert carried == pytest.approx(force * n, rel=1e-3)
 
 
 # --- runs leave no trace, starts are honoured ----------------------------------------------------------------
@@ -258,10 +264,14 @@ def assert_same_bits(first: gb.Response, second: gb.Response, rows: slice = slic
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 def test_initial_state_is_honoured(method: str, geometry: str):
-    system, speed = DEMO.package(), 100.0
+    system, train, speed = DEMO.package(), DEMO.reference(), 100.0
     how = {"method": method, "geometry": geometry, "times": [0.0, 1e-4]}
     still = system.static(geometry=geometry)
-    turning = system.synchronous([speed])
+    # the response is linear about the equilibrium, where a live line of action has turned a little
+    about = still.state if geometry == "live" else None
+    turning = np.real(
+        sum(train.synchronous(speed, about))
+    )  # at t = 0 every shaft stands at angle 0
     rest = system.simulate(1e-4, speed, initial="rest", **how)
     static = system.simulate(1e-4, speed, initial="static", **how)
     synchronous = system.simulate(1e-4, speed, initial="synchronous", **how)
@@ -272,31 +282,30 @@ def test_initial_state_is_honoured(method: str, geometry: str):
         u = np.asarray(still.displacement(name))
         # through modes and back, at most: round-off
         assert np.abs(static.displacement(name)[0] - u).max() < 1e-9 * np.abs(u).max()
-        swing = turning.displacement(name)[0].real.sum(
-            axis=0
-        )  # at t = 0 every shaft stands at angle 0
-        expected = u + swing
+        i = train.dof(*train.place(name), 0)
+        expected = u + turning[i : i + 2]
         found = synchronous.displacement(name)[0]
-        assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+        # two assemblies and solvers, and derivatives of the gradient by differences
+        assert np.abs(found - expected).max() < 1e-7 * np.abs(expected).max()
+        assert np.abs(turning[i : i + 2]).max() > 1e-2 * np.abs(expected).max()
     default = system.simulate(1e-4, speed, **how)
     assert_same_bits(default, synchronous)
 
 
 def test_rest_means_at_rest():
     # from q = q' = 0 the first motion is half a t^2
-    train, t = DEMO.reference(), 1e-8
+    train, t = DEMO.reference(), 1e-9
     force = train.steady_force() + sum(at_0 for _, at_0, _ in train.turning_force(100.0))
     acceleration = np.linalg.solve(train.mass, force)
     response = DEMO.package().simulate(
-        2e-8, 100.0, initial="rest", method="rk4", times=[t], step=t, record=("nodes",)
+        2e-9, 100.0, initial="rest", method="rk4", times=[t], step=t, record=("nodes",)
     )
     for shaft, x in (("input", 0.25), ("middle", 0.125), ("output", 0.25)):
         i = train.dof(shaft, x, 0)
         exact = acceleration[i : i + 2] * t**2 / 2
-        # (omega_max t)^2 / 12 = 1e-6 is the next term
-        assert (
-            np.abs(response.displacement((shaft, x))[0] - exact).max() < 1e-5 * np.abs(exact).max()
-        )
+        # the next term is the meshes' damping over the gears' mass times t / 3: 3e-6
+        gap = np.abs(response.displacement((shaft, x))[0] - exact).max()
+        assert gap < 1e-5 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -127,7 +127,7 @@ def test_a_place_is_found_by_name_and_by_position():
         (lambda r: r.displacement("wheel"), "record=['wheel', ...]"),
         (lambda r: r.twist(("input", 0.2)), "record=[('input', 0.2), ...]"),
         (lambda r: r.bearing_force("input", 0.5), "record=[('bearing', 'input', 0.5), ...]"),
-        (lambda r: r.mesh("g2", "g1"), "record=[('g2', 'g1'), ...]"),
+        (lambda r: r.mesh("g1", "g3"), "record=[('g1', 'g3'), ...]"),
         (lambda r: r.energy, "record=['energy', ...]"),
     ],
 )
@@ -140,6 +140,11 @@ def test_what_was_not_recorded_is_asked_for_in_words(ask, record):
     )
     assert isinstance(caught.value, KeyError)
     assert isinstance(caught.value, gb.GearbowError)
+
+
+def test_a_pair_the_wrong_way_round_is_told_its_driver():
+    with pytest.raises(gb.ChannelError, match="'g1' drives 'g2'"):
+        recorded().mesh("g2", "g1")
 
 
 def test_what_is_recorded_can_be_recorded_again():
@@ -204,10 +209,42 @@ class TestTimes:
         with pytest.raises(gb.SceneError, match=r"^output_step"):
             train().simulate(1e-3, 100.0, output_step=step)
 
+    @pytest.mark.parametrize("duration", [-1.0, float("nan"), float("inf")])
+    def test_a_duration_that_cannot_be(self, duration):
+        with pytest.raises(gb.SceneError, match=r"^duration"):
+            train().simulate(duration, 100.0)
+
+    def test_a_run_of_no_time_gives_its_beginning(self):
+        response = train().simulate(0.0, 100.0, start=0.5)
+        np.testing.assert_array_equal(response.time, [0.5])
+        assert np.hypot(*response.displacement("g1")[0]) > 1e-5
+
     @pytest.mark.parametrize("times", [[-1e-4], [2e-3], [0.0, float("nan")]])
     def test_times_outside_the_run(self, times):
         with pytest.raises(gb.SceneError, match=r"^times"):
             train().simulate(1e-3, 100.0, times=times)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"speed": "fast"}, "^speed: must be a number, got 'fast'"),
+        ({"duration": None}, "^duration: must be a number"),
+        ({"output_step": "fine"}, "^output_step: must be a number"),
+        ({"times": ["never"]}, "^times: must be numbers"),
+        ({"initial": 5}, "^initial: must be a name or a response, got 5"),
+        ({"initial": "middle"}, "^initial: must be .*middle"),
+        ({"start": "now"}, "^start: must be a number"),
+        ({"step": "small"}, "^step: must be a number"),
+        ({"rtol": 0.0}, "^rtol"),
+        ({"method": "euler"}, "^method: .*euler"),
+        ({"geometry": "round"}, "^geometry: .*round"),
+        ({"record": ["g9"]}, r"^record\[0\]: .*g9"),
+    ],
+)
+def test_an_argument_that_cannot_be_is_named(options, text):
+    with pytest.raises(gb.SceneError, match=text):
+        train().simulate(**{"duration": 1e-3, "speed": 100.0, **options})
 
 
 class TestContinuation:

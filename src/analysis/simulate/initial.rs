@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::super::{AnalysisError, equilibrium, response, synchronous};
+use super::super::synchronous::{motion, synchronous};
+use super::super::{AnalysisError, equilibrium};
 use super::{Initial, Options};
 use crate::integrate::State;
 use crate::mesh::Geometry;
@@ -33,13 +34,13 @@ pub(super) fn start(basis: &Basis, options: &Options) -> Result<Start, AnalysisE
     let zero = || DVector::zeros(n);
     let (displacement, state, origin) = match &options.initial {
         // From rest a scene may move that has no equilibrium; tolerances are then relative to the motion itself.
-        Initial::Rest => (found.map_or_else(|_| zero(), |found| found.displacement), State::new(vec![0.0; 2 * n]), options.start),
+        Initial::Rest => (found.unwrap_or_else(|_| zero()), State::new(vec![0.0; 2 * n]), options.start),
         Initial::Continue(last) => {
             if last.state.y.len() != 2 * n {
                 let message = format!("has {} degrees of freedom, this system has {n}", last.state.y.len() / 2);
                 return Err(SceneError::new("initial", message).into());
             }
-            let displacement = found.map_or_else(|_| zero(), |found| found.displacement);
+            let displacement = found.unwrap_or_else(|_| zero());
             if options.resumes(last) {
                 (displacement, last.state.clone(), last.origin)
             } else {
@@ -49,17 +50,17 @@ pub(super) fn start(basis: &Basis, options: &Options) -> Result<Start, AnalysisE
         }
         Initial::Static => {
             let found = found?;
-            let y = [found.displacement.as_slice(), zero().as_slice()].concat();
-            (found.displacement, State::new(y), options.start)
+            let y = [found.as_slice(), zero().as_slice()].concat();
+            (found, State::new(y), options.start)
         }
         Initial::Synchronous => {
             let found = found?;
-            let amplitudes = response(basis, options.speed, &found.stiffness, &found.damping)?;
+            let amplitudes = synchronous(basis, options.speed)?;
             let turns: Vec<_> =
                 model.shafts.iter().map(|shaft| phase(shaft.ratio * options.speed, options.start)).collect();
-            let (q, v) = synchronous::motion(basis, options.speed, &amplitudes, &turns);
-            let y = [(&found.displacement + q).as_slice(), v.as_slice()].concat();
-            (found.displacement, State::new(y), options.start)
+            let (q, v) = motion(basis, options.speed, &amplitudes, &turns);
+            let y = [(&found + q).as_slice(), v.as_slice()].concat();
+            (found, State::new(y), options.start)
         }
     };
     let mut norm = crate::motion::Motion::new(basis, Geometry::Frozen, options.speed, origin, zero())?;

@@ -84,7 +84,6 @@ SCENE: dict[str, Any] = {
             "damping_ratio": 0.05,
             "centre_line_angle": 0.2,
             "centre_distance": 0.113,
-            "backlash": 1e-4,
         },
         {"driver": "g2", "driven": "g3", "stiffness": 2e8, "damping": 100.0},
     ],

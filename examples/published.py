@@ -1,0 +1,251 @@
+"""Computed beside published numbers, as a Markdown table.
+
+The rotors of the literature stand in ``examples/rotors``; closed forms and the geometry of a mesh
+need no file. Run with ``python examples/published.py``.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+import gearbow as gb
+
+ROTORS = Path(__file__).parent / "rotors"
+RPM = math.pi / 30.0
+TAU = 2.0 * math.pi
+
+
+def row(
+    source: str,
+    quantity: str,
+    published: Sequence[float],
+    computed: Iterable[float],
+    decimals: int,
+) -> str:
+    """Lay out one line of the table; numbers to the decimals that were published."""
+    found = list(computed)
+    largest = max(abs(c - p) / abs(p) for c, p in zip(found, published, strict=True))
+    difference = "< 0.001 %" if largest < 1e-5 else f"{100.0 * largest:.1g} %"
+    numbers = (" ".join(f"{x:.{decimals}f}" for x in series) for series in (published, found))
+    return " | ".join(["", source, quantity, *numbers, difference, ""]).strip()
+
+
+def load(name: str) -> gb.RotorSystem:
+    """Read a rotor of the literature, whose radii may be rounded."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gb.SceneWarning)
+        return gb.RotorSystem.load(ROTORS / f"{name}.toml")
+
+
+def bisect(f: Callable[[float], float], low: float, high: float) -> float:
+    """Find where f changes sign, to a part in 1e9."""
+    sign = f(low) > 0.0
+    while high - low > 1e-9 * high:
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if (f(middle) > 0.0) == sign else (low, middle)
+    return low
+
+
+def rao() -> Iterable[str]:
+    """Couple two rotors by a mesh; Friswell et al. (2010) print the frequencies."""
+    published = [
+        *(11.641, 12.284, 17.268, 18.458, 23.956, 37.681, 49.889),
+        *(50.861, 56.248, 57.752, 59.188, 63.113, 74.203),
+    ]
+    # The first mode is the rolling of the train.
+    computed = load("rao_1998").modes(speed=1500.0 * RPM).frequencies_hz[1 : len(published) + 1]
+    source = "geared pair, Rao, Shiau and Chang 1998"
+    yield row(source, "damped frequencies at 1500 rpm [Hz]", published, computed, 3)
+
+
+def nelson() -> Iterable[str]:
+    """Find speeds at which a stepped rotor whirls with its own turning, or against it."""
+    rotor = load("nelson_1976")
+
+    def critical(whirl: str, number: int) -> float:
+        def above(speed: float) -> float:
+            modes = rotor.modes(speed=speed)
+            own = modes.frequencies_hz[np.array(modes.whirl) == whirl]
+            return TAU * float(own[number]) - speed
+
+        return bisect(above, 1e3 * RPM, 1.2e5 * RPM) / RPM
+
+    published = {"backward": (15470, 46612, 64752), "forward": (17159, 49983, 96457)}
+    for whirl, speeds in published.items():
+        computed = [critical(whirl, number) for number in range(len(speeds))]
+        quantity = f"critical speeds, {whirl} [rpm]"
+        yield row("stepped rotor, Nelson and McVaugh 1976", quantity, speeds, computed, 0)
+
+
+def friswell() -> Iterable[str]:
+    """Put two disks between bearings, at rest and turning."""
+    rotor = load("friswell_2010")
+    source = "two disks, Friswell et al. 2010, example 5.9.1"
+    at_rest = [86.66, 86.66, 274.31, 274.31, 650.41, 716.78]
+    # The first mode is the rotor turning as a whole.
+    computed = TAU * rotor.modes().frequencies_hz[1:7]
+    yield row(source, "frequencies at rest [rad/s]", at_rest, computed, 2)
+    turning = [85.39, 87.80, 251.78, 294.71, 600.18]
+    computed = TAU * rotor.modes(speed=4000.0 * RPM).frequencies_hz[1:6]
+    yield row(source, "frequencies at 4000 rpm [rad/s]", turning, computed, 2)
+
+
+def bowed_shaft() -> Iterable[str]:
+    """Turn a uniform shaft with a half-sine bow between rigid bearings."""
+    speeds = (200.0, 400.0, 550.0, 700.0, 1200.0)
+    published = {
+        True: (1.110278, 1.659201, 4.018446, -4.613847, -0.388232),
+        False: (1.109726, 1.654280, 3.964414, -4.733929, -0.390691),
+    }
+    steel = gb.Material(207e9, 7800.0, poisson_ratio=0.3)
+    bow = gb.Bow.half_sine(1e-4)
+    source = "bowed shaft between rigid bearings, closed form"
+    for shear, numbers in published.items():
+        shaft = gb.Shaft(
+            "s",
+            length=1.0,
+            outer_diameter=0.05,
+            elements=32,
+            material=steel,
+            shear=shear,
+            bow=bow,
+        )
+        bearings = [gb.Bearing("s", x, stiffness=1e13) for x in (0.0, 1.0)]
+        system = gb.RotorSystem(shafts=[shaft], bearings=bearings)
+        middle = system.synchronous(speeds).displacement(("s", 0.5))[:, 0, 0].real / 1e-4
+        beam = "Timoshenko" if shear else "Rayleigh"
+        quantity = f"midspan over bow at 200, 400, 550, 700, 1200 rad/s, {beam} beam"
+        yield row(source, quantity, numbers, middle, 4)
+        if shear:
+            frequency = TAU * system.modes(count=1).frequencies_hz
+            yield row(source, "first frequency [rad/s]", [633.630], frequency, 3)
+
+
+def jeffcott() -> Iterable[str]:
+    """Turn a disk on a light shaft whose bow stands against its unbalance."""
+    bow, eccentricity, mass = 2e-4, 1e-4, 200.0
+    shaft = gb.Shaft(
+        "s",
+        length=1.0,
+        outer_diameter=0.05,
+        elements=2,
+        material=gb.Material(207e9, 1.0, poisson_ratio=0.3),
+        bow=gb.Bow.half_sine(bow),
+    )
+    rotor = gb.RotorSystem(
+        shafts=[shaft],
+        bearings=[gb.Bearing("s", x, stiffness=1e8) for x in (0.0, 1.0)],
+        disks=[gb.Disk("disk", "s", 0.5, mass, 1.0, 2.0, unbalance=-mass * eccentricity)],
+    )
+
+    def whirl(speed: float) -> float:
+        return float(rotor.synchronous(speed).displacement("disk")[0, 0, 0].real)
+
+    critical = TAU * float(rotor.modes(count=1).frequencies_hz[0])
+    still = bisect(whirl, 1.1 * critical, 2.0 * critical) / critical
+    source = "Jeffcott rotor, Nicholas, Gunter and Allaire 1976"
+    quantity = "speed over critical at which a bow of twice the eccentricity, opposed, cancels it"
+    yield row(source, quantity, [math.sqrt(bow / eccentricity)], [still], 5)
+
+
+def torsion() -> Iterable[str]:
+    """Twist a free shaft, and two gears on weightless shafts against their mesh."""
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=64)
+    rod = gb.RotorSystem(shafts=[shaft], motion="torsion")
+    published = [n / 2.0 * math.sqrt(207e9 / 2.6 / 7850.0) for n in (1, 2, 3)]
+    computed = rod.modes(count=4).frequencies_hz[1:]
+    yield row("free shaft, closed form", "frequencies in torsion [Hz]", published, computed, 1)
+
+    stiffness, gears = 2e8, {"a": (25, 0.035, 0.003), "b": (50, 0.070, 0.05)}
+    weightless = gb.Material(207e9, 1.0, poisson_ratio=0.3)
+    system = gb.RotorSystem(
+        shafts=[
+            gb.Shaft(f"shaft {a}", length=0.1, outer_diameter=0.05, elements=2, material=weightless)
+            for a in gears
+        ],
+        gears=[
+            gb.Gear(
+                name,
+                f"shaft {name}",
+                0.05,
+                teeth,
+                base_radius=radius,
+                mass=1.0,
+                diametral_inertia=inertia / 2.0,
+                polar_inertia=inertia,
+            )
+            for name, (teeth, radius, inertia) in gears.items()
+        ],
+        meshes=[gb.Mesh(*gears, stiffness=stiffness)],
+    )
+    compliance = sum(radius**2 / inertia for _, radius, inertia in gears.values())
+    published = [math.sqrt(stiffness * compliance) / TAU]
+    computed = system.modes(count=2).frequencies_hz[1:]
+    yield row(
+        "two gears on their mesh, closed form", "frequency in torsion [Hz]", published, computed, 2
+    )
+
+
+def pair(teeth: tuple[int, int], module: float, torque: float = 0.0) -> gb.RotorSystem:
+    """Describe two gears on rigid shafts; every centre has 2e8 N/m of bearings."""
+    names = ("a", "b")
+    rigid = gb.Material(1e15, 7850.0, poisson_ratio=0.3)
+    return gb.RotorSystem(
+        shafts=[
+            gb.Shaft(f"shaft {name}", length=0.1, outer_diameter=0.2, elements=2, material=rigid)
+            for name in names
+        ],
+        gears=[
+            gb.Gear(name, f"shaft {name}", 0.05, z, module=module, face_width=0.03)
+            for name, z in zip(names, teeth, strict=True)
+        ],
+        meshes=[gb.Mesh(*names, stiffness=2e8)],
+        bearings=[
+            gb.Bearing(f"shaft {name}", x, stiffness=1e8) for name in names for x in (0.0, 0.1)
+        ],
+        torques=[gb.Torque("a", torque), gb.Torque.balance("b")],
+    )
+
+
+def mesh() -> Iterable[str]:
+    """Measure how contact ratio, pressure angle and centre distance belong together."""
+    source = "involute pair, closed form"
+    ratio = {
+        z: pair(z, module).static().mesh("a", "b").contact_ratio
+        for z, module in (((25, 50), 3e-3), ((62, 62), 2e-3))
+    }
+    yield row(source, "contact ratio of 25/50 teeth", [1.68316], [ratio[25, 50]], 5)
+    yield row(source, "contact ratio of 62/62 teeth", [1.7897799], [ratio[62, 62]], 7)
+
+    # A small torque moves the centres apart, its opposite moves them together.
+    torque, distance, alpha = 10.0, 0.1125, math.radians(20.0)
+    apart, together = (
+        pair((25, 50), 3e-3, sign * torque).static().mesh("a", "b") for sign in (1.0, -1.0)
+    )
+    moved = apart.centre_distance - together.centre_distance
+    pitch = math.pi * 3e-3 * math.cos(alpha)
+    slope = (apart.contact_ratio - together.contact_ratio) / moved
+    quantity = "contact ratio over centre distance, 25/50 teeth [1/m]"
+    yield row(source, quantity, [-1.0 / (pitch * math.sin(alpha))], [slope], 2)
+    slope = (apart.pressure_angle - together.pressure_angle) / moved
+    quantity = "pressure angle over centre distance, 25/50 teeth [rad/m]"
+    yield row(source, quantity, [1.0 / (distance * math.tan(alpha))], [slope], 4)
+    force = torque / (distance / 3.0 * math.cos(alpha))
+    separation = 2.0 * force * math.sin(alpha) / 2e8
+    quantity = "separation of the centres under 10 N m [µm]"
+    yield row(source, quantity, [1e6 * separation], [5e5 * moved], 5)
+
+
+def main() -> None:
+    """Print the table."""
+    print("| source | quantity | published | computed | largest difference |")
+    print("|---|---|---|---|---|")
+    for rows in (rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh):
+        print(*rows(), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+//! Energies as quadratic forms, summed over elements, bodies, bearings and meshes.
+
+use super::Model;
+
+impl Model {
+    /// vᵀMv.
+    pub fn kinetic_form(&self, v: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                sum += chain.mass.quadratic::<2>(&v[chain.start..]);
+            }
+            if let Some(chain) = &shaft.twist {
+                sum += chain.mass.quadratic::<1>(&v[chain.start..]);
+            }
+        }
+        sum
+    }
+
+    /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells.
+    pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
+        let meshes = self.meshes.iter().enumerate();
+        let strained = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
+        self.shaft_form(q) + self.support_form(q) + strained.sum::<f64>()
+    }
+
+    /// qᵀKq of the shafts alone.
+    pub fn shaft_form(&self, q: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                sum += chain.elastic_form::<2>(&q[chain.start..]);
+            }
+            if let Some(chain) = &shaft.twist {
+                sum += chain.elastic_form::<1>(&q[chain.start..]);
+            }
+        }
+        sum
+    }
+
+    /// qᵀKq of the bearings alone.
+    pub fn support_form(&self, q: &[f64]) -> f64 {
+        let form = |k: &[[f64; 2]; 2], u: [f64; 2]| {
+            k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
+        };
+        let supports = self.supports.iter();
+        supports.map(|support| form(&support.stiffness, [q[support.index], q[support.index + 1]])).sum()
+    }
+}

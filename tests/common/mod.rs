@@ -1,0 +1,90 @@
+//! What the tests share: the train that the documentation describes, and numbers without a pattern.
+#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, reason = "every test file uses a part of this one")]
+
+use gearbow::modal::Basis;
+use gearbow::model::Model;
+use gearbow::scene::{Scene, System};
+
+/// A double-stage train: three shafts on six bearings, two meshes, bow on two shafts, torque in balance.
+pub const TRAIN: &str = r#"
+shafts = [
+    { name = "input", length = 0.5, outer_diameter = 0.05, elements = 4, bow = { shape = "half_sine", amplitude = 1.5e-4 } },
+    { name = "middle", length = 0.5, outer_diameter = 0.05, elements = 4, bow = { shape = "half_sine", amplitude = 1.5e-4, phase = 0.7 } },
+    { name = "output", length = 0.5, outer_diameter = 0.05, elements = 4 },
+]
+gears = [
+    { name = "g1", shaft = "input", position = 0.25, teeth = 25, module = 3e-3, face_width = 0.03, unbalance = [1e-4, 5e-5] },
+    { name = "g2", shaft = "middle", position = 0.125, teeth = 50, module = 3e-3, face_width = 0.03 },
+    { name = "g3", shaft = "middle", position = 0.375, teeth = 25, module = 3e-3, face_width = 0.03 },
+    { name = "g4", shaft = "output", position = 0.25, teeth = 50, module = 3e-3, face_width = 0.03 },
+]
+meshes = [
+    { driver = "g1", driven = "g2", stiffness = 2e8, damping_ratio = 0.05 },
+    { driver = "g3", driven = "g4", stiffness = 2e8, damping_ratio = 0.05, centre_line_angle = 0.6 },
+]
+bearings = [
+    { shaft = "input", position = 0.0, stiffness = 1e8, damping = 500.0 },
+    { shaft = "input", position = 0.5, stiffness = 1e8, damping = 500.0 },
+    { shaft = "middle", position = 0.0, stiffness = 1e8, damping = 500.0 },
+    { shaft = "middle", position = 0.5, stiffness = 1e8, damping = 500.0 },
+    { shaft = "output", position = 0.0, stiffness = 1e8, damping = 500.0 },
+    { shaft = "output", position = 0.5, stiffness = 1e8, damping = 500.0 },
+]
+torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
+"#;
+
+/// The description of the train.
+pub fn train() -> System {
+    System::from_toml(TRAIN).unwrap()
+}
+
+/// The train with nothing that bends, drives or damps it: what is left conserves its energy.
+pub fn free_train() -> System {
+    let mut system = train();
+    system.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
+    system.gears.iter_mut().for_each(|gear| gear.unbalance = None);
+    system.meshes.iter_mut().for_each(|mesh| mesh.damping_ratio = None);
+    system.bearings.iter_mut().for_each(|bearing| bearing.damping = None);
+    system.torques.clear();
+    system
+}
+
+/// The model of a description.
+pub fn model(system: &System) -> Model {
+    Model::new(Scene::new(system).unwrap()).unwrap()
+}
+
+/// The basis of a description.
+pub fn basis(system: &System) -> Basis {
+    Basis::new(model(system))
+}
+
+/// Numbers between −1 and 1 without a pattern, the same every time (Steele, Lea and Flood's SplitMix64).
+pub struct Noise(u64);
+
+impl Noise {
+    /// The sequence of `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next number.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// The next `len` numbers, each times `size`.
+    pub fn vector(&mut self, len: usize, size: f64) -> Vec<f64> {
+        (0..len).map(|_| size * self.next()).collect()
+    }
+}
+
+/// The largest absolute value.
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}

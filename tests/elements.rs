@@ -1,0 +1,233 @@
+//! Identities of one shaft element, against closed forms that the element does not use.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::f64::consts::PI;
+
+use gearbow::element::{Beam, Elastic, shear_coefficient};
+use gearbow::scene::{Element, Material};
+use nalgebra::{Matrix2, Matrix4, Vector4};
+use proptest::prelude::*;
+
+const STEEL: Material =
+    Material { youngs_modulus: 207e9, shear_modulus: 207e9 / 2.6, poisson_ratio: 0.3, density: 7850.0 };
+
+/// A few operations on numbers of one size: what their round-off may add up to, relative.
+const ROUND_OFF: f64 = 1e-13;
+
+/// What a section gives: ρA, ρI, EI and κGA.
+struct Section {
+    mass: f64,
+    rotary: f64,
+    bending: f64,
+    shear: f64,
+}
+
+fn section(element: &Element, material: &Material) -> Section {
+    let (outer, inner) = (element.outer_radius, element.inner_radius);
+    let area = PI * (outer.powi(2) - inner.powi(2));
+    let second = PI * (outer.powi(4) - inner.powi(4)) / 4.0;
+    let kappa = shear_coefficient(material.poisson_ratio, inner / outer);
+    Section {
+        mass: material.density * area,
+        rotary: material.density * second,
+        bending: material.youngs_modulus * second,
+        shear: kappa * material.shear_modulus * area,
+    }
+}
+
+fn solid(length: f64, outer_radius: f64) -> Element {
+    Element { length, outer_radius, inner_radius: 0.0 }
+}
+
+/// The largest difference of entries, each relative to √(aᵢᵢ aⱼⱼ) of `expected`: metres and radians alike.
+fn difference(found: &Matrix4<f64>, expected: &Matrix4<f64>) -> f64 {
+    let scale = |i: usize, j: usize| (expected[(i, i)] * expected[(j, j)]).sqrt();
+    Matrix4::from_fn(|i, j| (found[(i, j)] - expected[(i, j)]).abs() / scale(i, j)).max()
+}
+
+/// Upper triangle by rows, times `factor`.
+fn symmetric(factor: f64, entries: [f64; 10]) -> Matrix4<f64> {
+    let [a, b, c, d, e, f, g, h, i, j] = entries;
+    factor * Matrix4::new(a, b, c, d, b, e, f, g, c, f, h, i, d, g, i, j)
+}
+
+/// Mass of the Timoshenko element (Przemieniecki 1968, eqs. 11.33 and 11.34): translation, then rotary inertia.
+fn published_mass(section: &Section, l: f64, phi: f64) -> [Matrix4<f64>; 2] {
+    let square = phi * phi;
+    let a = 13.0 / 35.0 + 7.0 * phi / 10.0 + square / 3.0;
+    let b = (11.0 / 210.0 + 11.0 * phi / 120.0 + square / 24.0) * l;
+    let c = 9.0 / 70.0 + 3.0 * phi / 10.0 + square / 6.0;
+    let d = -(13.0 / 420.0 + 3.0 * phi / 40.0 + square / 24.0) * l;
+    let e = (1.0 / 105.0 + phi / 60.0 + square / 120.0) * l * l;
+    let f = -(1.0 / 140.0 + phi / 60.0 + square / 120.0) * l * l;
+    let translation = symmetric(section.mass * l / (1.0 + phi).powi(2), [a, b, c, d, e, -d, f, a, -b, e]);
+    let p = 6.0 / 5.0;
+    let q = (1.0 / 10.0 - phi / 2.0) * l;
+    let r = (2.0 / 15.0 + phi / 6.0 + square / 3.0) * l * l;
+    let s = (-1.0 / 30.0 - phi / 6.0 + square / 6.0) * l * l;
+    let rotary = symmetric(section.rotary / (l * (1.0 + phi).powi(2)), [p, q, -p, q, r, -q, s, p, -q, r]);
+    [translation, rotary]
+}
+
+#[test]
+fn mass_is_the_published_one_and_the_gyroscopic_matrix_twice_its_rotary_part() {
+    for (length, inner_radius, shear) in [(0.1, 0.0, true), (0.02, 0.015, true), (0.3, 0.01, false)] {
+        let element = Element { length, outer_radius: 0.025, inner_radius };
+        let section = section(&element, &STEEL);
+        let phi = if shear { 12.0 * section.bending / (section.shear * length * length) } else { 0.0 };
+        let [translation, rotary] = published_mass(&section, length, phi);
+        let beam = Beam::new(&element, &STEEL, shear);
+        assert!(difference(&beam.mass, &(translation + rotary)) < ROUND_OFF);
+        assert!(difference(&beam.gyroscopic, &(2.0 * rotary)) < ROUND_OFF);
+    }
+}
+
+#[test]
+fn stiffness_without_shear_is_that_of_the_textbook() {
+    let element = solid(0.2, 0.01);
+    let l = element.length;
+    let expected = symmetric(
+        section(&element, &STEEL).bending / l.powi(3),
+        [12.0, 6.0 * l, -12.0, 6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l, 12.0, -6.0 * l, 4.0 * l * l],
+    );
+    assert!(difference(&Beam::new(&element, &STEEL, false).stiffness, &expected) < ROUND_OFF);
+}
+
+#[test]
+fn shear_vanishes_with_a_rigid_section_and_with_slenderness() {
+    // φ = 12EI/(κGAl²) is 1e-18 here: nothing of it is left in a double.
+    let rigid = Material { shear_modulus: 1e30, ..STEEL };
+    let element = solid(0.1, 0.02);
+    let (with, without) = (Beam::new(&element, &rigid, true), Beam::new(&element, &rigid, false));
+    assert!(difference(&with.stiffness, &without.stiffness) < ROUND_OFF);
+    assert!(difference(&with.mass, &without.mass) < ROUND_OFF);
+
+    // Slender: the difference is φ to first order, so it falls with the square of the length.
+    let gap = |length: f64| {
+        let element = solid(length, 0.02);
+        difference(&Beam::new(&element, &STEEL, true).stiffness, &Beam::new(&element, &STEEL, false).stiffness)
+    };
+    let ratio = gap(2.0) / gap(4.0);
+    // φ is 1e-3 at 2 m; terms of second order change the ratio of 4 by as much.
+    assert!((ratio - 4.0).abs() < 1e-2, "{ratio}");
+}
+
+#[test]
+fn a_cantilever_of_one_element_bends_exactly() {
+    for (element, shear) in [(solid(0.8, 0.02), true), (solid(0.03, 0.02), true), (solid(0.03, 0.02), false)] {
+        let section = section(&element, &STEEL);
+        let l = element.length;
+        let yielding = if shear { l / section.shear } else { 0.0 };
+        let stiffness = Beam::new(&element, &STEEL, shear).stiffness;
+        let free: Matrix2<f64> = stiffness.fixed_view::<2, 2>(2, 2).into();
+        let flexibility = free.try_inverse().unwrap();
+        // Tip deflection and section rotation for a unit force and a unit moment at the tip.
+        let expected = Matrix2::new(
+            l.powi(3) / (3.0 * section.bending) + yielding,
+            l * l / (2.0 * section.bending),
+            l * l / (2.0 * section.bending),
+            l / section.bending,
+        );
+        // The inverse of a 2×2 matrix whose determinant is a difference of like numbers.
+        assert!((flexibility - expected).component_div(&expected).amax() < 1e-12);
+    }
+}
+
+#[test]
+fn twist_has_the_stiffness_and_the_inertia_of_a_tube() {
+    let element = Element { length: 0.3, outer_radius: 0.03, inner_radius: 0.02 };
+    let beam = Beam::new(&element, &STEEL, true);
+    let polar = PI / 2.0 * (0.03_f64.powi(4) - 0.02_f64.powi(4));
+    let stiffness = STEEL.shear_modulus * polar / element.length;
+    let inertia = STEEL.density * polar * element.length;
+    let expected = Matrix2::new(1.0, -1.0, -1.0, 1.0) * stiffness;
+    assert!((beam.torsional_stiffness - expected).amax() < ROUND_OFF * stiffness);
+    assert!((beam.torsional_mass.sum() - inertia).abs() < ROUND_OFF * inertia);
+    // A linear twist from 0 to 1 has ∫ξ² = 1/3 of the inertia.
+    assert!((beam.torsional_mass[(1, 1)] - inertia / 3.0).abs() < ROUND_OFF * inertia);
+    assert!((beam.twist.stiffness - stiffness).abs() < ROUND_OFF * stiffness);
+}
+
+#[test]
+fn shear_coefficient_is_that_of_cowper() {
+    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+    for nu in [0.0, 0.25, 0.3, 0.5] {
+        close(shear_coefficient(nu, 0.0), 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu));
+        // The thin-walled round tube of the same paper.
+        close(shear_coefficient(nu, 1.0), 2.0 * (1.0 + nu) / (4.0 + 3.0 * nu));
+    }
+    // m = 1/2, ν = 0.3: 6·1.3·1.5625/(8.8·1.5625 + 23.6·0.25).
+    close(shear_coefficient(0.3, 0.5), 12.1875 / 19.65);
+}
+
+#[test]
+fn a_tube_is_the_solid_shaft_less_its_core() {
+    // Without shear everything is linear in A and I; with it κ is not.
+    let [tube, whole, core] = [(0.03, 0.02), (0.03, 0.0), (0.02, 0.0)].map(|(outer_radius, inner_radius)| {
+        Beam::new(&Element { length: 0.1, outer_radius, inner_radius }, &STEEL, false)
+    });
+    for of in [|beam: &Beam| beam.mass, |beam: &Beam| beam.stiffness, |beam: &Beam| beam.gyroscopic] {
+        assert!(difference(&of(&tube), &(of(&whole) - of(&core))) < ROUND_OFF);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+
+    #[test]
+    fn rigid_motion_is_free_and_weighs_what_it_should(
+        length in 1e-3..2.0, outer_radius in 1e-3..0.5, bore in 0.0..0.95, nu in -0.5..0.5, shear: bool,
+    ) {
+        let element = Element { length, outer_radius, inner_radius: bore * outer_radius };
+        let material = Material { poisson_ratio: nu, shear_modulus: 207e9 / (2.0 + 2.0 * nu), ..STEEL };
+        let beam = Beam::new(&element, &material, shear);
+        let section = section(&element, &material);
+        prop_assert_eq!(beam.stiffness, beam.stiffness.transpose());
+        // Sums over Gauss points in one order for both triangles, but of products in two.
+        prop_assert!(difference(&beam.mass, &beam.mass.transpose()) < 1e-15);
+
+        let shift = Vector4::new(1.0, 0.0, 1.0, 0.0);
+        let tilt = Vector4::new(-length / 2.0, 1.0, length / 2.0, 1.0);
+        for motion in [shift, tilt] {
+            let force = beam.stiffness * motion;
+            let acting = beam.stiffness.abs() * motion.abs();
+            prop_assert!(force.abs().component_div(&acting).max() < 1e-15);
+        }
+        let mass = section.mass * length;
+        let inertia = mass * length * length / 12.0 + section.rotary * length;
+        let close = |found: f64, expected: f64| (found - expected).abs() < ROUND_OFF * expected;
+        prop_assert!(close(shift.dot(&(beam.mass * shift)), mass));
+        prop_assert!(close(tilt.dot(&(beam.mass * tilt)), inertia));
+        prop_assert!(shift.dot(&(beam.mass * tilt)).abs() < ROUND_OFF * (mass * inertia).sqrt());
+        // A tilting element has its whole polar inertia 2ρIl as gyroscopic moment, a shifting one none.
+        prop_assert!(close(tilt.dot(&(beam.gyroscopic * tilt)), 2.0 * section.rotary * length));
+        prop_assert!((beam.gyroscopic * shift).amax() < ROUND_OFF * beam.gyroscopic.amax());
+    }
+
+    #[test]
+    fn strains_give_the_force_and_the_energy_of_the_matrix(
+        length in 1e-2..2.0, outer_radius in 1e-3..0.2, q in prop::array::uniform8(-1.0..1.0),
+    ) {
+        let beam = Beam::new(&solid(length, outer_radius), &STEEL, true);
+        // Two lanes of (u₁, φ₁, u₂, φ₂), which must not mix.
+        let at = |lane: usize| Vector4::from_fn(|i, _| q[2 * i + lane]);
+        let node = |first: usize| [[q[first], q[first + 1]], [q[first + 2], q[first + 3]]];
+        let forces = beam.bending.forces::<2>(&node(0), &node(4));
+        let mut form = 0.0;
+        for lane in 0..2 {
+            let expected = -beam.stiffness * at(lane);
+            let acting = beam.stiffness.abs() * at(lane).abs();
+            for i in 0..4 {
+                prop_assert!((forces[i / 2][i % 2][lane] - expected[i]).abs() < 1e-14 * acting[i]);
+            }
+            form += at(lane).dot(&(beam.stiffness * at(lane)));
+        }
+        let acting = beam.stiffness.amax() * q.iter().map(|value| value * value).sum::<f64>();
+        prop_assert!((beam.bending.form::<2>(&node(0), &node(4)) - form).abs() < 1e-14 * acting);
+
+        let [turned, twisted] = [[[q[0]]], [[q[1]]]];
+        let torque = beam.twist.stiffness * (q[1] - q[0]);
+        prop_assert_eq!(beam.twist.forces::<1>(&turned, &twisted), [[[torque]], [[-torque]]]);
+        prop_assert_eq!(beam.twist.form::<1>(&turned, &twisted), beam.twist.stiffness * (q[1] - q[0]).powi(2));
+    }
+}
