@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AnalysisError;
 use crate::linalg::solve;
-use crate::mesh::Geometry;
+use crate::mesh::{Flank, Geometry};
 use crate::modal::Basis;
 use crate::model::Model;
 use crate::scene::SceneError;
@@ -37,10 +37,11 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
     let held = &weighted * weighted.transpose() * (lowest * lowest);
 
+    let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
     for _ in 0..ITERATIONS {
-        let (force, tangent) = mesh_forces(model, geometry, speed, &q)?;
+        let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
         let residual = load - &linear * &q - force;
         let step = solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);
@@ -55,7 +56,15 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
             break;
         }
         if converged {
-            return Ok(q);
+            // A flank that would pull has parted; the other one carries.
+            let pulls = pulling(model, geometry, speed, &flanks, &q)?;
+            if pulls.is_empty() {
+                return Ok(q);
+            }
+            for mesh in pulls {
+                flanks[mesh] = if flanks[mesh] == Flank::Drive { Flank::Back } else { Flank::Drive };
+            }
+            previous = f64::INFINITY;
         }
     }
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
@@ -92,20 +101,43 @@ fn mesh_forces(
     model: &Model,
     geometry: Geometry,
     speed: f64,
+    flanks: &[Flank],
     q: &DVector<f64>,
 ) -> Result<(DVector<f64>, DMatrix<f64>), AnalysisError> {
     let mut force = DVector::zeros(model.len());
     let mut tangent = DMatrix::zeros(model.len(), model.len());
-    let rest = vec![0.0; model.len()];
-    for (index, mesh) in model.meshes.iter().enumerate() {
+    for (index, (mesh, flank)) in model.meshes.iter().zip(flanks).enumerate() {
         let sigma = model.sigma(index, speed);
-        let contact = mesh
-            .contact(geometry, sigma, q.as_slice(), &rest)
+        let (pressed, normal) = mesh
+            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |row, column, value| tangent[(row, column)] += value)
             .map_err(|overlap| overlapped(model, index, overlap))?;
-        mesh.apply(sigma, -contact.force, contact.normal, force.as_mut_slice());
-        mesh.tangent(geometry, sigma, mesh.stiffness, &contact, |row, column, value| tangent[(row, column)] += value);
+        let sigma = if *flank == Flank::Back { -sigma } else { sigma };
+        mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
     }
     Ok((force, tangent))
+}
+
+/// Meshes with backlash whose flank would have to pull.
+fn pulling(
+    model: &Model,
+    geometry: Geometry,
+    speed: f64,
+    flanks: &[Flank],
+    q: &DVector<f64>,
+) -> Result<Vec<usize>, AnalysisError> {
+    let mut pulling = Vec::new();
+    for (index, (mesh, flank)) in model.meshes.iter().zip(flanks).enumerate() {
+        let sigma = model.sigma(index, speed);
+        let (force, _) = mesh
+            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |_, _, _| {})
+            .map_err(|overlap| overlapped(model, index, overlap))?;
+        // An unloaded mesh rests on its flank with a force of round-off.
+        let scale = mesh.stiffness * mesh.involute.base_radius[0] * f64::EPSILON;
+        if mesh.backlash.is_some() && force < -scale {
+            pulling.push(index);
+        }
+    }
+    Ok(pulling)
 }
 
 /// The part of a Newton step that keeps the base circles apart.
@@ -116,11 +148,12 @@ fn admissible(
     q: &DVector<f64>,
     step: &DVector<f64>,
 ) -> Result<f64, AnalysisError> {
-    let rest = vec![0.0; model.len()];
     let mut fraction = 1.0;
     for (index, mesh) in model.meshes.iter().enumerate() {
         let sigma = model.sigma(index, speed);
-        while let Err(overlap) = mesh.contact(geometry, sigma, (q + step * fraction).as_slice(), &rest) {
+        while let Err(overlap) =
+            mesh.mean_tangent(geometry, sigma, Flank::Drive, (q + step * fraction).as_slice(), |_, _, _| {})
+        {
             fraction /= 2.0;
             if fraction < 1e-3 {
                 return Err(overlapped(model, index, overlap));

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::tableau::Tableau;
 use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::mesh::Coupling;
 use crate::modal::Basis;
 
 /// Bounds of the eigenvalues.
@@ -24,7 +25,7 @@ impl Spectrum {
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
         let model = &basis.model;
-        let omega_max = basis.real_modes(speed)?.highest();
+        let omega_max = (basis.real_modes(speed)?.highest().powi(2) + stiffening(basis, speed)).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
@@ -41,6 +42,26 @@ impl Spectrum {
         let undamped = tableau.imaginary_limit / (self.omega_max + self.gyroscopic);
         if self.damping == 0.0 { undamped } else { undamped.min(tableau.real_limit / self.radius()) }
     }
+}
+
+/// A bound of what meshes that are stiffer than their mean add to ω_max²: (k_max − k)·gᵀM⁻¹g each.
+fn stiffening(basis: &Basis, speed: f64) -> f64 {
+    let model = &basis.model;
+    let stiffer = |(index, mesh): (usize, &Coupling)| {
+        let excess = mesh.stiffest - mesh.stiffness;
+        if excess <= 0.0 {
+            return 0.0;
+        }
+        let sigma = model.sigma(index, speed);
+        let mut gradient = DVector::zeros(model.len());
+        mesh.gradient(sigma, mesh.normal_at_rest(sigma), |index, slope| gradient[index] += slope);
+        let mut accelerated = gradient.clone();
+        for shaft in &model.shafts {
+            shaft.solve_mass(accelerated.as_mut_slice());
+        }
+        excess * gradient.dot(&accelerated)
+    };
+    model.meshes.iter().enumerate().map(stiffer).sum()
 }
 
 /// The largest eigenvalue of M⁻¹C for the dampers of bearings and meshes: that of the small matrix dᵀM⁻¹d, where each
@@ -60,7 +81,7 @@ fn dampers(basis: &Basis, speed: f64) -> Result<f64, DecompositionError> {
     for (index, mesh) in model.meshes.iter().enumerate().filter(|(_, mesh)| mesh.damping > 0.0) {
         let sigma = model.sigma(index, speed);
         let mut column = DVector::zeros(model.len());
-        let normal = mesh.contact_at_rest(sigma).normal;
+        let normal = mesh.normal_at_rest(sigma);
         mesh.gradient(sigma, normal, |index, slope| column[index] += mesh.damping.sqrt() * slope);
         columns.push(column);
     }

@@ -23,6 +23,8 @@ pub struct State {
     pub next_step: f64,
     /// Scaled error of the step before.
     pub previous_error: f64,
+    /// The laws that hold, as numbers of the system's own; empty before the first step.
+    pub laws: Vec<i64>,
     /// Displacements, then velocities.
     pub y: Vec<f64>,
 }
@@ -30,7 +32,7 @@ pub struct State {
 impl State {
     /// The beginning of a run.
     pub fn new(y: Vec<f64>) -> Self {
-        Self { count: 0, elapsed: 0.0, carry: 0.0, next_step: 0.0, previous_error: 1.0, y }
+        Self { count: 0, elapsed: 0.0, carry: 0.0, next_step: 0.0, previous_error: 1.0, laws: Vec::new(), y }
     }
 }
 
@@ -41,6 +43,71 @@ pub struct Halted {
     pub halt: Halt,
     /// When, s.
     pub elapsed: f64,
+}
+
+/// Changes of law within a step.
+///
+/// The law is frozen over a step. Where another one holds at its end, the instant of the change is found on the
+/// interpolated motion, the step is taken again up to there, and the new law is adopted as it was found: the state at
+/// the instant itself may, by round-off, still be on either side.
+struct Events {
+    found: Vec<i64>,
+    trial: Vec<f64>,
+}
+
+/// An instant is found to this part of its step.
+const RESOLUTION: f64 = 1e-13;
+/// A change within this part of the step from its beginning would move time by nothing: it is let be until later.
+const NOTHING: f64 = 1e-9;
+
+impl Events {
+    fn new(system: &mut impl System, state: &mut State) -> Result<Option<Self>, Halt> {
+        if !system.switches() {
+            return Ok(None);
+        }
+        if state.laws.is_empty() {
+            system.laws_at(state.elapsed, &state.y, &mut state.laws)?;
+        }
+        system.set_laws(&state.laws);
+        Ok(Some(Self { found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
+    }
+
+    /// The length of the step up to the first change of law within it.
+    fn locate<const S: usize>(
+        &mut self,
+        system: &impl System,
+        method: &RungeKutta<S>,
+        state: &State,
+        taken: &Taken,
+    ) -> Result<Option<f64>, Halt> {
+        let Self { found, trial } = self;
+        system.laws_at(taken.after.0, method.end(), found)?;
+        if *found == state.laws {
+            return Ok(None);
+        }
+        let derivatives = method.derivatives();
+        let span = Span {
+            start: state.elapsed,
+            step: taken.step,
+            before: (&state.y, derivatives.0),
+            after: (method.end(), derivatives.1),
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        while high - low > RESOLUTION {
+            let middle = (low + high) / 2.0;
+            let elapsed = state.elapsed + middle * taken.step;
+            span.state(&span.weights(elapsed), trial);
+            system.laws_at(elapsed, trial, found)?;
+            if *found == state.laws { low = middle } else { high = middle }
+        }
+        if high <= NOTHING {
+            return Ok(None);
+        }
+        let elapsed = state.elapsed + high * taken.step;
+        span.state(&span.weights(elapsed), trial);
+        system.laws_at(elapsed, trial, found)?;
+        Ok(Some(high * taken.step))
+    }
 }
 
 /// What a step made of its state, apart from y.
@@ -68,6 +135,8 @@ pub fn run<const S: usize>(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let at = |elapsed: f64| move |halt: Halt| Halted { halt, elapsed };
+    let mut events = Events::new(system, state).map_err(at(state.elapsed))?;
+    observer.switched(state.elapsed, &state.laws);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
     statistics.evaluations += 1;
     let mut asked = 0;
@@ -80,12 +149,23 @@ pub fn run<const S: usize>(
             Control::Fixed(step) => fixed(system, method, state, *step, statistics),
             Control::Adaptive(adaptive) => attempt(system, method, state, adaptive, statistics),
         };
-        let taken = taken.map_err(at(state.elapsed))?;
-        let after = taken.after;
-        let derivatives = method.derivatives();
+        let mut taken = taken.map_err(at(state.elapsed))?;
         if !method.end().iter().sum::<f64>().is_finite() {
             return Err(at(state.elapsed)(Halt::Diverged));
         }
+        let event = match &mut events {
+            Some(events) => events.locate(system, method, state, &taken).map_err(at(state.elapsed))?,
+            None => None,
+        };
+        if let Some(step) = event {
+            taken.step = step;
+            taken.after = advanced(state, step);
+            let span = (state.elapsed, taken.after.0);
+            method.step(system, span, &state.y, step).map_err(at(state.elapsed))?;
+            statistics.evaluations += S as u64 - 1;
+        }
+        let after = taken.after;
+        let derivatives = method.derivatives();
         let span = Span {
             start: state.elapsed,
             step: taken.step,
@@ -100,10 +180,20 @@ pub fn run<const S: usize>(
         }
         method.commit(&mut state.y);
         (state.elapsed, state.carry) = after;
+        statistics.accept(taken.step, taken.at_limit);
+        if let (Some(events), Some(_)) = (&events, event) {
+            // The derivative that stands is of the law before; the step to try is that from before the event.
+            state.laws.clone_from(&events.found);
+            system.set_laws(&state.laws);
+            observer.switched(state.elapsed, &state.laws);
+            method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
+            statistics.evaluations += 1;
+            statistics.events += 1;
+            continue;
+        }
         state.count += 1;
         state.next_step = taken.next_step;
         state.previous_error = taken.error;
-        statistics.accept(taken.step, taken.at_limit);
     }
     Ok(())
 }
@@ -123,6 +213,9 @@ fn fixed<const S: usize>(
     statistics: &mut Statistics,
 ) -> Result<Taken, Halt> {
     let after = ((state.count + 1) as f64 * step, 0.0);
+    // An event has ended a step within this one: what is left of it comes next.
+    let begun = state.elapsed != state.count as f64 * step;
+    let step = if begun { after.0 - state.elapsed } else { step };
     method.step(system, (state.elapsed, after.0), &state.y, step)?;
     statistics.evaluations += S as u64 - 1;
     Ok(Taken { step, after, next_step: step, error: 1.0, at_limit: false })

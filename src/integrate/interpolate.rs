@@ -56,6 +56,14 @@ impl Span<'_> {
         }
     }
 
+    /// The whole state, into `y`.
+    pub fn state(&self, weights: &Weights, y: &mut [f64]) {
+        let half = y.len() / 2;
+        for index in 0..half {
+            (y[index], y[half + index]) = self.at(weights, index);
+        }
+    }
+
     /// Displacement and velocity of coordinate `index`.
     pub fn at(&self, weights: &Weights, index: usize) -> (f64, f64) {
         let velocity = self.before.0.len() / 2 + index;

@@ -31,6 +31,8 @@ pub struct Statistics {
     pub rejected: u64,
     /// Evaluations of the right-hand side.
     pub evaluations: u64,
+    /// Changes of law that a step was made to end at.
+    pub events: u64,
     /// Steps whose length the stability limit set.
     pub at_limit: u64,
     /// Shortest step, s.
@@ -42,7 +44,7 @@ pub struct Statistics {
 impl Statistics {
     /// Nothing done yet.
     pub fn new() -> Self {
-        Self { steps: 0, rejected: 0, evaluations: 0, at_limit: 0, shortest: f64::INFINITY, longest: 0.0 }
+        Self { steps: 0, rejected: 0, evaluations: 0, events: 0, at_limit: 0, shortest: f64::INFINITY, longest: 0.0 }
     }
 
     pub(super) fn accept(&mut self, step: f64, at_limit: bool) {

@@ -35,6 +35,23 @@ pub trait System {
     /// [`Halt`] where f is not defined.
     fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt>;
 
+    /// Whether the right-hand side changes its law at instants that depend on the motion.
+    fn switches(&self) -> bool {
+        false
+    }
+
+    /// Writes the laws that hold at a state, as numbers of the system's own.
+    ///
+    /// # Errors
+    /// [`Halt`] where they are not defined.
+    fn laws_at(&self, _elapsed: f64, _y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+        laws.clear();
+        Ok(())
+    }
+
+    /// Sets the laws of the steps to come.
+    fn set_laws(&mut self, _laws: &[i64]) {}
+
     /// Energy norm of a difference of states: √(eᵀKe + ėᵀMė). Metres and radians have no other common measure.
     fn norm(&mut self, difference: &[f64]) -> f64;
 
@@ -52,6 +69,9 @@ pub trait Observer {
     /// # Errors
     /// [`Halt`] where what it looks at is not defined.
     fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt>;
+
+    /// Sees that the laws of the system have changed.
+    fn switched(&mut self, _elapsed: f64, _laws: &[i64]) {}
 
     /// Whether to go on, asked every few steps with the elapsed time.
     fn go_on(&mut self, elapsed: f64) -> bool;

@@ -1,15 +1,22 @@
 //! A mesh as the equation of motion sees it: one scalar force that acts on six coordinates.
 //!
 //! ```text
-//! F = k δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) over (u_a, u_b, θ_a, θ_b)
+//! F = ∂U/∂δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) over (u_a, u_b, θ_a, θ_b)
 //! ```
 //!
-//! One law for modes, static equilibrium and motion. Live geometry takes n from the centres as they lie; with
-//! constant k the force then derives from ½kδ², and an undamped scene conserves its energy although n moves. Frozen
-//! geometry keeps n of the centres at rest, which makes the law linear.
+//! with U = ½kδ² where the stiffness is a mean, and the sum over the tooth pairs where it is not. One law for modes,
+//! static equilibrium and motion. Live geometry takes n from the centres as they lie; with constant k the force then
+//! derives from ½kδ², and an undamped scene conserves its energy although n moves. Frozen geometry keeps n of the
+//! centres at rest, which makes the law linear. A stiffness that depends on the motion adds −∂U/∂q of its own.
+//!
+//! With backlash the flanks part: F acts on the drive flank while it presses, on the back flank (σ → −σ, from the
+//! backlash on) while that does, and otherwise not at all; it never pulls.
 
-use super::involute::{Centres, Involute, LineOfAction, Overlap};
-use crate::scene::{Gear, Mesh};
+use super::contact::{Contact, Flank, Law, MeshState, Turning};
+use super::error::ErrorCurve;
+use super::involute::{Involute, LineOfAction, Overlap};
+use super::stiffness::{self, Path, Stiffness, Stored};
+use crate::scene::{Damping, Gear, Mesh, Phase};
 
 /// Whether the line of action follows the centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,38 +36,6 @@ pub struct Coordinates {
     pub twist: [usize; 2],
 }
 
-/// The state of a mesh at an instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// Deflection δ, m.
-    pub deflection: f64,
-    /// Its rate δ̇, m/s.
-    pub rate: f64,
-    /// Force F, N.
-    pub force: f64,
-    /// Line of action n.
-    pub normal: [f64; 2],
-    /// Unit vector across n.
-    pub across: [f64; 2],
-    /// C sin α, m.
-    pub tangent: f64,
-}
-
-/// What a response reports of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshState {
-    /// Deflection δ, m.
-    pub deflection: f64,
-    /// Force F, N.
-    pub force: f64,
-    /// Stiffness k, N/m.
-    pub stiffness: f64,
-    /// The moving centres.
-    pub centres: Centres,
-    /// Tooth pairs between the tip circles.
-    pub pairs_in_contact: f64,
-}
-
 /// A mesh with its coordinates.
 #[derive(Clone, Debug)]
 pub struct Coupling {
@@ -68,12 +43,23 @@ pub struct Coupling {
     pub involute: Involute,
     /// The six coordinates.
     pub coordinates: Coordinates,
-    /// Stiffness k, N/m.
+    /// Stiffness of the teeth.
+    pub teeth: Stiffness,
+    /// What moves the teeth along the path of contact.
+    pub phase: Phase,
+    /// Mean stiffness, N/m: that of modes, equilibrium and everything linear.
     pub stiffness: f64,
+    /// A bound of the stiffness, N/m.
+    pub stiffest: f64,
     /// Damping c, N s/m.
     pub damping: f64,
-    /// Shaft of the driver, whose spin gives σ.
-    pub driver_shaft: usize,
+    /// Backlash along the line of action, m; none for a mesh that never parts.
+    pub backlash: Option<f64>,
+    /// Shafts of driver and driven gear; the spin of the first gives σ.
+    pub shafts: [usize; 2],
+    error: Option<ErrorCurve>,
+    /// Run-out of driver and driven gear, where one has any: amplitude, m, and angle in the shaft, rad.
+    run_out: Option<[(f64, f64); 2]>,
     /// The line of action of the centres at rest, for σ = −1 and +1.
     at_rest: [LineOfAction; 2],
 }
@@ -88,15 +74,43 @@ struct Relative {
 impl Coupling {
     /// The coupling of `mesh` on `coordinates`.
     pub fn new(mesh: &Mesh, gears: &[Gear], coordinates: Coordinates) -> Self {
+        let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let involute = Involute::new(mesh, gears);
+        let teeth = stiffness::build(&mesh.teeth, [a, b], &involute);
+        let [low, high] = involute.path_at_rest();
+        let mean = teeth.mean(low, high, involute.base_pitch);
+        let damping = match mesh.damping {
+            Damping::Constant(c) => c,
+            Damping::Ratio(ratio) => {
+                let compliance = |gear: &Gear| gear.base_radius * gear.base_radius / gear.body.polar_inertia;
+                2.0 * ratio * (mean / (compliance(a) + compliance(b))).sqrt()
+            }
+        };
+        let out = [a, b].map(|gear| (gear.run_out.norm(), gear.run_out.arg()));
         Self {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
-            involute,
             coordinates,
-            stiffness: mesh.stiffness,
-            damping: mesh.damping,
-            driver_shaft: gears[mesh.driver].body.node.shaft,
+            stiffness: mean,
+            stiffest: teeth.largest(low, high, involute.base_pitch).max(mean),
+            involute,
+            teeth,
+            phase: mesh.teeth.phase,
+            damping,
+            backlash: mesh.teeth.backlash,
+            shafts: [a.body.node.shaft, b.body.node.shaft],
+            error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
+            run_out: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
         }
+    }
+
+    /// Whether a step of the integration must end where this mesh changes its law.
+    pub fn switches(&self) -> bool {
+        self.backlash.is_some() || self.teeth.is_sharp()
+    }
+
+    /// Whether the force depends on the displacements of the mesh alone, not on where its shafts stand.
+    fn is_autonomous(&self) -> bool {
+        self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
     }
 
     #[inline(always)]
@@ -110,56 +124,224 @@ impl Coupling {
         Relative { apart, rolled: ra * q[a] + rb * q[b] }
     }
 
-    /// δ, δ̇ and F for displacements `q` and velocities `v`.
+    /// Where the base circles stand off their shafts.
+    fn eccentric(&self, turning: &[Turning; 2], q: &[f64]) -> Option<[[f64; 2]; 2]> {
+        let out = self.run_out?;
+        let at = |i: usize| {
+            let (size, phase): (f64, f64) = out[i];
+            let (sin, cos) = (turning[i].angle + q[self.coordinates.twist[i]] + phase).sin_cos();
+            [size * cos, size * sin]
+        };
+        Some([at(0), at(1)])
+    }
+
+    /// The line of action; in frozen geometry that at rest, with the deflection of small displacements.
+    #[inline(always)]
+    fn line(&self, geometry: Geometry, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
+        match geometry {
+            Geometry::Live => self.involute.line_of_action(sigma, apart),
+            Geometry::Frozen => {
+                let line = self.at_rest[usize::from(sigma > 0.0)];
+                Ok(LineOfAction { deflection: -dot(line.normal, apart), ..line })
+            }
+        }
+    }
+
+    /// The contact on the flank that `law` says, for displacements `q` and velocities `v`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub fn contact(&self, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
-        let (position, velocity) = (self.relative(q), self.relative(v));
-        let dot = |n: [f64; 2], u: [f64; 2]| n[0] * u[0] + n[1] * u[1];
-        let (line, centres) = match geometry {
-            Geometry::Live => {
-                let line = self.involute.line_of_action(sigma, position.apart)?;
-                (line, line.deflection)
-            }
-            Geometry::Frozen => {
-                let line = self.at_rest[usize::from(sigma > 0.0)];
-                (line, -dot(line.normal, position.apart))
-            }
+    pub fn contact(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        law: &Law,
+        turning: &[Turning; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Contact, Overlap> {
+        if self.is_autonomous() && law.flank == Flank::Drive {
+            let (position, velocity) = (self.relative(q), self.relative(v));
+            let line = self.line(geometry, sigma, position.apart)?;
+            let deflection = sigma * position.rolled + line.deflection;
+            let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart);
+            let elastic = self.stiffness * deflection;
+            let force = elastic + self.damping * rate;
+            let [ra, rb] = self.involute.base_radius;
+            return Ok(Contact {
+                deflection,
+                rate,
+                force,
+                stiffness: self.stiffness,
+                energy: elastic * deflection / 2.0,
+                push: line.normal.map(|n| force * n),
+                moments: [-force * sigma * ra, -force * sigma * rb],
+                drive_power: 0.0,
+            });
+        }
+        self.contact_of_teeth(geometry, sigma, law, turning, q, v)
+    }
+
+    /// [`Self::contact`] in full: tooth pairs, error, run-out, either flank.
+    fn contact_of_teeth(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        law: &Law,
+        turning: &[Turning; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Contact, Overlap> {
+        let (mut position, mut velocity) = (self.relative(q), self.relative(v));
+        let [a, b] = self.coordinates.twist;
+        let eccentric = self.eccentric(turning, q);
+        let mut carried = [0.0; 2];
+        if let Some([ea, eb]) = eccentric {
+            let (rate_a, rate_b) = (turning[0].spin + v[a], turning[1].spin + v[b]);
+            position.apart = [position.apart[0] + eb[0] - ea[0], position.apart[1] + eb[1] - ea[1]];
+            velocity.apart[0] += rate_a * ea[1] - rate_b * eb[1];
+            velocity.apart[1] += rate_b * eb[0] - rate_a * ea[0];
+            let (spin_a, spin_b) = (turning[0].spin, turning[1].spin);
+            carried = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
+        }
+        let back = law.flank == Flank::Back;
+        let sigma = if back { -sigma } else { sigma };
+        let line = self.line(geometry, sigma, position.apart)?;
+        let (error, error_rate) = match &self.error {
+            Some(error) if !back => error.at(turning),
+            _ => (0.0, 0.0),
         };
-        let deflection = sigma * position.rolled + centres;
-        let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart);
-        Ok(Contact {
-            deflection,
-            rate,
-            force: self.stiffness * deflection + self.damping * rate,
-            normal: line.normal,
-            across: line.across,
-            tangent: line.tangent,
-        })
+        let clearance = if back { self.backlash.unwrap_or(0.0) } else { error };
+        let deflection = sigma * position.rolled + line.deflection - clearance;
+        let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
+
+        let path = self.path(geometry, sigma, back, &line, turning[0].angle, q);
+        let Stored { energy, force: elastic, stiffness, travel, shortening } = match law.flank {
+            Flank::Apart => Stored::default(),
+            _ => self.teeth.stored(&path, law.engaged, deflection),
+        };
+        let damping = if law.flank == Flank::Apart { 0.0 } else { self.damping };
+        let force = elastic + damping * rate;
+        let [ra, rb] = self.involute.base_radius;
+        let mut push = line.normal.map(|n| force * n);
+        let mut moments = [-force * sigma * ra, -force * sigma * rb];
+        // Power of what is prescribed: the error, and the spin that carries teeth along the path and eccentric gears.
+        let mut drive_power = -force * error_rate + travel * ra * sigma * turning[0].spin;
+        let steeper = self.involute.base_circles() / line.tangent;
+        match self.phase {
+            Phase::Twist => {
+                moments[0] -= travel * ra * sigma;
+                if geometry == Geometry::Live {
+                    for i in 0..2 {
+                        push[i] -= travel * ra * line.across[i] / line.tangent
+                            + shortening * (line.normal[i] + line.across[i] * steeper);
+                    }
+                }
+            }
+            Phase::Prescribed if geometry == Geometry::Live => {
+                let (along, across) = (dot(line.normal, velocity.apart), dot(line.across, velocity.apart));
+                drive_power += travel * ra * across / line.tangent + shortening * (along + across * steeper);
+            }
+            Phase::Prescribed => {}
+        }
+        if let Some([ea, eb]) = eccentric {
+            moments[0] += push[0] * ea[1] - push[1] * ea[0];
+            moments[1] += push[1] * eb[0] - push[0] * eb[1];
+            drive_power -= dot(push, carried);
+        }
+        Ok(Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power })
+    }
+
+    /// Where the tooth pairs are on the path of contact.
+    fn path(&self, geometry: Geometry, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
+        let turned = match self.phase {
+            Phase::Twist => angle + q[self.coordinates.twist[0]],
+            Phase::Prescribed => angle,
+        };
+        let tangent = match geometry {
+            Geometry::Live => line.tangent,
+            Geometry::Frozen => self.involute.tangent_at_rest(),
+        };
+        let pressure_angle = tangent.atan2(self.involute.base_circles());
+        let centres = self.involute.angle_at_rest() + line.turned;
+        let pitch = self.involute.base_pitch;
+        // Back flanks follow half a base pitch behind the drive flanks.
+        let behind = if back { pitch / 2.0 } else { 0.0 };
+        let [low, high] = self.involute.path(tangent);
+        let position = self.involute.position(sigma, turned, centres, pressure_angle) + behind;
+        Path { position, low, high, pitch }
+    }
+
+    /// The law that holds at a state: which flank presses, and which pairs are between the tip circles.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn law(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        turning: &[Turning; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Law, Overlap> {
+        let engaged = |flank: Flank| {
+            if !self.teeth.is_sharp() {
+                return Ok((0, 0));
+            }
+            let mut apart = self.relative(q).apart;
+            if let Some([ea, eb]) = self.eccentric(turning, q) {
+                apart = [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]];
+            }
+            let sigma = if flank == Flank::Back { -sigma } else { sigma };
+            let line = self.line(geometry, sigma, apart)?;
+            Ok(self.path(geometry, sigma, flank == Flank::Back, &line, turning[0].angle, q).engaged())
+        };
+        let drive = Law { flank: Flank::Drive, engaged: engaged(Flank::Drive)? };
+        if self.backlash.is_none() {
+            return Ok(drive);
+        }
+        let presses = |law: &Law| {
+            let contact = self.contact(geometry, sigma, law, turning, q, v)?;
+            Ok(contact.deflection > 0.0 && contact.force > 0.0)
+        };
+        if presses(&drive)? {
+            return Ok(drive);
+        }
+        let back = Law { flank: Flank::Back, engaged: engaged(Flank::Back)? };
+        if presses(&back)? {
+            return Ok(back);
+        }
+        Ok(Law { flank: Flank::Apart, ..drive })
     }
 
     /// δ of small displacements `q`, along the line of action at rest.
     pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
         let relative = self.relative(q);
         let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
-        sigma * relative.rolled - normal[0] * relative.apart[0] - normal[1] * relative.apart[1]
+        sigma * relative.rolled - dot(normal, relative.apart)
     }
 
-    /// The contact of unmoved centres, for what is linearised there.
-    pub fn contact_at_rest(&self, sigma: f64) -> Contact {
-        let LineOfAction { normal, across, tangent, .. } = self.at_rest[usize::from(sigma > 0.0)];
-        Contact { deflection: 0.0, rate: 0.0, force: 0.0, normal, across, tangent }
+    /// n of the centres at rest.
+    pub fn normal_at_rest(&self, sigma: f64) -> [f64; 2] {
+        self.at_rest[usize::from(sigma > 0.0)].normal
     }
 
-    /// Subtracts `force`·∂δ/∂q from the generalised forces `out`.
+    /// Adds the generalised forces of a contact to `out`.
     #[inline(always)]
-    pub fn apply(&self, sigma: f64, force: f64, normal: [f64; 2], out: &mut [f64]) {
-        self.gradient(sigma, normal, |index, slope| out[index] -= force * slope);
+    pub fn apply(&self, contact: &Contact, out: &mut [f64]) {
+        if let Some([a, b]) = self.coordinates.translation {
+            for i in 0..2 {
+                out[a + i] -= contact.push[i];
+                out[b + i] += contact.push[i];
+            }
+        }
+        let [a, b] = self.coordinates.twist;
+        out[a] += contact.moments[0];
+        out[b] += contact.moments[1];
     }
 
-    /// Calls `visit(index, ∂δ/∂q)` for the coordinates of the mesh.
+    /// Calls `visit(index, ∂δ/∂q)` for the coordinates of the mesh, along the line of action `normal`.
     #[inline(always)]
     pub fn gradient(&self, sigma: f64, normal: [f64; 2], mut visit: impl FnMut(usize, f64)) {
         if let Some([a, b]) = self.coordinates.translation {
@@ -174,35 +356,48 @@ impl Coupling {
         visit(b, sigma * rb);
     }
 
-    /// Calls `visit(row, column, ∂(F ∂δ/∂q)/∂q)` at a contact: `stiffness`·ggᵀ, and in live geometry F ∂²δ/∂q².
-    pub fn tangent(
+    /// The force of the mean stiffness at rest in displacements `q` on the drive flank, or on the back flank, and the
+    /// tangent of the generalised forces: `visit(row, column, ∂(F ∂δ/∂q)/∂q)`, k·ggᵀ, and in live geometry F ∂²δ/∂q².
+    /// Returns F and n.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn mean_tangent(
         &self,
         geometry: Geometry,
         sigma: f64,
-        stiffness: f64,
-        contact: &Contact,
+        flank: Flank,
+        q: &[f64],
         mut visit: impl FnMut(usize, usize, f64),
-    ) {
-        self.gradient(sigma, contact.normal, |row, left| {
-            self.gradient(sigma, contact.normal, |column, right| visit(row, column, stiffness * left * right));
+    ) -> Result<(f64, [f64; 2]), Overlap> {
+        let relative = self.relative(q);
+        let (sigma, clearance) = match flank {
+            Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
+            _ => (sigma, 0.0),
+        };
+        let line = self.line(geometry, sigma, relative.apart)?;
+        let force = self.stiffness * (sigma * relative.rolled + line.deflection - clearance);
+        self.gradient(sigma, line.normal, |row, left| {
+            self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
         });
         if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
             // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action turns as the centres move across it.
-            let curvature = -contact.force / contact.tangent;
+            let curvature = -force / line.tangent;
             for (row, sign) in [(a, -1.0), (b, 1.0)] {
                 for (column, other) in [(a, -1.0), (b, 1.0)] {
                     for i in 0..2 {
                         for j in 0..2 {
-                            let value = curvature * contact.across[i] * contact.across[j] * sign * other;
+                            let value = curvature * line.across[i] * line.across[j] * sign * other;
                             visit(row + i, column + j, value);
                         }
                     }
                 }
             }
         }
+        Ok((force, line.normal))
     }
 
-    /// What a response reports, for displacements `q` and velocities `v`, the driver's shaft standing at `angle`.
+    /// What a response reports, for displacements `q` and velocities `v` under `law`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -210,19 +405,60 @@ impl Coupling {
         &self,
         geometry: Geometry,
         sigma: f64,
-        angle: f64,
+        law: &Law,
+        turning: &[Turning; 2],
         q: &[f64],
         v: &[f64],
     ) -> Result<MeshState, Overlap> {
-        let contact = self.contact(geometry, sigma, q, v)?;
-        let centres = self.involute.centres(self.relative(q).apart)?;
-        let turned = angle + q[self.coordinates.twist[0]];
+        let contact = self.contact(geometry, sigma, law, turning, q, v)?;
+        let drive = match law.flank {
+            Flank::Drive => contact.deflection,
+            _ => self.contact(geometry, sigma, &Law { flank: Flank::Drive, ..*law }, turning, q, v)?.deflection,
+        };
+        let mut apart = self.relative(q).apart;
+        if let Some([ea, eb]) = self.eccentric(turning, q) {
+            apart = [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]];
+        }
+        let centres = self.involute.centres(apart)?;
+        let line = self.line(Geometry::Live, sigma, apart)?;
+        let (first, last) = self.path(Geometry::Live, sigma, false, &line, turning[0].angle, q).engaged();
+        let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
-            deflection: contact.deflection,
-            force: contact.force,
-            stiffness: self.stiffness,
-            pairs_in_contact: self.involute.pairs_in_contact(&centres, sigma, turned),
+            deflection: drive,
+            force: if law.flank == Flank::Back { -contact.force } else { contact.force },
+            stiffness: contact.stiffness,
+            pairs_in_contact: count,
             centres,
         })
     }
+
+    /// What is reported of an equilibrium under the mean stiffness, in displacements `q`.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
+        let relative = self.relative(q);
+        let (drive, _) = self.mean_tangent(geometry, sigma, Flank::Drive, q, |_, _, _| {})?;
+        let (back, _) = self.mean_tangent(geometry, sigma, Flank::Back, q, |_, _, _| {})?;
+        let force = match self.backlash {
+            None => drive,
+            Some(_) if drive >= 0.0 => drive,
+            Some(_) => -back.max(0.0),
+        };
+        let centres = self.involute.centres(relative.apart)?;
+        let line = self.line(Geometry::Live, sigma, relative.apart)?;
+        let (first, last) = self.path(Geometry::Live, sigma, false, &line, 0.0, q).engaged();
+        Ok(MeshState {
+            deflection: drive / self.stiffness,
+            force,
+            stiffness: self.stiffness,
+            pairs_in_contact: (last - first + 1).max(0) as f64,
+            centres,
+        })
+    }
+}
+
+#[inline(always)]
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
 }

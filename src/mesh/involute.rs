@@ -59,6 +59,8 @@ pub struct LineOfAction {
     pub across: [f64; 2],
     /// C sin α, m.
     pub tangent: f64,
+    /// γ − ψ, rad.
+    pub turned: f64,
 }
 
 /// The base circles overlap: there is no line of action.
@@ -131,7 +133,7 @@ impl Involute {
         let [cos, sin] = self.direction;
         let centres = [self.distance * cos + apart[0], self.distance * sin + apart[1]].map(|c| c / distance);
         let deflection = -sigma * self.sum * turned - (longer - self.sum * steeper);
-        Ok(self.line(sigma, deflection, centres, distance, tangent))
+        Ok(LineOfAction { turned, ..self.line(sigma, deflection, centres, distance, tangent) })
     }
 
     /// The line of action for centres in the direction `centres`, `distance` apart.
@@ -144,6 +146,7 @@ impl Involute {
             normal: [sin_alpha * y - sigma * cos_alpha * z, sin_alpha * z + sigma * cos_alpha * y],
             across: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
             tangent,
+            turned: 0.0,
         }
     }
 
@@ -162,15 +165,34 @@ impl Involute {
         })
     }
 
-    /// Tooth pairs on the path of contact, the driver standing at the angle `turned`.
-    ///
-    /// Pair j meets at s_j = r_a[σ(ϑ_a − γ) + α] + j·p_b, measured from the interference point of a, and carries while
-    /// C sin α − √(tip_b² − r_b²) ≤ s_j ≤ √(tip_a² − r_a²).
-    pub fn pairs_in_contact(&self, centres: &Centres, sigma: f64, turned: f64) -> f64 {
-        let position = self.base_radius[0] * (sigma * (turned - centres.angle) + centres.pressure_angle);
-        let tangent = centres.distance * centres.pressure_angle.sin();
-        let last = ((self.tip_reach[0] - position) / self.base_pitch).floor();
-        let first = ((tangent - self.tip_reach[1] - position) / self.base_pitch).ceil();
-        (last - first + 1.0).max(0.0)
+    /// The path of contact where the line of action between the base circles is `tangent` long: s at its ends.
+    pub fn path(&self, tangent: f64) -> [f64; 2] {
+        [tangent - self.tip_reach[1], self.tip_reach[0]]
+    }
+
+    /// The path of contact of the centres at rest.
+    pub fn path_at_rest(&self) -> [f64; 2] {
+        self.path(self.tangent)
+    }
+
+    /// C₀ sin α₀, m.
+    pub fn tangent_at_rest(&self) -> f64 {
+        self.tangent
+    }
+
+    /// s = r_a[σ(ϑ_a − γ) + α] of pair 0 for a driver that has turned to ϑ_a (spin, and twist if it counts).
+    #[inline(always)]
+    pub fn position(&self, sigma: f64, turned: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
+        self.base_radius[0] * (sigma * (turned - centres_angle) + pressure_angle)
+    }
+
+    /// ψ, rad.
+    pub fn angle_at_rest(&self) -> f64 {
+        self.angle
+    }
+
+    /// S, m.
+    pub fn base_circles(&self) -> f64 {
+        self.sum
     }
 }

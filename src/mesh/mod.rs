@@ -1,7 +1,11 @@
 //! A pair of gears in mesh: involute geometry that follows the centres, and the force between the flanks.
 
+mod contact;
 mod coupling;
+mod error;
 mod involute;
+pub mod stiffness;
 
-pub use coupling::{Contact, Coordinates, Coupling, Geometry, MeshState};
+pub use contact::{Contact, Flank, Law, MeshState, Turning};
+pub use coupling::{Coordinates, Coupling, Geometry};
 pub use involute::{Centres, Involute, LineOfAction, Overlap};

@@ -5,7 +5,6 @@ use nalgebra::DMatrix;
 use super::Model;
 use super::shaft::{BendingChain, TwistChain};
 use crate::linalg::BlockTridiagonal;
-use crate::mesh::Geometry;
 
 impl Model {
     /// Mass M.
@@ -83,9 +82,9 @@ impl Model {
         let mut matrix = self.zeros();
         for (index, mesh) in self.meshes.iter().enumerate() {
             let sigma = self.sigma(index, speed);
-            let contact = mesh.contact_at_rest(sigma);
-            mesh.tangent(Geometry::Frozen, sigma, factor(index), &contact, |row, column, value| {
-                matrix[(row, column)] += value;
+            let (normal, factor) = (mesh.normal_at_rest(sigma), factor(index));
+            mesh.gradient(sigma, normal, |row, left| {
+                mesh.gradient(sigma, normal, |column, right| matrix[(row, column)] += factor * left * right);
             });
         }
         matrix

@@ -123,7 +123,7 @@ impl Model {
 
     /// σ of every mesh: the sign of its driver's spin, at rest that of its speed ratio.
     pub fn sigma(&self, mesh: usize, speed: f64) -> f64 {
-        let ratio = self.scene.speed_ratios[self.meshes[mesh].driver_shaft];
+        let ratio = self.scene.speed_ratios[self.meshes[mesh].shafts[0]];
         ratio.signum() * if speed < 0.0 { -1.0 } else { 1.0 }
     }
 

@@ -5,7 +5,7 @@ use crate::mesh::{MeshState, Overlap};
 use crate::model::Model;
 
 impl<'m> Motion<'m> {
-    /// Kinetic and elastic energy, J: ½vᵀMv + ½(q − q_b)ᵀK_s(q − q_b) + ½qᵀK_bearings q + Σ½kδ².
+    /// Kinetic and elastic energy, J: ½vᵀMv + ½(q − q_b)ᵀK_s(q − q_b) + ½qᵀK_bearings q + ΣU of the meshes.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -24,9 +24,9 @@ impl<'m> Motion<'m> {
         }
         let mut sum = self.model.kinetic_form(v) + self.model.shaft_form(&unbent) + self.model.support_form(q);
         self.scratch = unbent;
-        for (mesh, sigma) in self.model.meshes.iter().zip(&self.sigma) {
-            let contact = mesh.contact(self.geometry, *sigma, q, v)?;
-            sum += mesh.stiffness * contact.deflection * contact.deflection;
+        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+            let turning = self.turning(index, elapsed);
+            sum += 2.0 * mesh.contact(self.geometry, *sigma, &self.laws[index], &turning, q, v)?.energy;
         }
         Ok(sum / 2.0)
     }
@@ -36,9 +36,8 @@ impl<'m> Motion<'m> {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn mesh_state(&self, mesh: usize, elapsed: f64, q: &[f64], v: &[f64]) -> Result<MeshState, Overlap> {
-        let coupling = &self.model.meshes[mesh];
-        let angle = self.turn(coupling.driver_shaft, elapsed).arg();
-        coupling.state(self.geometry, self.sigma[mesh], angle, q, v)
+        let turning = self.turning(mesh, elapsed);
+        self.model.meshes[mesh].state(self.geometry, self.sigma[mesh], &self.laws[mesh], &turning, q, v)
     }
 
     /// The model that moves.

@@ -8,13 +8,13 @@ use num_complex::Complex64;
 
 use super::phase;
 use crate::integrate::{Halt, System};
-use crate::mesh::Geometry;
+use crate::mesh::{Coupling, Geometry, Law, Turning};
 use crate::modal::Basis;
 use crate::model::{Model, ShaftModel};
 
 /// A force on a coordinate pair that turns with its shaft.
 #[derive(Clone, Copy, Debug)]
-struct Turning {
+struct TurningForce {
     index: usize,
     amplitude: Complex64,
 }
@@ -24,7 +24,7 @@ struct Turning {
 struct Excited {
     spin: f64,
     at_origin: Complex64,
-    forces: Vec<Turning>,
+    forces: Vec<TurningForce>,
 }
 
 /// The equation of motion of a model at one speed.
@@ -37,6 +37,10 @@ pub struct Motion<'m> {
     pub(super) spins: Vec<f64>,
     /// e^{iϑ} of each shaft at the origin of the elapsed time.
     pub(super) at_origin: Vec<Complex64>,
+    /// arg of that.
+    angles: Vec<f64>,
+    /// The law of each mesh over the step.
+    pub(super) laws: Vec<Law>,
     excited: Vec<Excited>,
     modal_damping: Option<DMatrix<f64>>,
     equilibrium: DVector<f64>,
@@ -63,7 +67,7 @@ impl<'m> Motion<'m> {
             forces: shaft
                 .excitations
                 .iter()
-                .map(|excitation| Turning { index: excitation.index, amplitude: excitation.amplitude(*spin) })
+                .map(|excitation| TurningForce { index: excitation.index, amplitude: excitation.amplitude(*spin) })
                 .collect(),
         };
         let excited: Vec<_> = model
@@ -75,12 +79,15 @@ impl<'m> Motion<'m> {
             .filter(|excited| !excited.forces.is_empty())
             .collect();
         let modal_damping = basis.modal_damping_matrix(speed)?;
+        let angles: Vec<f64> = at_origin.iter().map(|turn| turn.arg()).collect();
         Ok(Self {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
+            angles,
             at_origin,
+            laws: vec![Law::ALWAYS; model.meshes.len()],
             excited,
             modal_damping,
             equilibrium,
@@ -98,13 +105,22 @@ impl<'m> Motion<'m> {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.spins[shaft] * elapsed)
     }
 
+    /// How the shafts of a mesh stand.
+    #[inline(always)]
+    pub(super) fn turning(&self, mesh: usize, elapsed: f64) -> [Turning; 2] {
+        self.model.meshes[mesh].shafts.map(|shaft| {
+            let spin = self.spins[shaft];
+            Turning { angle: self.angles[shaft] + spin * elapsed, spin }
+        })
+    }
+
     /// The external forces and the mesh forces, into `force`.
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
         force.copy_from_slice(self.model.constant_load.as_slice());
         for excited in &self.excited {
             let turn = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
-            for Turning { index, amplitude } in &excited.forces {
+            for TurningForce { index, amplitude } in &excited.forces {
                 force[*index] += amplitude.re * turn.re - amplitude.im * turn.im;
                 force[*index + 1] += amplitude.re * turn.im + amplitude.im * turn.re;
             }
@@ -118,9 +134,9 @@ impl<'m> Motion<'m> {
         }
         for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
             let contact = mesh
-                .contact(self.geometry, *sigma, q, v)
+                .contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v)
                 .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
-            mesh.apply(*sigma, contact.force, contact.normal, force);
+            mesh.apply(&contact, force);
         }
         if let Some(damping) = &self.modal_damping {
             for (column, rate) in damping.column_iter().zip(v) {
@@ -180,6 +196,31 @@ impl System for Motion<'_> {
             accelerate(shaft, *spin, q, v, acceleration);
         }
         Ok(())
+    }
+
+    fn switches(&self) -> bool {
+        self.model.meshes.iter().any(Coupling::switches)
+    }
+
+    fn laws_at(&self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+        let (q, v) = y.split_at(self.model.len());
+        laws.clear();
+        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+            let law = if mesh.switches() {
+                mesh.law(self.geometry, *sigma, &self.turning(index, elapsed), q, v)
+                    .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?
+            } else {
+                Law::ALWAYS
+            };
+            laws.extend(law.code());
+        }
+        Ok(())
+    }
+
+    fn set_laws(&mut self, laws: &[i64]) {
+        for (law, code) in self.laws.iter_mut().zip(laws.chunks_exact(3)) {
+            *law = Law::from_code(code);
+        }
     }
 
     fn norm(&mut self, difference: &[f64]) -> f64 {

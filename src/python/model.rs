@@ -189,7 +189,7 @@ impl PyModel {
         let rest = vec![0.0; model.len()];
         let mut fields: [Vec<f64>; 8] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
-            let state = mesh.state(geometry, model.sigma(index, 0.0), 0.0, q, &rest).map_err(|overlap| {
+            let state = mesh.state_at_rest(geometry, model.sigma(index, 0.0), q).map_err(|overlap| {
                 let [driver, driven] = model.gear_names(index);
                 AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
             })?;

@@ -107,7 +107,7 @@ fn response_dict<'py>(
     statistics.set_item("steps", count.steps)?;
     statistics.set_item("rejected", count.rejected)?;
     statistics.set_item("evaluations", count.evaluations)?;
-    statistics.set_item("events", 0)?;
+    statistics.set_item("events", count.events)?;
     statistics.set_item("step_min", if count.steps > 0 { count.shortest } else { 0.0 })?;
     statistics.set_item("step_max", count.longest)?;
     statistics.set_item("omega_max", response.spectrum.omega_max)?;
@@ -129,6 +129,7 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("carry", last.state.carry)?;
     dict.set_item("next_step", last.state.next_step)?;
     dict.set_item("previous_error", last.state.previous_error)?;
+    dict.set_item("laws", PyArray1::from_slice(py, &last.state.laws))?;
     dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
     Ok(dict)
 }
@@ -167,6 +168,7 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
             carry: number("carry")?,
             next_step: number("next_step")?,
             previous_error: number("previous_error")?,
+            laws: item("laws")?.cast::<PyArray1<i64>>()?.to_vec()?,
             y,
         },
     }))

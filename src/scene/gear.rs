@@ -2,12 +2,16 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
+
 use super::description::{self, STEEL, System};
 use super::place::Names;
-use super::{Body, Path, SceneError, Shaft, unbalance};
+use super::{Body, Path, SceneError, Shaft, Teeth, complex};
 
 /// Base pitches of a pair that differ by more than this part cannot mesh; published data round their radii.
 const BASE_PITCH_TOLERANCE: f64 = 0.05;
+/// Dedendum of full-depth teeth in modules (ISO 53).
+pub(crate) const DEDENDUM: f64 = 1.25;
 /// Modules, pressure angles and base pitches that agree to this part are the same number.
 const SAME: f64 = 1e-9;
 /// Pressure angle of the basic rack where none is given (ISO 53).
@@ -26,6 +30,16 @@ pub struct Gear {
     pub pitch_radius: f64,
     /// Tip radius, m.
     pub tip_radius: f64,
+    /// Module, m.
+    pub module: f64,
+    /// Pressure angle of the basic rack, rad.
+    pub pressure_angle: f64,
+    /// Profile shift coefficient.
+    pub profile_shift: f64,
+    /// Face width, m, where it was given.
+    pub face_width: Option<f64>,
+    /// Run-out: how far the base circle stands off the shaft's axis, m, with its angle in the shaft.
+    pub run_out: Complex64,
     /// Module and pressure angle of the basic rack, where the module was given.
     rack: Option<(f64, f64)>,
 }
@@ -35,6 +49,20 @@ impl Gear {
     pub fn base_pitch(&self) -> f64 {
         2.0 * PI * self.base_radius / f64::from(self.teeth)
     }
+
+    /// Root radius of full-depth teeth, m.
+    pub fn root_radius(&self) -> f64 {
+        self.pitch_radius - self.module * (DEDENDUM - self.profile_shift)
+    }
+}
+
+/// Damping of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping {
+    /// The ratio ζ of c = 2ζ√(k mₑ), k being the mean stiffness and mₑ = (r_a²/I_pa + r_b²/I_pb)⁻¹.
+    Ratio(f64),
+    /// c, N s/m.
+    Constant(f64),
 }
 
 /// A checked mesh.
@@ -44,10 +72,10 @@ pub struct Mesh {
     pub driver: usize,
     /// Index of the driven gear.
     pub driven: usize,
-    /// Mean stiffness along the line of action, N/m.
-    pub stiffness: f64,
-    /// Damping along the line of action, N s/m.
-    pub damping: f64,
+    /// Stiffness, engagement, relief, backlash and error.
+    pub teeth: Teeth,
+    /// Damping along the line of action.
+    pub damping: Damping,
     /// Angle ψ of the line of centres at rest, rad.
     pub centre_line_angle: f64,
     /// Distance C₀ of the centres at rest, m.
@@ -121,17 +149,35 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
         mass,
         diametral_inertia,
         polar_inertia,
-        unbalance: unbalance(given.unbalance, at)?,
+        unbalance: complex(given.unbalance, &at.field("unbalance"))?,
     };
     let rack = module_given.map(|module| (module, pressure_angle));
-    Ok(Gear { body, teeth: given.teeth, base_radius, pitch_radius, tip_radius, rack })
+    let run_out = complex(given.run_out, &at.field("run_out"))?;
+    Ok(Gear {
+        body,
+        teeth: given.teeth,
+        base_radius,
+        pitch_radius,
+        tip_radius,
+        module,
+        pressure_angle,
+        profile_shift,
+        face_width,
+        run_out,
+        rack,
+    })
 }
 
-pub(super) fn meshes(system: &System, gears: &[Gear], warnings: &mut Vec<String>) -> Result<Vec<Mesh>, SceneError> {
+pub(super) fn meshes(
+    system: &System,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Mesh>, SceneError> {
     let mut meshes: Vec<Mesh> = Vec::with_capacity(system.meshes.len());
     for (index, given) in system.meshes.iter().enumerate() {
         let at = Path::entry("meshes", index);
-        let mesh = mesh(given, gears, &at, warnings)?;
+        let mesh = mesh(given, shafts, gears, &at, warnings)?;
         let pair = |mesh: &Mesh| (mesh.driver.min(mesh.driven), mesh.driver.max(mesh.driven));
         if let Some(first) = meshes.iter().position(|other| pair(other) == pair(&mesh)) {
             return Err(at.error(format!("the same pair of gears as meshes[{first}]")));
@@ -143,6 +189,7 @@ pub(super) fn meshes(system: &System, gears: &[Gear], warnings: &mut Vec<String>
 
 fn mesh(
     given: &description::Mesh,
+    shafts: &[Shaft],
     gears: &[Gear],
     at: &Path,
     warnings: &mut Vec<String>,
@@ -170,19 +217,15 @@ fn mesh(
         let message = format!("{centre_distance} m lets the base circles overlap, whose radii add up to {base_circles} m");
         return Err(at.field("centre_distance").error(message));
     }
-    let stiffness = at.field("stiffness").positive(given.stiffness)?;
+    let shaft_radii = [a, b].map(|gear| shafts[gear.body.node.shaft].radius_at(gear.body.node.node));
+    let teeth = Teeth::new(given, [a, b], shaft_radii, at)?;
     let damping = match (given.damping, given.damping_ratio) {
         (Some(_), Some(_)) => return Err(at.field("damping").error("stands beside damping_ratio; give one of them")),
-        (Some(damping), None) => at.field("damping").non_negative(damping)?,
-        (None, ratio) => {
-            let ratio = at.field("damping_ratio").non_negative(ratio.unwrap_or(0.0))?;
-            let compliance = |gear: &Gear| gear.base_radius * gear.base_radius / gear.body.polar_inertia;
-            let effective_mass = 1.0 / (compliance(a) + compliance(b));
-            2.0 * ratio * (stiffness * effective_mass).sqrt()
-        }
+        (Some(damping), None) => Damping::Constant(at.field("damping").non_negative(damping)?),
+        (None, ratio) => Damping::Ratio(at.field("damping_ratio").non_negative(ratio.unwrap_or(0.0))?),
     };
     let centre_line_angle = at.field("centre_line_angle").finite(given.centre_line_angle.unwrap_or(0.0))?;
-    Ok(Mesh { driver, driven, stiffness, damping, centre_line_angle, centre_distance })
+    Ok(Mesh { driver, driven, teeth, damping, centre_line_angle, centre_distance })
 }
 
 /// Gears mesh when their base pitches agree; gears of different racks cannot, whatever their base pitches.

@@ -10,6 +10,7 @@ mod gear;
 mod material;
 mod place;
 mod shaft;
+mod teeth;
 mod train;
 
 use num_complex::Complex64;
@@ -17,9 +18,10 @@ use num_complex::Complex64;
 pub use bow::Bow;
 pub use description::{Motion, System};
 pub use error::SceneError;
-pub use gear::{Gear, Mesh};
+pub use gear::{Damping, Gear, Mesh};
 pub use material::Material;
 pub use shaft::{Element, Shaft};
+pub use teeth::{Engagement, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
 
 pub(crate) use error::Path;
 use place::Names;
@@ -118,7 +120,7 @@ impl Scene {
         let shafts = shaft::build(system, &stations)?;
         let mut warnings = Vec::new();
         let gears = gear::gears(system, &names, &shafts)?;
-        let meshes = gear::meshes(system, &gears, &mut warnings)?;
+        let meshes = gear::meshes(system, &shafts, &gears, &mut warnings)?;
         let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
         let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
         let mut scene = Self {
@@ -211,7 +213,7 @@ fn disks(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Body>, 
             mass: at.field("mass").non_negative(disk.mass)?,
             diametral_inertia: at.field("diametral_inertia").non_negative(disk.diametral_inertia)?,
             polar_inertia: at.field("polar_inertia").non_negative(disk.polar_inertia)?,
-            unbalance: unbalance(disk.unbalance, &at)?,
+            unbalance: complex(disk.unbalance, &at.field("unbalance"))?,
         })
     };
     system.disks.iter().enumerate().map(body).collect()
@@ -245,10 +247,10 @@ fn coefficient(given: Option<description::Coefficient>, at: &Path) -> Result<[[f
     Ok(rows)
 }
 
-fn unbalance(given: Option<description::Complex>, at: &Path) -> Result<Complex64, SceneError> {
+fn complex(given: Option<description::Complex>, at: &Path) -> Result<Complex64, SceneError> {
     let value = given.map_or(Complex64::ZERO, Complex64::from);
-    at.field("unbalance").finite(value.re)?;
-    at.field("unbalance").finite(value.im)?;
+    at.finite(value.re)?;
+    at.finite(value.im)?;
     Ok(value)
 }
 

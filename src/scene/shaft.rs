@@ -40,6 +40,12 @@ impl Shaft {
         self.nodes.last().copied().unwrap_or(0.0)
     }
 
+    /// Outer radius at a node: the larger one at a step.
+    pub fn radius_at(&self, node: usize) -> f64 {
+        let around = &self.elements[node.saturating_sub(1)..(node + 1).min(self.elements.len())];
+        around.iter().map(|element| element.outer_radius).fold(0.0, f64::max)
+    }
+
     /// The node at a position, if there is one.
     pub fn node_at(&self, position: f64) -> Option<usize> {
         let tolerance = SAME_POSITION * self.length();

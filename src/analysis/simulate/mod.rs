@@ -169,6 +169,10 @@ impl Observer for Watcher<'_, '_> {
         self.recorder.observe(span, end)
     }
 
+    fn switched(&mut self, elapsed: f64, laws: &[i64]) {
+        self.recorder.switched(elapsed, laws);
+    }
+
     fn go_on(&mut self, elapsed: f64) -> bool {
         if self.asked.elapsed() < HEARTBEAT {
             return true;

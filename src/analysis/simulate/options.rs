@@ -38,7 +38,7 @@ impl Method {
 /// Where a run begins.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// Static equilibrium and the linear synchronous response about it: the shortest transient.
+    /// Static equilibrium plus the linear synchronous response: the shortest transient.
     Synchronous,
     /// Static equilibrium, no velocity.
     Static,

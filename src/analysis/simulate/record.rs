@@ -1,7 +1,7 @@
 //! Recording: the motion at the times asked for, of the coordinates asked for.
 
 use super::Plan;
-use crate::integrate::{Halt, Span};
+use crate::integrate::{Halt, Span, System};
 use crate::mesh::MeshState;
 use crate::motion::Motion;
 
@@ -88,6 +88,11 @@ impl<'a, 'm> Recorder<'a, 'm> {
             self.record.time.push(self.times[self.record.time.len()]);
         }
         Ok(())
+    }
+
+    /// Takes over the laws of the steps to come.
+    pub fn switched(&mut self, _elapsed: f64, laws: &[i64]) {
+        self.motion.set_laws(laws);
     }
 
     fn sample(&mut self, elapsed: f64) -> Result<(), Halt> {

@@ -1,0 +1,46 @@
+//! Unloaded transmission error e(t): harmonics of the mesh and of both shafts, and a table over the mesh cycle.
+
+use std::f64::consts::PI;
+
+use super::contact::Turning;
+use super::stiffness::Cycle;
+use crate::scene::TransmissionError;
+
+/// An error that can be evaluated.
+#[derive(Clone, Debug)]
+pub(super) struct ErrorCurve {
+    harmonics: [(Cycle, f64); 3],
+    table: Option<Cycle>,
+    teeth: f64,
+}
+
+impl ErrorCurve {
+    /// The error of a mesh whose driver has `teeth` teeth.
+    pub fn new(given: &TransmissionError, teeth: u32) -> Self {
+        let teeth = f64::from(teeth);
+        let of = |harmonics: &Vec<[f64; 2]>| Cycle::Fourier(0.0, harmonics.clone());
+        Self {
+            harmonics: [(of(&given.tooth), teeth), (of(&given.driver), 1.0), (of(&given.driven), 1.0)],
+            table: (!given.table.is_empty()).then(|| Cycle::table(&given.table)),
+            teeth,
+        }
+    }
+
+    /// e and its rate.
+    pub fn at(&self, turning: &[Turning; 2]) -> (f64, f64) {
+        let [driver, driven] = turning;
+        let mut sum = (0.0, 0.0);
+        let mut add = |cycle: &Cycle, order: f64, turning: &Turning| {
+            let (value, slope) = cycle.at(order * turning.angle / (2.0 * PI));
+            sum.0 += value;
+            sum.1 += slope * order * turning.spin / (2.0 * PI);
+        };
+        for ((cycle, order), turning) in self.harmonics.iter().zip([driver, driver, driven]) {
+            add(cycle, *order, turning);
+        }
+        if let Some(table) = &self.table {
+            add(table, self.teeth, driver);
+        }
+        sum
+    }
+}

@@ -1,0 +1,52 @@
+//! How a pair of teeth comes into contact and leaves it, and the relief of its tips.
+
+use super::Path;
+use crate::scene::{Engagement, Relief};
+
+impl Engagement {
+    /// The pairs that may carry.
+    pub(super) fn range(&self, path: &Path, engaged: (i64, i64)) -> (i64, i64) {
+        match self {
+            Self::Sharp => engaged,
+            Self::Smooth(width) => {
+                let margin = width * path.pitch / 2.0;
+                Path { low: path.low - margin, high: path.high + margin, ..*path }.engaged()
+            }
+        }
+    }
+
+    /// Weight of a pair that entered `entered` metres ago and leaves in `left`, and its derivatives over both.
+    ///
+    /// The ramp 6x⁵ − 15x⁴ + 10x³ is twice differentiable and symmetric, so the mean number of pairs stays the contact
+    /// ratio.
+    #[inline]
+    pub(super) fn weight(&self, entered: f64, left: f64, pitch: f64) -> [f64; 3] {
+        match self {
+            Self::Sharp => [1.0, 0.0, 0.0],
+            Self::Smooth(width) => {
+                let over = width * pitch;
+                let ramp = |distance: f64| {
+                    let x = (distance / over + 0.5).clamp(0.0, 1.0);
+                    let rest = x * (1.0 - x);
+                    (x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), 30.0 * rest * rest / over)
+                };
+                let ((a, slope_a), (b, slope_b)) = (ramp(entered), ramp(left));
+                [a * b, slope_a * b, a * slope_b]
+            }
+        }
+    }
+}
+
+impl Relief {
+    /// Relief of a pair that entered `entered` metres ago and leaves in `left`, and its derivatives over both.
+    pub(super) fn at(&self, entered: f64, left: f64) -> [f64; 3] {
+        let one = |distance: f64| {
+            let x = (1.0 - distance / self.length).max(0.0);
+            let value = self.amount * x.powi(self.exponent);
+            let slope = -self.amount * f64::from(self.exponent) * x.powi(self.exponent - 1) / self.length;
+            (value, if x > 0.0 { slope } else { 0.0 })
+        };
+        let ((entering, by_entered), (leaving, by_left)) = (one(entered), one(left));
+        [entering + leaving, by_entered, by_left]
+    }
+}

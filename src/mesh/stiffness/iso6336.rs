@@ -1,0 +1,34 @@
+//! ISO 6336-1:2006, clause 9, method B: stiffness of steel spur gears with the standard basic rack.
+
+use crate::scene::Gear;
+
+/// Stiffness per face width, N/m².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iso6336 {
+    /// Minimum flexibility q' of a pair, mm µm/N.
+    pub flexibility: f64,
+    /// Single stiffness c' of a pair, N/m².
+    pub single: f64,
+    /// Mesh stiffness c_γ, N/m².
+    pub mesh: f64,
+}
+
+/// Theory correction: what measured pairs are softer than the theory of elastic teeth.
+const CORRECTION: f64 = 0.8;
+/// N/(mm µm) in N/m².
+const UNIT: f64 = 1e9;
+
+/// Stiffness of a pair of solid gears; the blank and basic rack factors C_R and C_B are 1.
+pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
+    let (za, zb) = (f64::from(a.teeth), f64::from(b.teeth));
+    let (xa, xb) = (a.profile_shift, b.profile_shift);
+    let flexibility = 0.047_23 + 0.155_51 / za + 0.257_91 / zb
+        - 0.006_35 * xa
+        - 0.116_54 * xa / za
+        - 0.001_93 * xb
+        - 0.241_88 * xb / zb
+        + 0.005_29 * xa * xa
+        + 0.001_82 * xb * xb;
+    let single = CORRECTION / flexibility * UNIT;
+    Iso6336 { flexibility, single, mesh: single * (0.75 * contact_ratio + 0.25) }
+}

@@ -1,0 +1,157 @@
+//! How stiff a mesh is: a mean, pairs of teeth on the path of contact, or a function of the mesh cycle.
+//!
+//! A pair stands at s_j = s + j·p_b on the path, measured from the interference point of the driver, and carries
+//! between lo = C sin α − √(tip_b² − r_b²) and hi = √(tip_a² − r_a²). With w_j the engagement of the pair, k_j its
+//! stiffness there and r_j its tip relief, the mesh stores
+//!
+//! ```text
+//! U = ½ Σ_j w_j k_j (δ − r_j)²,        F = ∂U/∂δ
+//! ```
+//!
+//! and the stiffness of a mesh follows the moving centres through lo and s without a rule of its own.
+
+mod curve;
+mod engagement;
+mod iso6336;
+mod model;
+mod pair;
+mod potential_energy;
+
+pub use curve::{Cycle, UniformCurve};
+pub use iso6336::{Iso6336, iso6336};
+pub use model::build;
+pub use pair::Pair;
+pub use potential_energy::{Tooth, pair_stiffness};
+
+use crate::scene::{Engagement, Relief};
+
+/// Where the pairs are: s of pair 0, the ends of the path of contact, and the base pitch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path {
+    /// s of pair 0, m.
+    pub position: f64,
+    /// Beginning of the path of contact, m.
+    pub low: f64,
+    /// Its end, m.
+    pub high: f64,
+    /// Base pitch, m.
+    pub pitch: f64,
+}
+
+impl Path {
+    /// First and last pair between the ends; last < first where there is none.
+    pub fn engaged(&self) -> (i64, i64) {
+        let first = ((self.low - self.position) / self.pitch).ceil();
+        let last = ((self.high - self.position) / self.pitch).floor();
+        (first as i64, last as i64)
+    }
+}
+
+/// What a mesh stores at a deflection, and how that changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stored {
+    /// Elastic energy U, J.
+    pub energy: f64,
+    /// Force ∂U/∂δ, N.
+    pub force: f64,
+    /// Stiffness ∂²U/∂δ², N/m.
+    pub stiffness: f64,
+    /// ∂U/∂s, N: pairs that travel along the path.
+    pub travel: f64,
+    /// ∂U/∂lo, N: a path of contact that begins later.
+    pub shortening: f64,
+}
+
+/// The stiffness of a mesh.
+#[derive(Clone, Debug)]
+pub enum Stiffness {
+    /// The same always, N/m.
+    Mean(f64),
+    /// Pairs of teeth.
+    Pairs {
+        /// One pair.
+        pair: Pair,
+        /// How a pair comes into contact and leaves it.
+        engagement: Engagement,
+        /// Tip relief, if the teeth have any.
+        relief: Option<Relief>,
+    },
+    /// The whole mesh over its cycle.
+    Cycle(Cycle),
+}
+
+impl Stiffness {
+    /// Energy and forces at `deflection`; `engaged` are the pairs that carry where engagement is sharp.
+    #[inline]
+    pub fn stored(&self, path: &Path, engaged: (i64, i64), deflection: f64) -> Stored {
+        match self {
+            Self::Mean(k) => Stored {
+                energy: k * deflection * deflection / 2.0,
+                force: k * deflection,
+                stiffness: *k,
+                ..Stored::default()
+            },
+            Self::Cycle(cycle) => {
+                let (k, slope) = cycle.at(path.position / path.pitch);
+                let half = deflection * deflection / 2.0;
+                Stored {
+                    energy: k * half,
+                    force: k * deflection,
+                    stiffness: k,
+                    travel: slope / path.pitch * half,
+                    shortening: 0.0,
+                }
+            }
+            Self::Pairs { pair, engagement, relief } => {
+                let (first, last) = engagement.range(path, engaged);
+                let mut sum = Stored::default();
+                for j in first..=last {
+                    let s = path.position + j as f64 * path.pitch;
+                    let (k, slope) = pair.at(s);
+                    let (entered, left) = (s - path.low, path.high - s);
+                    let w = engagement.weight(entered, left, path.pitch);
+                    let r = relief.as_ref().map_or([0.0; 3], |relief| relief.at(entered, left));
+                    // A relieved pair that does not touch yet carries nothing; without relief the law is linear.
+                    let d = if relief.is_some() { (deflection - r[0]).max(0.0) } else { deflection };
+                    let half = d * d / 2.0;
+                    let (by_entered, by_left) =
+                        (half * k * w[1] - w[0] * k * d * r[1], half * k * w[2] - w[0] * k * d * r[2]);
+                    sum.energy += w[0] * k * half;
+                    sum.force += w[0] * k * d;
+                    sum.stiffness += if d == 0.0 && relief.is_some() { 0.0 } else { w[0] * k };
+                    sum.travel += half * w[0] * slope + by_entered - by_left;
+                    sum.shortening -= by_entered;
+                }
+                sum
+            }
+        }
+    }
+
+    /// Whether pairs come and go in jumps.
+    pub fn is_sharp(&self) -> bool {
+        matches!(self, Self::Pairs { engagement: Engagement::Sharp, .. })
+    }
+
+    /// Whether it is the same always.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Mean(_))
+    }
+
+    /// Mean over the mesh cycle, N/m, for a path of contact from `low` to `high`.
+    pub fn mean(&self, low: f64, high: f64, pitch: f64) -> f64 {
+        match self {
+            Self::Mean(k) => *k,
+            Self::Cycle(cycle) => cycle.mean(),
+            Self::Pairs { pair, .. } => pair.integral(low, high) / pitch,
+        }
+    }
+
+    /// A bound of the stiffness, N/m.
+    pub fn largest(&self, low: f64, high: f64, pitch: f64) -> f64 {
+        match self {
+            Self::Mean(k) => *k,
+            Self::Cycle(cycle) => cycle.largest(),
+            Self::Pairs { pair, .. } => pair.largest(low, high) * ((high - low) / pitch).ceil().max(1.0),
+        }
+    }
+}

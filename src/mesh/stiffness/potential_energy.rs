@@ -1,0 +1,131 @@
+//! Stiffness of a pair of teeth by potential energy: each tooth a cantilever on an elastic blank.
+//!
+//! Bending, shear and axial compression after Yang and Lin (1987) and Tian (2004), the tooth being the involute down to
+//! the base circle and straight from there to the root circle; the fillet and the blank after Sainsot, Velex and
+//! Duverger (2004); the contact after Yang and Sun (1985). All per face width: multiply by it.
+
+use std::f64::consts::PI;
+
+use crate::scene::Gear;
+
+/// Young's modulus and Poisson's ratio of the gears: steel.
+const YOUNGS_MODULUS: f64 = 207e9;
+const POISSON_RATIO: f64 = 0.3;
+/// Shear correction of a rectangular section.
+const SHEAR: f64 = 1.2;
+
+/// Polynomials of the fillet-foundation deflection: A/θ² + B h² + C h/θ + D/θ + E h + F for L*, M*, P*, Q*.
+const FOUNDATION: [[f64; 6]; 4] = [
+    [-5.574e-5, -1.9986e-3, -2.3015e-4, 4.7702e-3, 0.0271, 6.8045],
+    [60.111e-5, 28.100e-3, -83.431e-4, -9.9256e-3, 0.1624, 0.9086],
+    [-50.952e-5, 185.50e-3, 0.0538e-4, 53.3e-3, 0.2895, 0.9236],
+    [-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904],
+];
+
+/// Abscissae and weights of the eight-point Gauss rule on [−1, 1], by halves.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// One tooth of a gear.
+#[derive(Clone, Copy, Debug)]
+pub struct Tooth {
+    base_radius: f64,
+    root_radius: f64,
+    bore_radius: f64,
+    /// Half the angle of the tooth at the base circle, rad.
+    half_angle: f64,
+}
+
+impl Tooth {
+    /// A tooth of `gear`, whose blank is clamped at `bore_radius`.
+    pub fn new(gear: &Gear, bore_radius: f64) -> Self {
+        let alpha = gear.pressure_angle;
+        let thickness = PI / (2.0 * f64::from(gear.teeth))
+            + 2.0 * gear.profile_shift * alpha.tan() / f64::from(gear.teeth);
+        Self {
+            base_radius: gear.base_radius,
+            root_radius: gear.root_radius(),
+            bore_radius,
+            half_angle: thickness + alpha.tan() - alpha,
+        }
+    }
+
+    /// Height above the centre and half thickness of the flank at the roll angle `roll`.
+    fn flank(&self, roll: f64) -> (f64, f64) {
+        let (sin, cos) = (roll - self.half_angle).sin_cos();
+        (self.base_radius * (cos + roll * sin), self.base_radius * (roll * cos - sin))
+    }
+
+    /// Compliance per face width (m²/N) along the line of action, touched at the distance `rolled` from its base point.
+    pub fn compliance(&self, rolled: f64) -> f64 {
+        let roll = (rolled / self.base_radius).max(0.0);
+        let (sin, cos) = (roll - self.half_angle).sin_cos();
+        let (contact, lever) = self.flank(roll);
+        let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));
+        // Energy of the unit force in a slice at height x of half thickness h.
+        let slice = |x: f64, h: f64| {
+            let moment = cos * (contact - x) - sin * lever;
+            let inertia = 2.0 / 3.0 * h.powi(3);
+            moment * moment / (YOUNGS_MODULUS * inertia)
+                + SHEAR * cos * cos / (2.0 * shear_modulus * h)
+                + sin * sin / (2.0 * YOUNGS_MODULUS * h)
+        };
+        // From the base circle, or the root circle above it, up the involute; x' = r_b·roll·cos(roll − half_angle).
+        let lowest = ((self.root_radius / self.base_radius).powi(2) - 1.0).max(0.0).sqrt();
+        let involute = gauss(lowest, roll.max(lowest), |angle| {
+            let (x, h) = self.flank(angle);
+            slice(x, h) * self.base_radius * angle * (angle - self.half_angle).cos()
+        });
+        let (foot, width) = self.flank(0.0);
+        let straight = if self.root_radius < foot { gauss(self.root_radius, foot, |x| slice(x, width)) } else { 0.0 };
+        involute + straight + self.foundation(roll)
+    }
+
+    /// Compliance of the fillet and the blank.
+    fn foundation(&self, roll: f64) -> f64 {
+        let (sin, cos) = (roll - self.half_angle).sin_cos();
+        let (contact, lever) = self.flank(roll);
+        let (theta, h) = (self.root_angle(), self.root_radius / self.bore_radius);
+        let [l, m, p, q] = FOUNDATION.map(|[a, b, c, d, e, f]| {
+            a / (theta * theta) + b * h * h + c * h / theta + d / theta + e * h + f
+        });
+        let arc = 2.0 * theta * self.root_radius;
+        // Where the line of action meets the axis of the tooth, above the root circle.
+        let reach = (contact - lever * sin / cos - self.root_radius) / arc;
+        let tangent = sin / cos;
+        cos * cos / YOUNGS_MODULUS * (l * reach * reach + m * reach + p * (1.0 + q * tangent * tangent))
+    }
+
+    /// Half the angle of the tooth at the root circle.
+    fn root_angle(&self) -> f64 {
+        if self.root_radius > self.base_radius {
+            let roll = ((self.root_radius / self.base_radius).powi(2) - 1.0).sqrt();
+            let (x, h) = self.flank(roll);
+            h.atan2(x)
+        } else {
+            self.half_angle
+        }
+    }
+}
+
+/// Stiffness per face width (N/m²) of a pair that touches at `s` of a line of action of length `tangent`.
+pub fn pair_stiffness(driver: &Tooth, driven: &Tooth, tangent: f64, s: f64) -> f64 {
+    let contact = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
+    1.0 / (contact + driver.compliance(s) + driven.compliance(tangent - s))
+}
+
+fn gauss(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
+    const PIECES: usize = 8;
+    let half = (to - from) / (2 * PIECES) as f64;
+    (0..PIECES)
+        .map(|piece| {
+            let middle = from + half * (2 * piece + 1) as f64;
+            let pair = |(x, weight): &(f64, f64)| weight * (integrand(middle - half * x) + integrand(middle + half * x));
+            GAUSS.iter().map(pair).sum::<f64>() * half
+        })
+        .sum()
+}
