@@ -172,7 +172,7 @@ pub fn run<const S: usize>(
             before: (&state.y, derivatives.0),
             after: (method.end(), derivatives.1),
         };
-        if observer.next().is_some_and(|next| next <= after.0) {
+        if observer.sees_every_step() || observer.next().is_some_and(|next| next <= after.0) {
             observer.observe(&span, after.0).map_err(at(state.elapsed))?;
         }
         if after.0 > end {

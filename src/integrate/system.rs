@@ -64,6 +64,11 @@ pub trait Observer {
     /// Elapsed time up to which everything has been seen.
     fn next(&self) -> Option<f64>;
 
+    /// Whether it wants to see every step, not only those that hold a time asked for.
+    fn sees_every_step(&self) -> bool {
+        false
+    }
+
     /// Sees the motion over a step, up to `end`; called for every step that holds a time asked for.
     ///
     /// # Errors

@@ -17,6 +17,21 @@ impl Model {
         sum
     }
 
+    /// vᵀCv of shafts and bearings.
+    pub fn damping_form(&self, v: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for shaft in &self.shafts {
+            if let Some((chain, damping)) = shaft.bending.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?))) {
+                sum += damping.quadratic::<2>(&v[chain.start..]);
+            }
+            if let Some((chain, damping)) = shaft.twist.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?))) {
+                sum += damping.quadratic::<1>(&v[chain.start..]);
+            }
+        }
+        let supports = self.supports.iter();
+        sum + supports.map(|support| form(&support.damping, [v[support.index], v[support.index + 1]])).sum::<f64>()
+    }
+
     /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
@@ -40,10 +55,12 @@ impl Model {
 
     /// qᵀKq of the bearings alone.
     pub fn support_form(&self, q: &[f64]) -> f64 {
-        let form = |k: &[[f64; 2]; 2], u: [f64; 2]| {
-            k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
-        };
         let supports = self.supports.iter();
         supports.map(|support| form(&support.stiffness, [q[support.index], q[support.index + 1]])).sum()
     }
+}
+
+/// uᵀku.
+fn form(k: &[[f64; 2]; 2], u: [f64; 2]) -> f64 {
+    k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
 }

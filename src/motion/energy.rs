@@ -1,16 +1,110 @@
-//! Energy of the motion and the state of its meshes, and the quadratic forms that measure an error as an energy.
+//! Where the energy of the motion is, and what changes it.
 
 use super::Motion;
-use crate::mesh::{MeshState, Overlap};
+use crate::mesh::{Flank, MeshState, Overlap};
 use crate::model::Model;
 
+/// Energies, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// ½vᵀMv.
+    pub kinetic: f64,
+    /// ½(q − q_b)ᵀK_s(q − q_b).
+    pub shafts: f64,
+    /// ½qᵀK_bearings q.
+    pub bearings: f64,
+    /// ΣU.
+    pub meshes: f64,
+}
+
+impl Energies {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.shafts + self.bearings + self.meshes
+    }
+}
+
+/// What changes the energy, in this order: its names.
+pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
+
 impl<'m> Motion<'m> {
-    /// Kinetic and elastic energy, J: ½vᵀMv + ½(q − q_b)ᵀK_s(q − q_b) + ½qᵀK_bearings q + ΣU of the meshes.
+    /// Kinetic and elastic energy.
     ///
     /// # Errors
-    /// [`Overlap`] of the base circles.
-    pub fn energy(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<f64, Overlap> {
+    /// [`Overlap`] of the base circles of the mesh named.
+    pub fn energies(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<Energies, (usize, Overlap)> {
         let mut unbent = std::mem::take(&mut self.scratch);
+        self.unbend(elapsed, q, &mut unbent);
+        let shafts = self.model.shaft_form(&unbent) / 2.0;
+        self.scratch = unbent;
+        let mut meshes = 0.0;
+        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
+            meshes += contact.map_err(|overlap| (index, overlap))?.energy;
+        }
+        Ok(Energies {
+            kinetic: self.model.kinetic_form(v) / 2.0,
+            shafts,
+            bearings: self.model.support_form(q) / 2.0,
+            meshes,
+        })
+    }
+
+    /// Power of the [`SOURCES`], W: torque and gravity; the drive that holds the speed of bowed shafts; unbalance; what
+    /// the teeth prescribe (error, run-out, stiffness); damping, with the cross-coupling of bearings.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles of the mesh named.
+    pub fn powers(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
+        let model = self.model;
+        let torques = model.scene.torques.iter();
+        let torque: f64 =
+            torques.map(|torque| torque.value * model.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
+        let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
+        let (mut drive, mut unbalance) = (0.0, 0.0);
+        let mut unbent = std::mem::take(&mut self.scratch);
+        self.unbend(elapsed, q, &mut unbent);
+        for (index, shaft) in model.shafts.iter().enumerate() {
+            let (spin, turn) = (self.spins[index], self.turn(index, elapsed));
+            if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
+                let mut force = vec![0.0; 4 * chain.nodes];
+                chain.subtract_elastic::<2>(&unbent[chain.start..], &mut force);
+                for (value, pair) in bow.iter().zip(force.chunks_exact(2)) {
+                    let free = value * turn;
+                    drive += spin * (pair[1] * free.re - pair[0] * free.im);
+                }
+            }
+            for excitation in &shaft.excitations {
+                let force = excitation.unbalance * (spin * spin) * turn;
+                unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
+            }
+        }
+        self.scratch = unbent;
+        let mut damping = self.model.damping_form(v);
+        for support in &model.supports {
+            let (i, k) = (support.index, &support.stiffness);
+            let skew = (k[0][1] - k[1][0]) / 2.0;
+            damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
+        }
+        if let Some(modal) = &self.modal_damping {
+            for (column, rate) in modal.column_iter().zip(v) {
+                damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
+            }
+        }
+        let mut teeth = 0.0;
+        for (index, (mesh, sigma)) in model.meshes.iter().zip(&self.sigma).enumerate() {
+            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
+            let contact = contact.map_err(|overlap| (index, overlap))?;
+            teeth += contact.drive_power;
+            if self.laws[index].flank != Flank::Apart {
+                damping += mesh.damping * contact.rate * contact.rate;
+            }
+        }
+        Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
+    }
+
+    /// q less the stress-free shape of every bowed shaft.
+    fn unbend(&self, elapsed: f64, q: &[f64], unbent: &mut [f64]) {
         unbent.copy_from_slice(q);
         for (index, shaft) in self.model.shafts.iter().enumerate() {
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
@@ -22,13 +116,6 @@ impl<'m> Motion<'m> {
                 }
             }
         }
-        let mut sum = self.model.kinetic_form(v) + self.model.shaft_form(&unbent) + self.model.support_form(q);
-        self.scratch = unbent;
-        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
-            let turning = self.turning(index, elapsed);
-            sum += 2.0 * mesh.contact(self.geometry, *sigma, &self.laws[index], &turning, q, v)?.energy;
-        }
-        Ok(sum / 2.0)
     }
 
     /// What a response reports of a mesh.

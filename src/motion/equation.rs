@@ -42,7 +42,7 @@ pub struct Motion<'m> {
     /// The law of each mesh over the step.
     pub(super) laws: Vec<Law>,
     excited: Vec<Excited>,
-    modal_damping: Option<DMatrix<f64>>,
+    pub(super) modal_damping: Option<DMatrix<f64>>,
     equilibrium: DVector<f64>,
     /// Room for one vector of displacements.
     pub(super) scratch: Vec<f64>,

@@ -4,5 +4,6 @@ mod energy;
 mod equation;
 mod phase;
 
+pub use energy::{Energies, SOURCES};
 pub use equation::Motion;
 pub use phase::phase;

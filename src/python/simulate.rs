@@ -11,6 +11,7 @@ use crate::analysis::simulate::{self, Final, Initial, MESH_FIELDS, Method, Optio
 use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
+use crate::motion::{Energies, SOURCES};
 use crate::scene::{Node, SceneError};
 
 /// One entry of `record`.
@@ -99,7 +100,13 @@ fn response_dict<'py>(
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
     dict.set_item("meshes", mesh_names(model, plan.meshes.iter().copied()))?;
     dict.set_item("mesh", mesh_fields(py, record.mesh, times, plan.meshes.len(), false)?)?;
-    dict.set_item("energy", plan.energy.then(|| record.energy.into_pyarray(py)))?;
+    dict.set_item("energy", plan.energy.then(|| energy(&record.energy, |(energies, _)| energies.total(), py)))?;
+    dict.set_item("energy_terms", plan.energy.then(|| energy_terms(&record.energy, py)).transpose()?)?;
+    let event = |event: &simulate::Event| {
+        let [driver, driven] = model.gear_names(event.mesh);
+        (event.time, driver, driven, event.kind.name())
+    };
+    dict.set_item("events", record.events.iter().map(event).collect::<Vec<_>>())?;
     dict.set_item("final", final_dict(py, &response.last)?)?;
 
     let count = response.statistics;
@@ -113,6 +120,24 @@ fn response_dict<'py>(
     statistics.set_item("omega_max", response.spectrum.omega_max)?;
     statistics.set_item("limited_by", response.limited_by.name())?;
     dict.set_item("statistics", statistics)?;
+    Ok(dict)
+}
+
+type Balance = (Energies, [f64; 6]);
+
+fn energy<'py>(record: &[Balance], of: impl Fn(&Balance) -> f64, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    record.iter().map(of).collect::<Vec<_>>().into_pyarray(py)
+}
+
+fn energy_terms<'py>(record: &[Balance], py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("kinetic", energy(record, |(energies, _)| energies.kinetic, py))?;
+    dict.set_item("shafts", energy(record, |(energies, _)| energies.shafts, py))?;
+    dict.set_item("bearings", energy(record, |(energies, _)| energies.bearings, py))?;
+    dict.set_item("meshes", energy(record, |(energies, _)| energies.meshes, py))?;
+    for (index, name) in SOURCES.into_iter().enumerate() {
+        dict.set_item(name, energy(record, |(_, works)| works[index], py))?;
+    }
     Ok(dict)
 }
 

@@ -1,5 +1,7 @@
 //! The motion in time: initial state, method, what is recorded, and what stopped a run.
 
+mod audit;
+mod events;
 mod initial;
 mod options;
 mod record;
@@ -7,6 +9,7 @@ mod request;
 
 use std::time::{Duration, Instant};
 
+pub use events::{Event, Kind};
 pub use options::{Final, Initial, Method, Options};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use request::{Plan, Point, Request};
@@ -70,7 +73,7 @@ pub fn simulate(
     let mut state = start.state;
     let end = options.start + options.duration - origin;
     let mut observer = Watcher {
-        recorder: Recorder::new(motion.clone(), plan, &options.times, origin),
+        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, options.start - origin),
         watch,
         span: (options.start - origin, end),
         asked: Instant::now() - HEARTBEAT,
@@ -163,6 +166,10 @@ struct Watcher<'a, 'm> {
 impl Observer for Watcher<'_, '_> {
     fn next(&self) -> Option<f64> {
         self.recorder.next()
+    }
+
+    fn sees_every_step(&self) -> bool {
+        self.recorder.sees_every_step()
     }
 
     fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {

@@ -1,9 +1,11 @@
 //! Recording: the motion at the times asked for, of the coordinates asked for.
 
 use super::Plan;
+use super::audit::Audit;
+use super::events::{Event, Events};
 use crate::integrate::{Halt, Span, System};
 use crate::mesh::MeshState;
-use crate::motion::Motion;
+use crate::motion::{Energies, Motion};
 
 /// What is recorded of a mesh, in this order.
 pub const MESH_FIELDS: [&str; 8] = [
@@ -30,8 +32,10 @@ pub struct Record {
     pub bearing_force: Vec<f64>,
     /// The fields of every mesh: field after field, each time after time.
     pub mesh: [Vec<f64>; 8],
-    /// Kinetic and elastic energy, J; empty where not asked for.
-    pub energy: Vec<f64>,
+    /// Energies, J, and works of [`SOURCES`](crate::motion::SOURCES) since the start, J; empty where not asked for.
+    pub energy: Vec<(Energies, [f64; 6])>,
+    /// What happened to the meshes.
+    pub events: Vec<Event>,
 }
 
 /// Records while a run goes on.
@@ -43,12 +47,14 @@ pub(super) struct Recorder<'a, 'm> {
     coordinates: Vec<usize>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
+    audit: Option<Audit>,
+    events: Option<Events>,
     record: Record,
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
-    /// A recorder of `plan` at `times`; elapsed time counts from `origin`.
-    pub fn new(motion: Motion<'m>, plan: &'a Plan, times: &'a [f64], origin: f64) -> Self {
+    /// A recorder of `plan` at `times` in a run from `start` on (elapsed time), which counts from `origin`.
+    pub fn new(motion: Motion<'m>, plan: &'a Plan, times: &'a [f64], origin: f64, start: f64) -> Self {
         let model = motion.model();
         let count = times.len();
         let room = |channels: usize| Vec::with_capacity(count * channels);
@@ -58,12 +64,15 @@ impl<'a, 'm> Recorder<'a, 'm> {
             twist: room(plan.points.len()),
             bearing_force: room(2 * plan.bearings.len()),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
-            energy: room(usize::from(plan.energy)),
+            energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
+            events: Vec::new(),
         };
         Self {
             coordinates: plan.coordinates(model),
             displacement: vec![0.0; model.len()],
             velocity: vec![0.0; model.len()],
+            audit: plan.energy.then(|| Audit::new(start, 2 * model.len())),
+            events: Events::watch(&motion).then(|| Events::new(&motion, origin)),
             motion,
             plan,
             times,
@@ -84,18 +93,36 @@ impl<'a, 'm> Recorder<'a, 'm> {
             for index in &self.coordinates {
                 (self.displacement[*index], self.velocity[*index]) = span.at(&weights, *index);
             }
-            self.sample(elapsed)?;
+            let works = match &mut self.audit {
+                Some(audit) => audit.count(&mut self.motion, span, elapsed)?,
+                None => [0.0; 6],
+            };
+            self.sample(elapsed, works)?;
             self.record.time.push(self.times[self.record.time.len()]);
+        }
+        if let Some(audit) = &mut self.audit {
+            audit.count(&mut self.motion, span, end)?;
+        }
+        if let Some(events) = &mut self.events {
+            events.step(&self.motion, span);
         }
         Ok(())
     }
 
-    /// Takes over the laws of the steps to come.
-    pub fn switched(&mut self, _elapsed: f64, laws: &[i64]) {
-        self.motion.set_laws(laws);
+    /// Whether every step must be seen.
+    pub fn sees_every_step(&self) -> bool {
+        self.audit.is_some() || self.events.is_some()
     }
 
-    fn sample(&mut self, elapsed: f64) -> Result<(), Halt> {
+    /// Takes over the laws of the steps to come.
+    pub fn switched(&mut self, elapsed: f64, laws: &[i64]) {
+        self.motion.set_laws(laws);
+        if let Some(events) = &mut self.events {
+            events.switched(elapsed, laws);
+        }
+    }
+
+    fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {
         let model = self.motion.model();
         let (q, v) = (&self.displacement, &self.velocity);
         // What may fail comes first, so that a record never holds a part of an instant.
@@ -105,8 +132,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
             meshes.push(state.map_err(|overlap| Halt::Overlap { mesh: *mesh, overlap })?);
         }
         if self.plan.energy {
-            let energy = self.motion.energy(elapsed, q, v);
-            self.record.energy.push(energy.map_err(|overlap| Halt::Overlap { mesh: 0, overlap })?);
+            let energies = self.motion.energies(elapsed, q, v);
+            let energies = energies.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+            self.record.energy.push((energies, works));
         }
         for state in &meshes {
             for (series, value) in self.record.mesh.iter_mut().zip(fields(state)) {
@@ -126,7 +154,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// What was recorded.
-    pub fn finish(self) -> Record {
+    pub fn finish(mut self) -> Record {
+        self.record.events = self.events.map_or_else(Vec::new, |events| events.list);
         self.record
     }
 }

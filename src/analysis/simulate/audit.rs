@@ -1,0 +1,44 @@
+//! The energy audit: works are integrated over the interpolated motion of every step, by the three-point Gauss rule,
+//! whose error is of higher order than that of the motion.
+
+use crate::integrate::{Halt, Span};
+use crate::motion::Motion;
+
+/// Abscissae on [0, 1] and weights.
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// Works since the start of a run, J.
+#[derive(Clone, Debug)]
+pub(super) struct Audit {
+    works: [f64; 6],
+    /// Elapsed time up to which they count.
+    until: f64,
+    state: Vec<f64>,
+}
+
+impl Audit {
+    /// An audit that begins at `start` (elapsed time) for states of length `len`.
+    pub fn new(start: f64, len: usize) -> Self {
+        Self { works: [0.0; 6], until: start, state: vec![0.0; len] }
+    }
+
+    /// Counts what is done within a step, up to `end`; returns the works until then.
+    pub fn count(&mut self, motion: &mut Motion, span: &Span<'_>, end: f64) -> Result<[f64; 6], Halt> {
+        let begin = self.until.max(span.start);
+        if end > begin {
+            for (node, weight) in GAUSS {
+                let elapsed = begin + node * (end - begin);
+                span.state(&span.weights(elapsed), &mut self.state);
+                let (q, v) = self.state.split_at(self.state.len() / 2);
+                let powers = motion.powers(elapsed, q, v);
+                let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+                for (work, power) in self.works.iter_mut().zip(powers) {
+                    *work += weight * (end - begin) * power;
+                }
+            }
+            self.until = end;
+        }
+        Ok(self.works)
+    }
+}

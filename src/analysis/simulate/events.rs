@@ -1,0 +1,128 @@
+//! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
+
+use crate::integrate::Span;
+use crate::mesh::{Flank, Law};
+use crate::motion::Motion;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The drive flanks meet.
+    Contact,
+    /// The back flanks meet.
+    BackContact,
+    /// The flanks part.
+    Separation,
+    /// The contact ratio falls below one.
+    RatioBelowOne,
+    /// The contact ratio rises to one again.
+    RatioAboveOne,
+    /// A tip touches the root of the other gear.
+    TipInterference,
+    /// The tips are clear again.
+    TipClearance,
+}
+
+impl Kind {
+    /// The name that users read.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::BackContact => "back contact",
+            Self::Separation => "separation",
+            Self::RatioBelowOne => "contact ratio below 1",
+            Self::RatioAboveOne => "contact ratio above 1",
+            Self::TipInterference => "tip interference",
+            Self::TipClearance => "tip clearance",
+        }
+    }
+}
+
+/// When, to which mesh, what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Time, s.
+    pub time: f64,
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// What happened.
+    pub kind: Kind,
+}
+
+/// More events than this are counted in the statistics alone.
+const MOST: usize = 1_000_000;
+
+/// Watches the meshes whose teeth are modelled.
+#[derive(Clone, Debug)]
+pub(super) struct Events {
+    pub list: Vec<Event>,
+    origin: f64,
+    flanks: Vec<Option<Flank>>,
+    /// Contact ratio less one, and tip clearance in metres, at the end of the step before.
+    margins: Vec<Option<(f64, [f64; 2])>>,
+}
+
+impl Events {
+    pub fn new(motion: &Motion, origin: f64) -> Self {
+        let meshes = motion.model().meshes.len();
+        Self { list: Vec::new(), origin, flanks: vec![None; meshes], margins: vec![None; meshes] }
+    }
+
+    /// Whether there is a mesh to watch at every step.
+    pub fn watch(motion: &Motion) -> bool {
+        motion.model().meshes.iter().any(|mesh| mesh.switches() || !mesh.teeth.is_constant())
+    }
+
+    fn push(&mut self, elapsed: f64, mesh: usize, kind: Kind) {
+        if self.list.len() < MOST {
+            self.list.push(Event { time: self.origin + elapsed, mesh, kind });
+        }
+    }
+
+    /// Sees the laws of the steps to come.
+    pub fn switched(&mut self, elapsed: f64, laws: &[i64]) {
+        for (mesh, code) in laws.chunks_exact(3).enumerate() {
+            let flank = Law::from_code(code).flank;
+            let before = self.flanks[mesh].replace(flank);
+            if before.is_some_and(|before| before != flank) {
+                let kind = match flank {
+                    Flank::Drive => Kind::Contact,
+                    Flank::Back => Kind::BackContact,
+                    Flank::Apart => Kind::Separation,
+                };
+                self.push(elapsed, mesh, kind);
+            }
+        }
+    }
+
+    /// Sees the end of a step.
+    pub fn step(&mut self, motion: &Motion, span: &Span<'_>) {
+        let n = motion.model().len();
+        for (index, mesh) in motion.model().meshes.iter().enumerate() {
+            if !mesh.switches() && mesh.teeth.is_constant() {
+                continue;
+            }
+            // Centres that overlap stop the run elsewhere.
+            let Ok(state) = motion.mesh_state(index, span.end(), &span.after.0[..n], &span.after.0[n..]) else {
+                continue;
+            };
+            let pair = &motion.model().scene.meshes[index];
+            let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
+            let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
+            let now = [state.centres.contact_ratio - 1.0, state.centres.distance - reach];
+            let before = self.margins[index].replace((span.end(), now));
+            let kinds = [(Kind::RatioBelowOne, Kind::RatioAboveOne), (Kind::TipInterference, Kind::TipClearance)];
+            for (i, (lost, won)) in kinds.into_iter().enumerate() {
+                match before {
+                    None if now[i] < 0.0 => self.push(span.start, index, lost),
+                    Some((then, margins)) if (margins[i] < 0.0) != (now[i] < 0.0) => {
+                        let part = margins[i] / (margins[i] - now[i]);
+                        let kind = if now[i] < 0.0 { lost } else { won };
+                        self.push(then + part * (span.end() - then), index, kind);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}
