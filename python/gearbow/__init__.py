@@ -7,6 +7,7 @@ response, equilibrium or a time history. SI units and radians throughout.
 
 from gearbow._core import __version__
 from gearbow.bow import Bow
+from gearbow.energy import EnergyBalance
 from gearbow.errors import (
     ChannelError,
     ContactError,
@@ -17,9 +18,10 @@ from gearbow.errors import (
     StabilityError,
 )
 from gearbow.modes import Modes
-from gearbow.response import MeshResponse, Response
+from gearbow.response import Event, MeshResponse, Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
+from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 from gearbow.system import RotorSystem
 
 __all__ = [
@@ -30,6 +32,8 @@ __all__ = [
     "ContactError",
     "ConvergenceError",
     "Disk",
+    "EnergyBalance",
+    "Event",
     "Gear",
     "GearbowError",
     "Material",
@@ -45,7 +49,10 @@ __all__ = [
     "Shaft",
     "StabilityError",
     "Static",
+    "Stiffness",
     "Synchronous",
+    "TipRelief",
     "Torque",
+    "TransmissionError",
     "__version__",
 ]

@@ -61,6 +61,19 @@ def plain(value: object, path: str) -> Plain:
     raise SceneError(f"{path}: must be a number, text or an array, got {value!r}")
 
 
+def freeze(part: Part, *names: str) -> None:
+    """Make lists of a part, of whatever kind they were given, tuples that compare and hash."""
+    for name in names:
+        value = getattr(part, name)
+        if value is not None:
+            object.__setattr__(part, name, _tuples(plain(value, name)))
+
+
+def _tuples(value: Plain) -> Plain:
+    # What is not a list is wrong, and the core says so where it stands.
+    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+
+
 def expect(value: object, kind: type[P], path: str) -> P:
     """Give the value back if it is of the class that belongs here."""
     if not isinstance(value, kind):

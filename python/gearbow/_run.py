@@ -56,7 +56,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]
-    energy = data["energy"]
+    energy, terms = data["energy"], data.get("energy_terms")
     return {
         **data,
         "time": data["time"][rows],
@@ -65,6 +65,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
         "bearing_force": data["bearing_force"][rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
         "energy": None if energy is None else energy[rows],
+        "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
     }
 
 

@@ -62,5 +62,7 @@ class RunData(TypedDict):
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None
+    energy_terms: dict[str, Array] | None
+    events: list[tuple[float, str, str, str]]
     final: dict[str, Any]
     statistics: dict[str, Any]

@@ -15,9 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, At, ComplexArray
+from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
 
 if TYPE_CHECKING:
+    from gearbow.energy import EnergyBalance
     from gearbow.modes import Modes
     from gearbow.response import Response
     from gearbow.results import Synchronous
@@ -26,6 +28,7 @@ __all__ = [
     "KINDS",
     "PALETTE",
     "STYLE",
+    "energy_balance",
     "history",
     "mesh",
     "modes",
@@ -244,6 +247,34 @@ def synchronous(response: "Synchronous", names: Sequence[At]) -> Figure:
             panel.set(ylabel=f"{_label(name)} [µm]")
         panels[-1].set(xlabel="speed of the reference shaft [rad/s]")
         _legend(figure, panels[0], title="excited by the shaft")
+    return figure
+
+
+def energy_balance(balance: "EnergyBalance") -> Figure:
+    """Draw energies, works and what is left over, against time.
+
+    Parameters
+    ----------
+    balance : EnergyBalance
+        The balance.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A panel for each [J]; terms that are zero throughout are left out.
+    """
+    rows = {"energy": (ENERGIES, "total"), "work": (WORKS, "work"), "residual": ((), "residual")}
+    with _figure(3, 3.0, columns=1, sharex=True) as (figure, panels):
+        for panel, (label, (terms, total)) in zip(panels, rows.items(), strict=True):
+            for i, name in enumerate(terms):
+                values = getattr(balance, name)
+                if np.any(values != 0.0):
+                    panel.plot(balance.time, values, color=_colour(i), label=name)
+            panel.plot(balance.time, getattr(balance, total), color=PALETTE[-1], label="all")
+            panel.set(ylabel=f"{label} [J]")
+            if terms:
+                panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        panels[-1].set(xlabel="time [s]")
     return figure
 
 

@@ -3,10 +3,11 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
+from gearbow.energy import EnergyBalance
 from gearbow.errors import ChannelError, GearbowError
 
 if TYPE_CHECKING:
@@ -14,7 +15,31 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["MeshResponse", "Response", "Statistics"]
+__all__ = ["Event", "MeshResponse", "Response", "Statistics"]
+
+
+class Event(NamedTuple):
+    """A change in what a mesh does, at the instant at which it was found.
+
+    Parameters
+    ----------
+    time : float
+        Time [s].
+    driver : str
+        Name of the driving gear.
+    driven : str
+        Name of the driven gear.
+    kind : str
+        "contact" (the driving flanks meet), "back contact" (those behind them do), "separation"
+        (the teeth part), "contact ratio below 1", "contact ratio above 1" (again), "tip
+        interference" (a tip reaches below the base circle of the other gear) or "tip clearance" (no
+        longer).
+    """
+
+    time: float
+    driver: str
+    driven: str
+    kind: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,6 +299,35 @@ class Response:
         if energy is None:
             raise self._missing("the energy", "energy")
         return energy
+
+    def energy_balance(self) -> EnergyBalance:
+        """Energies of shafts, bearings and meshes, and the work that was done on the system.
+
+        Returns
+        -------
+        EnergyBalance
+            The terms, their sums, and what the integration lost or gained.
+
+        Raises
+        ------
+        ChannelError
+            If the energy was not recorded; the text says what to record.
+        """
+        terms = self._data.get("energy_terms")
+        if terms is None:
+            raise self._missing("the energy balance", "energy")
+        return EnergyBalance(time=self.time, **terms)
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What the meshes did between the recorded times: contact, separation, loss of overlap.
+
+        Returns
+        -------
+        tuple of Event
+            The events in the order of their times, of all meshes, whether recorded or not.
+        """
+        return tuple(Event(*event) for event in self._data.get("events", ()))
 
     def plot(self, kind: str = "orbits", names: Sequence[At] | None = None) -> "Figure":
         """Draw what was recorded.

@@ -5,8 +5,10 @@ Each part is an immutable record of what was given. It is checked, all of it, wh
 """
 
 import math
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from types import NoneType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -15,6 +17,7 @@ from gearbow._describe import Part, complex_number, expect, place, plain
 from gearbow._types import At, Plain
 from gearbow.bow import Bow
 from gearbow.errors import SceneError
+from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 
 __all__ = ["STEEL", "Bearing", "Disk", "Gear", "Material", "Mesh", "Segment", "Shaft", "Torque"]
 
@@ -162,13 +165,14 @@ class Shaft(Part):
 
 
 class _Body(Part):
-    """What disks and gears have in common: an unbalance, which is complex."""
+    """What disks and gears have in common: what stands at an angle in the shaft is complex."""
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:
         given = dict(description)
-        if "unbalance" in given:
-            given["unbalance"] = complex_number(given["unbalance"])
+        for key in ("unbalance", "run_out"):
+            if key in given:
+                given[key] = complex_number(given[key])
         return cls(**given)
 
 
@@ -242,6 +246,9 @@ class Gear(_Body):
         Moment of inertia about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
+    run_out : complex
+        How far the base circle stands off the axis of the shaft [m]; its argument is the angle in
+        the shaft.
 
     Examples
     --------
@@ -264,6 +271,7 @@ class Gear(_Body):
     diametral_inertia: float | None = None
     polar_inertia: float | None = None
     unbalance: complex = 0.0
+    run_out: complex = 0.0
 
 
 @dataclass(frozen=True)
@@ -276,8 +284,9 @@ class Mesh(Part):
         Name of the driving gear.
     driven : str
         Name of the driven gear.
-    stiffness : float or mapping
-        Stiffness along the line of action [N/m]: its mean, or the description of a stiffness model.
+    stiffness : float or Stiffness, optional
+        Stiffness along the line of action: a constant [N/m], or a model. None is the mean of ISO
+        6336-1, `Stiffness.iso6336`, which needs the face width of both gears.
     damping_ratio : float
         Ratio ζ of the damping 2ζ√(k mₑ), with the mass mₑ that the two gears have on the line of
         action.
@@ -288,26 +297,54 @@ class Mesh(Part):
     centre_distance : float, optional
         Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
     backlash : float, optional
-        Clearance of the flanks along the line of action [m]; None is a mesh that never parts.
-    error : float or mapping, optional
-        Unloaded transmission error along the line of action [m].
+        Clearance of the flanks along the line of action, for the centres at rest [m]; None is a
+        mesh that never parts and pulls as well as it pushes.
+    tip_relief : TipRelief, optional
+        Relief of the tips of both gears; None is none.
+    error : TransmissionError, optional
+        Unloaded transmission error; None is none.
 
     Examples
     --------
     >>> import gearbow as gb
     >>> mesh = gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)
+    >>> pairs = gb.Stiffness.parabolic(2e8, engagement=0.2)
+    >>> mesh = gb.Mesh("g1", "g2", stiffness=pairs, damping_ratio=0.05, backlash=1e-4)
     """
 
     driver: str
     driven: str
     _: KW_ONLY
-    stiffness: float | Mapping[str, Any]
+    stiffness: float | Stiffness | None = None
     damping_ratio: float = 0.0
     damping: float | None = None
     centre_line_angle: float = 0.0
     centre_distance: float | None = None
     backlash: float | None = None
-    error: float | Mapping[str, Any] | None = None
+    tip_relief: TipRelief | None = None
+    error: TransmissionError | None = None
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        if not isinstance(self.stiffness, (numbers.Real, Stiffness, NoneType)):
+            raise SceneError(
+                f"{path}.stiffness: must be a number [N/m] or a gb.Stiffness, "
+                f"got {self.stiffness!r}"
+            )
+        if self.tip_relief is not None:
+            expect(self.tip_relief, TipRelief, f"{path}.tip_relief")
+        if self.error is not None:
+            expect(self.error, TransmissionError, f"{path}.error")
+        return super()._describe(path)
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
+        given = dict(description)
+        if isinstance(given.get("stiffness"), Mapping):
+            given["stiffness"] = Stiffness._from_description(given["stiffness"])
+        for key, kind in (("tip_relief", TipRelief), ("error", TransmissionError)):
+            if key in given:
+                given[key] = kind._from_description(given[key])
+        return cls(**given)
 
 
 @dataclass(frozen=True)

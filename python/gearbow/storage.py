@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
 from gearbow.response import Response
 
@@ -31,6 +32,7 @@ _CHANNELS = {
     "twist": ("rad", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
     "energy": ("J", ("time",)),
+    **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
     "mesh_deflection": ("m", ("time", "mesh")),
     "mesh_force": ("N", ("time", "mesh")),
     "mesh_stiffness": ("N/m", ("time", "mesh")),
@@ -92,16 +94,7 @@ def load(path: str | os.PathLike[str]) -> Response:
         )
     # What has no elements has no place in netCDF.
     arrays |= {name: np.empty(shape, dtype) for name, (shape, dtype) in about["empty"].items()}
-    mesh = {
-        name.removeprefix("mesh_"): values
-        for name, values in arrays.items()
-        if name.startswith("mesh_")
-    }
-    state = {
-        name.removeprefix("final_"): values
-        for name, values in arrays.items()
-        if name.startswith("final_")
-    }
+    mesh, terms, state = (_named(arrays, prefix) for prefix in ("mesh_", "energy_", "final_"))
     return Response(
         {
             "time": arrays["time"],
@@ -113,6 +106,8 @@ def load(path: str | os.PathLike[str]) -> Response:
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),
+            "energy_terms": terms or None,
+            "events": [tuple(event) for event in about.get("events", ())],
             "final": {**about["final"], **state},
             "statistics": about["statistics"],
         },
@@ -179,7 +174,7 @@ def to_dataframe(response: Response) -> "pd.DataFrame":
     -------
     pandas.DataFrame
         Rows by time; columns such as "g1 v [m]", "g1/g2 force [N]", "input@0.5 force_y [N]",
-        "energy [J]".
+        "energy [J]", "work damping [J]".
     """
     import pandas as pd  # noqa: PLC0415  # an extra
 
@@ -200,8 +195,19 @@ def to_dataframe(response: Response) -> "pd.DataFrame":
             ]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
+    for name, values in (data.get("energy_terms") or {}).items():
+        columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(response.time, name="time [s]"))
     return table
+
+
+def _named(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    """Give the arrays whose names begin so, by what follows."""
+    return {
+        name.removeprefix(prefix): values
+        for name, values in arrays.items()
+        if name.startswith(prefix)
+    }
 
 
 def _arrays(response: Response) -> dict[str, NDArray[Any]]:
@@ -215,6 +221,8 @@ def _arrays(response: Response) -> dict[str, NDArray[Any]]:
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["energy"] is not None:
         arrays["energy"] = data["energy"]
+    terms = data.get("energy_terms") or {}
+    arrays |= {f"energy_{name}": values for name, values in terms.items()}
     state = data["final"].items()
     return arrays | {
         f"final_{name}": value for name, value in state if isinstance(value, np.ndarray)
@@ -233,6 +241,7 @@ def _metadata(response: Response) -> str:
             "bearings": data["bearings"],
             "meshes": data["meshes"],
             "statistics": data["statistics"],
+            "events": data.get("events", []),
             "final": {
                 name: value
                 for name, value in data["final"].items()

@@ -45,6 +45,35 @@ pub struct Halted {
     pub elapsed: f64,
 }
 
+/// Adopts the laws found for the steps to come; the derivative that stands is of the law before.
+fn adopt<const S: usize>(
+    system: &mut impl System,
+    method: &mut RungeKutta<S>,
+    state: &mut State,
+    found: &[i64],
+    observer: &mut impl Observer,
+    statistics: &mut Statistics,
+) -> Result<(), Halt> {
+    state.laws.clear();
+    state.laws.extend_from_slice(found);
+    system.set_laws(found);
+    observer.switched(state.elapsed, found);
+    statistics.evaluations += 1;
+    statistics.events += 1;
+    method.begin(system, state.elapsed, &state.y)
+}
+
+/// Where in a step the law changes.
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    /// At its beginning: the law is adopted and the step taken anew.
+    AtOnce,
+    /// After this part of it, s: the step ends there.
+    Within(f64),
+    /// At its end.
+    AtEnd,
+}
+
 /// Changes of law within a step.
 ///
 /// The law is frozen over a step. Where another one holds at its end, the instant of the change is found on the
@@ -57,8 +86,10 @@ struct Events {
 
 /// An instant is found to this part of its step.
 const RESOLUTION: f64 = 1e-13;
-/// A change within this part of the step from its beginning would move time by nothing: it is let be until later.
+/// A change within this part of the step from its beginning or its end happens there: no step is shorter.
 const NOTHING: f64 = 1e-9;
+/// Laws adopted at one instant before a step is taken as it is: grazing contacts would change them for ever.
+const PATIENCE_AT_ONCE: u32 = 8;
 
 impl Events {
     fn new(system: &mut impl System, state: &mut State) -> Result<Option<Self>, Halt> {
@@ -72,14 +103,14 @@ impl Events {
         Ok(Some(Self { found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
     }
 
-    /// The length of the step up to the first change of law within it.
+    /// The first change of law within a step; the new laws are left in `found`.
     fn locate<const S: usize>(
         &mut self,
         system: &impl System,
         method: &RungeKutta<S>,
         state: &State,
         taken: &Taken,
-    ) -> Result<Option<f64>, Halt> {
+    ) -> Result<Option<Change>, Halt> {
         let Self { found, trial } = self;
         system.laws_at(taken.after.0, method.end(), found)?;
         if *found == state.laws {
@@ -100,13 +131,14 @@ impl Events {
             system.laws_at(elapsed, trial, found)?;
             if *found == state.laws { low = middle } else { high = middle }
         }
-        if high <= NOTHING {
-            return Ok(None);
-        }
         let elapsed = state.elapsed + high * taken.step;
         span.state(&span.weights(elapsed), trial);
         system.laws_at(elapsed, trial, found)?;
-        Ok(Some(high * taken.step))
+        Ok(Some(match high {
+            high if high <= NOTHING => Change::AtOnce,
+            high if high >= 1.0 - NOTHING => Change::AtEnd,
+            high => Change::Within(high * taken.step),
+        }))
     }
 }
 
@@ -139,7 +171,7 @@ pub fn run<const S: usize>(
     observer.switched(state.elapsed, &state.laws);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
     statistics.evaluations += 1;
-    let mut asked = 0;
+    let (mut asked, mut adopted) = (0, 0);
     while state.elapsed < end || observer.next().is_some() {
         asked += 1;
         if asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
@@ -153,11 +185,19 @@ pub fn run<const S: usize>(
         if !method.end().iter().sum::<f64>().is_finite() {
             return Err(at(state.elapsed)(Halt::Diverged));
         }
-        let event = match &mut events {
-            Some(events) => events.locate(system, method, state, &taken).map_err(at(state.elapsed))?,
-            None => None,
+        let change = match &mut events {
+            Some(events) if adopted < PATIENCE_AT_ONCE => {
+                events.locate(system, method, state, &taken).map_err(at(state.elapsed))?
+            }
+            _ => None,
         };
-        if let Some(step) = event {
+        if let (Some(events), Some(Change::AtOnce)) = (&events, change) {
+            adopted += 1;
+            adopt(system, method, state, &events.found, observer, statistics).map_err(at(state.elapsed))?;
+            continue;
+        }
+        adopted = 0;
+        if let Some(Change::Within(step)) = change {
             taken.step = step;
             taken.after = advanced(state, step);
             let span = (state.elapsed, taken.after.0);
@@ -181,19 +221,15 @@ pub fn run<const S: usize>(
         method.commit(&mut state.y);
         (state.elapsed, state.carry) = after;
         statistics.accept(taken.step, taken.at_limit);
-        if let (Some(events), Some(_)) = (&events, event) {
-            // The derivative that stands is of the law before; the step to try is that from before the event.
-            state.laws.clone_from(&events.found);
-            system.set_laws(&state.laws);
-            observer.switched(state.elapsed, &state.laws);
-            method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
-            statistics.evaluations += 1;
-            statistics.events += 1;
-            continue;
+        if !matches!(change, Some(Change::Within(_))) {
+            // The step to try after an event is that from before it.
+            state.count += 1;
+            state.next_step = taken.next_step;
+            state.previous_error = taken.error;
         }
-        state.count += 1;
-        state.next_step = taken.next_step;
-        state.previous_error = taken.error;
+        if let (Some(events), Some(_)) = (&events, change) {
+            adopt(system, method, state, &events.found, observer, statistics).map_err(at(state.elapsed))?;
+        }
     }
     Ok(())
 }

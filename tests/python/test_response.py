@@ -22,6 +22,18 @@ FIELDS = (
     "contact_ratio",
     "pairs_in_contact",
 )
+TERMS = (
+    "kinetic",
+    "shafts",
+    "bearings",
+    "meshes",
+    "torque",
+    "gravity",
+    "drive",
+    "unbalance",
+    "teeth",
+    "damping",
+)
 
 
 def train(bow: gb.Bow | None = None) -> gb.RotorSystem:
@@ -61,6 +73,10 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "meshes": [("g1", "g2")],
             "mesh": {name: numbers.standard_normal((rows, 1)) for name in FIELDS},
             "energy": numbers.standard_normal(rows) if energy else None,
+            "energy_terms": (
+                {name: numbers.standard_normal(rows) for name in TERMS} if energy else None
+            ),
+            "events": [(0.1 + 0.2, "g1", "g2", "separation"), (1 / 3, "g1", "g2", "contact")],
             "final": {
                 "method": "rk45",
                 "time": 0.1 + 0.2,
