@@ -1,2 +1,172 @@
-//! Times of the engine.
-fn main() {}
+//! What the engine costs: assembly, modes, one right-hand side, one step, one norm, against the size of a train.
+//!
+//! Three shafts of 4 to 41 nodes with five degrees of freedom each, two meshes, six bearings. `cargo bench` prints the
+//! medians; a right-hand side must grow linearly with n, and what a scene leaves out must cost nothing.
+#![allow(missing_docs, clippy::unwrap_used, reason = "criterion's macros, and scenes that are known to be right")]
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
+use gearbow::analysis::Spectrum;
+use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
+use gearbow::integrate::{RungeKutta, System as _};
+use gearbow::mesh::Geometry;
+use gearbow::modal::{self, Basis};
+use gearbow::model::Model;
+use gearbow::motion::Motion;
+use gearbow::scene::{Scene, System};
+use nalgebra::DVector;
+
+/// Elements of each shaft: 60, 135, 240 and 615 degrees of freedom.
+const ELEMENTS: [usize; 4] = [3, 8, 15, 40];
+/// Of the reference shaft, rad/s.
+const SPEED: f64 = 100.0;
+
+/// The train, with bow and unbalance or without.
+fn system(elements: usize, excited: bool) -> System {
+    // Gears stand at nodes that are there anyway, so that none is added.
+    let at = |part: usize| 0.5 * part as f64 / elements as f64;
+    let (middle, third) = (elements / 2, elements / 3);
+    let bow = if excited { ", bow = { shape = \"half_sine\", amplitude = 1.5e-4 }" } else { "" };
+    let unbalance = if excited { ", unbalance = 1e-4" } else { "" };
+    let mut text = String::from("shafts = [\n");
+    for name in ["input", "middle", "output"] {
+        text += &format!("{{ name = \"{name}\", length = 0.5, outer_diameter = 0.05, elements = {elements}{bow} }},\n");
+    }
+    text += "]\ngears = [\n";
+    let gears = [("g1", "input", middle, 25), ("g2", "middle", third, 50), ("g3", "middle", elements - third, 25), ("g4", "output", middle, 50)];
+    for (name, shaft, part, teeth) in gears {
+        text += &format!(
+            "{{ name = \"{name}\", shaft = \"{shaft}\", position = {}, teeth = {teeth}, module = 3e-3, face_width = 0.03{unbalance} }},\n",
+            at(part)
+        );
+    }
+    text += "]\nbearings = [\n";
+    for name in ["input", "middle", "output"] {
+        for x in [0.0, 0.5] {
+            text += &format!("{{ shaft = \"{name}\", position = {x:?}, stiffness = 1e8, damping = 500.0 }},\n");
+        }
+    }
+    text += r#"]
+    meshes = [
+        { driver = "g1", driven = "g2", stiffness = 2e8, damping_ratio = 0.05 },
+        { driver = "g3", driven = "g4", stiffness = 2e8, damping_ratio = 0.05 },
+    ]
+    torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
+    "#;
+    System::from_toml(&text).unwrap()
+}
+
+fn basis(elements: usize, excited: bool) -> Basis {
+    let basis = Basis::new(Model::new(Scene::new(&system(elements, excited)).unwrap()).unwrap());
+    assert_eq!(basis.model.len(), 15 * (elements + 1));
+    basis
+}
+
+/// Short samples: the whole takes three minutes at most.
+fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
+    group.sample_size(30).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+}
+
+fn assembly(criterion: &mut Criterion) {
+    let mut group = group(criterion, "assembly");
+    for elements in ELEMENTS {
+        let system = system(elements, true);
+        group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
+            bencher.iter(|| Model::new(Scene::new(black_box(&system)).unwrap()).unwrap());
+        });
+    }
+}
+
+fn real_modes(criterion: &mut Criterion) {
+    let mut group = group(criterion, "real modes");
+    group.sample_size(10);
+    for elements in ELEMENTS {
+        let fresh = || basis(elements, true);
+        group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
+            bencher.iter_with_setup(fresh, |basis| {
+                basis.real_modes(SPEED).unwrap();
+                basis
+            });
+        });
+    }
+}
+
+fn damped_modes(criterion: &mut Criterion) {
+    let mut group = group(criterion, "damped modes");
+    group.sample_size(10);
+    for elements in [3, 8] {
+        let basis = basis(elements, true);
+        basis.real_modes(SPEED).unwrap();
+        group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
+            bencher.iter(|| modal::modes(black_box(&basis), SPEED).unwrap());
+        });
+    }
+}
+
+/// A motion with a state that is small, so that time does not depend on how it goes.
+fn motion(basis: &Basis, geometry: Geometry, speed: f64) -> (Motion<'_>, Vec<f64>) {
+    let n = basis.model.len();
+    let y = (0..2 * n).map(|i| 1e-7 * (0.7 * i as f64).sin()).collect();
+    (Motion::new(basis, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)
+}
+
+fn right_hand_side(criterion: &mut Criterion) {
+    let mut group = group(criterion, "right-hand side");
+    let cases = [
+        ("live", Geometry::Live, true, SPEED),
+        ("frozen", Geometry::Frozen, true, SPEED),
+        ("live, no bow", Geometry::Live, false, SPEED),
+        ("live, no bow, no spin", Geometry::Live, false, 0.0),
+    ];
+    for (name, geometry, excited, speed) in cases {
+        for elements in ELEMENTS {
+            let basis = basis(elements, excited);
+            let (mut motion, y) = motion(&basis, geometry, speed);
+            let mut derivative = vec![0.0; y.len()];
+            group.bench_function(BenchmarkId::new(name, 15 * (elements + 1)), |bencher| {
+                bencher.iter(|| motion.derivative(black_box(1e-3), black_box(&y), &mut derivative).unwrap());
+            });
+        }
+    }
+}
+
+fn step<const S: usize>(criterion: &mut Criterion, name: &str, tableau: Tableau<S>, controlled: bool) {
+    let mut group = group(criterion, name);
+    for elements in ELEMENTS {
+        let basis = basis(elements, true);
+        let step = Spectrum::new(&basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+        let (mut motion, y) = motion(&basis, Geometry::Live, SPEED);
+        let mut method = RungeKutta::new(tableau, y.len());
+        method.begin(&mut motion, 0.0, &y).unwrap();
+        group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
+            bencher.iter(|| {
+                method.step(&mut motion, (0.0, step), black_box(&y), step).unwrap();
+                // What the controller asks after each step.
+                if controlled { motion.size(method.end()) + method.error(&mut motion, step) } else { 0.0 }
+            });
+        });
+    }
+}
+
+fn steps(criterion: &mut Criterion) {
+    step(criterion, "step of rk4", RK4, false);
+    step(criterion, "step of rk45", DORMAND_PRINCE, true);
+}
+
+fn norm(criterion: &mut Criterion) {
+    let mut group = group(criterion, "norm");
+    for elements in ELEMENTS {
+        let basis = basis(elements, true);
+        let (mut motion, y) = motion(&basis, Geometry::Live, SPEED);
+        group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
+            bencher.iter(|| motion.norm(black_box(&y)));
+        });
+    }
+}
+
+criterion_group!(engine, assembly, real_modes, damped_modes, right_hand_side, steps, norm);
+criterion_main!(engine);

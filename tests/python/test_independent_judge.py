@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from reference import judge
-from reference.scenes import CHAIN, PAIR, GearAt, Geared, HalfSine
+from reference.bows import HalfSine, Kinked
+from reference.scenes import CHAIN, PAIR, GearAt, Geared
 
 SPEED = 100.0
 END, COUNT = 4e-3, 81
@@ -27,6 +28,9 @@ DEMO = Geared(bows=ALL, angles=(0.4, -1.1))
 SCENES = {
     "bow on all, phases, angles": DEMO,
     "bow on the middle shaft": replace(DEMO, bows={"middle": HalfSine(1.5e-4)}, angles=(0.0, 0.0)),
+    "bow at the bearings too": replace(
+        DEMO, bows={"middle": Kinked(2e-4, 0.5), "output": Kinked(1e-4)}
+    ),
     "large bow": replace(DEMO, bows={"input": HalfSine(1.2e-3, -2.0)}, angles=(2.5, 0.9)),
     "unbalance, gravity, skewed bearings": replace(
         DEMO,

@@ -9,7 +9,8 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
-from reference.scenes import PAIR, GearAt, Geared, HalfSine
+from reference.bows import HalfSine
+from reference.scenes import PAIR, GearAt, Geared
 
 BOWED = Geared(
     bows={"input": HalfSine(2e-4, 0.3), "middle": HalfSine(3e-4, -1.2), "output": HalfSine(1e-4)},

@@ -10,8 +10,9 @@ import pytest
 
 import gearbow as gb
 from reference import closed_forms
+from reference.bows import HalfSine
 from reference.mesh_law import MeshLaw
-from reference.scenes import PAIR, GearAt, Geared, HalfSine
+from reference.scenes import PAIR, GearAt, Geared
 
 ALPHA = np.radians(20)
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.scenes import PAIR, Geared, HalfSine
+from reference.bows import HalfSine
+from reference.scenes import PAIR, Geared
 
 DEMO = Geared(bows={"input": HalfSine(1.5e-4), "middle": HalfSine(1.5e-4, 0.8)}, angles=(0.4, -1.1))
 
@@ -118,3 +119,40 @@ def test_rk45_without_damping_stays_bounded_at_a_loose_tolerance(rtol: float):
     early = energy[response.time < 0.02].max()
     assert energy.max() < 3 * early
     assert np.abs(response.displacement(("input", 0.25))).max() < 10e-4
+
+
+def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
+    # the gear swings by twice its bow of 5 mm; the base circles are 6.8 mm apart
+    scene = replace(PAIR, bows={"input": HalfSine(5e-3)}, torque=0.0)
+    with pytest.raises(gb.ContactError) as caught:
+        scene.package().simulate(5e-3, 100.0, initial="rest", output_step=1e-5, method="rk45")
+    text = str(caught.value)
+    assert "g1" in text
+    assert "g2" in text
+    done = caught.value.response
+    assert 0 < done.time[-1] < 5e-3
+    # up to there it is a motion, and it was about to overlap
+    closing = done.mesh("g1", "g2").centre_distance
+    apart = scene.law(0).sum_of_radii
+    assert np.isfinite(done.displacement("g1")).all()
+    assert apart < closing[-1] < apart + 1e-3
+    times = [float(x) for x in re.findall(r"\d+\.?\d*(?:e[-+]?\d+)?", text)]
+    late = done.time[-1] + 2e-5
+    assert any(done.time[-1] <= x * 10.0**-k <= late for x in times for k in (0, 3, 6)), text
+
+
+def test_late_start_is_an_early_one_with_the_shafts_turned():
+    # 1e8 rad of the first shaft: an angle that is reduced late has lost 1e-8 rad
+    begin, speed = 1e6, 100.0
+    how = {"method": "rk4", "initial": "rest", "step": 5e-7}
+    offsets = np.arange(21) * 2.0**-13  # sums with 1e6 are exact
+    late = DEMO.package().simulate(2.6e-3, speed, start=begin, times=begin + offsets, **how)
+    turned = {
+        name: HalfSine(bow.amplitude, bow.phase + np.angle(np.exp(1j * ratio * speed * begin)))
+        for (name, bow), ratio in zip(DEMO.bows.items(), DEMO.ratios, strict=False)
+    }
+    early = replace(DEMO, bows=turned).package().simulate(2.6e-3, speed, times=offsets, **how)
+    for name in ("g1", "g2", "g3", "g4"):
+        u = early.displacement(name)
+        # the phases are rounded once more; round-off
+        assert np.abs(late.displacement(name) - u).max() < 1e-10 * np.abs(u).max()

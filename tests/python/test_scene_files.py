@@ -10,7 +10,8 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
-from reference.scenes import Geared, HalfSine
+from reference.bows import HalfSine
+from reference.scenes import Geared
 
 
 def load(tmp_path: Path, text: str) -> gb.RotorSystem:

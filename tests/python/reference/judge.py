@@ -47,7 +47,9 @@ class Motion:
         )
 
 
-def from_rest(train: Train, speed: float, times: Array, live: bool = True) -> Motion:
+def from_rest(
+    train: Train, speed: float, times: Array, live: bool = True, rtol: float = 1e-10
+) -> Motion:
     """Integrate from q = q' = 0 at t = 0."""
     n = train.size
     stiffness, damping = train.grounded, train.viscous + speed * train.gyroscopic
@@ -70,7 +72,7 @@ def from_rest(train: Train, speed: float, times: Array, live: bool = True) -> Mo
 
     scale = np.concatenate([np.full(n, 1e-14), np.full(n, 1e-10)])  # m and rad; m/s and rad/s
     found = solve_ivp(
-        rate, (0.0, times[-1]), np.zeros(2 * n), "DOP853", times, rtol=1e-10, atol=scale
+        rate, (0.0, times[-1]), np.zeros(2 * n), "DOP853", times, rtol=rtol, atol=scale
     )
     assert found.success, found.message
     return Motion(train, times, found.y[:n].T, found.y[n:].T)

@@ -83,14 +83,6 @@ class MeshLaw:
         spin_a, spin_b = self.sigma * self.base_radius_a, self.sigma * self.base_radius_b
         return np.array([n_y, n_z, spin_a, -n_y, -n_z, spin_b])
 
-    def tangent(self, q: Array) -> tuple[Array, Array]:
-        """Gradient at q, and the tooth force there times the derivative of the gradient (by differences)."""
-        h = 1e-6  # m and rad: errors of (h / C)^2 and of eps / h
-        ends = [[self.gradient(p[0:2], p[3:5]) for p in (q + h * e, q - h * e)] for e in np.eye(6)]
-        curvature = np.array([(high - low) / (2 * h) for high, low in ends])
-        force = self.stiffness * self.deflection(q[0:2], q[3:5], q[2], q[5])
-        return self.gradient(q[0:2], q[3:5]), force * curvature
-
     def force(self, q: Array, qd: Array, live: bool = True) -> tuple[float, Array]:
         """Tooth force, and the generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
         if live:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 import gearbow as gb
 from reference import published
+from reference.bows import HalfSine, Kinked
 from reference.closed_forms import full_depth_gear, solid_disk
 from reference.elements import Section
 from reference.mesh_law import MeshLaw
@@ -18,26 +19,6 @@ from reference.train import BearingSpec, MeshSpec, RigidSpec, ShaftPart, ShaftSp
 
 E, NU, DENSITY = 207e9, 0.3, 7850.0  # the default steel of the interface
 G = E / (2 * (1 + NU))
-
-Curve = Callable[[float], complex]
-
-
-@dataclass(frozen=True)
-class HalfSine:
-    """Bow amplitude * sin(pi x / L) at `phase` in the shaft."""
-
-    amplitude: float
-    phase: float = 0.0
-
-    def curve(self, length: float) -> Curve:
-        return lambda x: self.amplitude * np.exp(1j * self.phase) * np.sin(np.pi * x / length)
-
-    def slope(self, length: float) -> Curve:
-        k = np.pi / length
-        return lambda x: self.amplitude * np.exp(1j * self.phase) * k * np.cos(k * x)
-
-    def package(self) -> gb.Bow:
-        return gb.Bow.half_sine(self.amplitude, phase=self.phase)
 
 
 @dataclass(frozen=True)
@@ -62,7 +43,7 @@ class Geared:
     )
     meshes: Sequence[tuple[str, str]] = (("g1", "g2"), ("g3", "g4"))
     ratios: Sequence[float] = (1.0, -0.5, 0.25)
-    bows: Mapping[str, HalfSine] = field(default_factory=dict)
+    bows: Mapping[str, HalfSine | Kinked] = field(default_factory=dict)
     angles: Sequence[float] = (0.0, 0.0)  # of the centre lines
     module: float = 3e-3
     pressure_angle: float = np.radians(20)
@@ -98,7 +79,7 @@ class Geared:
                     length=self.length,
                     outer_diameter=self.diameter,
                     elements=self.elements,
-                    bow=self.bows[name].package() if name in self.bows else None,
+                    bow=self.bows[name].package(self.length) if name in self.bows else None,
                 )
                 for name in self.shafts
             ],

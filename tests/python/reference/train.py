@@ -143,15 +143,12 @@ class Train:
             self.grounded[i : i + 2, i : i + 2] += bearing.stiffness
             self.viscous[i : i + 2, i : i + 2] += bearing.damping
 
-    def linear(self, about: Array | None = None) -> tuple[Array, Array]:
-        """Stiffness and damping with each mesh linearised at rest, or about a displacement."""
+    def linear(self) -> tuple[Array, Array]:
+        """Stiffness and damping with each mesh linearised at rest."""
         stiffness, damping = self.grounded.copy(), self.viscous.copy()
         for mesh in self.meshes:
-            at = self.interface(mesh)
-            g, curved = mesh.law.gradient_at_rest(), np.zeros((6, 6))
-            if about is not None:
-                g, curved = mesh.law.tangent(about[at])
-            stiffness[np.ix_(at, at)] += mesh.law.stiffness * np.outer(g, g) + curved
+            at, g = self.interface(mesh), mesh.law.gradient_at_rest()
+            stiffness[np.ix_(at, at)] += mesh.law.stiffness * np.outer(g, g)
             damping[np.ix_(at, at)] += mesh.law.damping * np.outer(g, g)
         return stiffness, damping
 
@@ -192,9 +189,9 @@ class Train:
             out.append((spin, parts[0], parts[1]))
         return out
 
-    def synchronous(self, speed: float, about: Array | None = None) -> list[NDArray[np.complex128]]:
+    def synchronous(self, speed: float) -> list[NDArray[np.complex128]]:
         """Per shaft as source the amplitude Q of q(t) = Re[Q exp(i ratio_s speed t)]."""
-        stiffness, damping = self.linear(about)
+        stiffness, damping = self.linear()
         out = []
         for spin, at_0, at_90 in self.turning_force(speed):
             dynamic = (

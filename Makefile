@@ -1,0 +1,98 @@
+# Rust, Python 3.10 or later with venv, and make: the rest comes from crates.io and PyPI into target/ and .venv/.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+
+SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
+FIGURE := examples/output/bowed_train.png
+
+# The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
+export PYO3_PYTHON := $(abspath $(BIN)/python)
+
+.PHONY: help demo test check bench fmt wheel readme figure clean test-rust test-python lint lint-rust lint-python types documents
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make demo    run examples/bowed_train.py: tables, and a figure"
+	@echo "make test    all tests, Rust and Python, the latter on the installed wheel"
+	@echo "make check   the tests, and everything else that must hold before a change is merged"
+	@echo "make bench   what a step costs, and gearbow beside SciPy"
+	@echo "make fmt     format Rust and Python"
+	@echo "make wheel   build the wheel into dist/"
+	@echo "make readme  print the tables of the documents anew"
+	@echo "make figure  draw the figure of the README anew"
+	@echo "make clean   remove whatever was built"
+
+demo: $(VENV)/.plot
+	$(BIN)/python examples/bowed_train.py
+
+test: test-rust test-python
+
+test-rust:
+	cargo test --locked
+
+test-python: $(VENV)/.dev
+	$(BIN)/python -m pytest --pyargs gearbow tests/python README.md docs
+
+check: lint types documents test
+
+lint: lint-rust lint-python
+
+lint-rust: $(BIN)/python
+	cargo fmt --check
+	cargo clippy --locked --all-targets -- -D warnings
+	cargo clippy --locked --all-targets --features python -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items --all-features
+
+lint-python: $(VENV)/.dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/numpydoc lint $(wildcard python/gearbow/*.py)
+
+types: $(VENV)/.dev
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest gearbow._core
+
+documents: $(VENV)/.dev
+	$(BIN)/python docs/printed.py --check
+
+readme: $(VENV)/.dev
+	$(BIN)/python docs/printed.py
+
+# A palette of 32 colours makes the figure small enough to be kept.
+figure: demo
+	$(BIN)/python -c "from PIL import Image; \
+	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
+
+bench: $(VENV)/.dev
+	cargo bench --locked
+	$(BIN)/python benches/compare_scipy.py
+
+fmt: $(VENV)/.dev
+	cargo fmt
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+wheel: $(VENV)/.wheel
+
+clean:
+	cargo clean
+	rm -rf $(VENV) dist examples/output .hypothesis .mypy_cache .pytest_cache .ruff_cache
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.wheel: $(SOURCES) | $(BIN)/python
+	$(PIP) install "maturin>=1.9.4,<2"
+	rm -f dist/gearbow-*.whl
+	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out dist
+	$(PIP) install --force-reinstall --no-deps dist/gearbow-*.whl
+	touch $@
+
+# The wheel with one of its extras, plot or dev.
+$(VENV)/.%: $(VENV)/.wheel
+	$(PIP) install "$$(echo dist/gearbow-*.whl)[$*]"
+	touch $@

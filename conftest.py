@@ -1,0 +1,78 @@
+"""The documents are tests: their Python blocks run in order, each with the names of those before.
+
+What a block prints stands in the `text` block after it. A `toml` block is the file `scene.toml` of
+the blocks that follow. Everything runs in an empty folder.
+"""
+
+import contextlib
+import doctest
+import io
+import os
+import re
+import tempfile
+from pathlib import Path
+
+import pytest
+
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def pytest_collect_file(file_path, parent):
+    return Document.from_parent(parent, path=file_path) if file_path.suffix == ".md" else None
+
+
+class Document(pytest.File):
+    def collect(self):
+        text = self.path.read_text(encoding="utf-8")
+        blocks = [
+            (match[1], match[2], text.count("\n", 0, match.start(2)))
+            for match in BLOCK.finditer(text)
+        ]
+        if any(language == "python" for language, _, _ in blocks):
+            yield Examples.from_parent(self, name="examples", blocks=blocks)
+
+
+class Examples(pytest.Item):
+    def __init__(self, *, blocks, **given):
+        super().__init__(**given)
+        self.blocks = blocks
+
+    def runtest(self):
+        names = {"__name__": self.path.stem}
+        printed = io.StringIO()
+        with tempfile.TemporaryDirectory() as folder, inside(folder):
+            for language, text, line in self.blocks:
+                if language == "toml":
+                    Path("scene.toml").write_text(text, encoding="utf-8")
+                elif language == "python":
+                    self.compare("", printed.getvalue(), line)
+                    printed = io.StringIO()
+                    # Lines before the block, so that a traceback points into the document.
+                    code = compile("\n" * line + text, self.path, "exec")
+                    with contextlib.redirect_stdout(printed):
+                        exec(code, names)
+                elif language == "text":
+                    self.compare(text, printed.getvalue(), line)
+                    printed = io.StringIO()
+            self.compare("", printed.getvalue(), line)
+
+    def compare(self, expected, printed, line):
+        example = doctest.Example("", expected, lineno=line)
+        checker = doctest.OutputChecker()
+        if not checker.check_output(expected, printed, ALIKE):
+            difference = checker.output_difference(example, printed, ALIKE)
+            raise AssertionError(f"{self.path}:{line + 1}: {difference}")
+
+    def reportinfo(self):
+        return self.path, None, f"{self.path.name}: examples"
+
+
+@contextlib.contextmanager
+def inside(folder):
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(before)

@@ -1,0 +1,53 @@
+"""Keep the blocks of the documents that a command prints.
+
+Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. This script
+writes what the commands print now; with ``--check`` it changes nothing and fails if a block
+differs.
+"""
+
+import argparse
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"(<!-- printed by: (.+?) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def printed(command: str) -> str:
+    """Run a Python script of the repository."""
+    _, *arguments = shlex.split(command)
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=ROOT,
+        check=True,
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+        env={**os.environ, "PYTHONUTF8": "1"},
+    )
+    return done.stdout
+
+
+def main() -> None:
+    """Write or check the documents."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--check", action="store_true", help="only say whether a block differs")
+    check: bool = parser.parse_args().check
+    stale = []
+    for document in DOCUMENTS:
+        old = document.read_text(encoding="utf-8")
+        new = BLOCK.sub(lambda block: f"{block[1]}{printed(block[2])}{block[3]}", old)
+        if new != old:
+            stale.append(str(document.relative_to(ROOT)))
+            if not check:
+                document.write_text(new, encoding="utf-8")
+    if check and stale:
+        sys.exit(f"{', '.join(stale)}: differs from what its commands print; run: make readme")
+
+
+if __name__ == "__main__":
+    main()

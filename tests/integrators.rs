@@ -1,0 +1,408 @@
+//! The integrators on systems small enough to know the answer of.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
+use gearbow::integrate::{
+    Adaptive, Control, Halt, Halted, Limit, Observer, RungeKutta, Span, State, Statistics, System, run,
+};
+use proptest::prelude::*;
+
+/// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
+#[derive(Clone, Debug)]
+struct Particles {
+    square: Vec<f64>,
+    cubic: Vec<f64>,
+    /// Springs that are `hit` times stiffer where q > 1: a kink.
+    hit: f64,
+    evaluations: Rc<Cell<u64>>,
+}
+
+impl Particles {
+    fn new(square: &[f64], cubic: &[f64]) -> Self {
+        Self { square: square.to_vec(), cubic: cubic.to_vec(), hit: 0.0, evaluations: Rc::default() }
+    }
+
+    fn energy(&self, y: &[f64], index: usize) -> f64 {
+        let (q, v) = (y[index], y[y.len() / 2 + index]);
+        v * v / 2.0 + self.square[index] * q * q / 2.0 + self.cubic[index] * q.powi(4) / 4.0
+    }
+}
+
+impl System for Particles {
+    fn len(&self) -> usize {
+        2 * self.square.len()
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        let n = self.square.len();
+        for i in 0..n {
+            let q = y[i];
+            derivative[i] = y[n + i];
+            derivative[n + i] = -q * (self.square[i] + self.cubic[i] * q * q) - self.hit * (q - 1.0).max(0.0);
+        }
+        Ok(())
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        let (q, v) = difference.split_at(self.square.len());
+        let sum: f64 = q.iter().zip(v).zip(&self.square).map(|((q, v), square)| square * q * q + v * v).sum();
+        sum.sqrt()
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        self.norm(y)
+    }
+}
+
+/// Asks for nothing, or sees every step until `end`: its beginning, its length, and the evaluations until then.
+#[derive(Default)]
+struct Witness {
+    end: Option<f64>,
+    seen: Vec<(f64, f64, u64)>,
+    /// (time, q₀, v₀) in the middle of every step.
+    middles: Vec<[f64; 3]>,
+    evaluations: Rc<Cell<u64>>,
+    patience: Option<u64>,
+}
+
+impl Observer for Witness {
+    fn next(&self) -> Option<f64> {
+        let (last, end) = (self.seen.last().map_or(0.0, |(start, step, _)| start + step), self.end?);
+        (last < end).then_some(last)
+    }
+
+    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
+        assert!((span.end() - end).abs() <= 1e-12 * end);
+        self.seen.push((span.start, span.step, self.evaluations.get()));
+        let middle = span.start + 0.4 * span.step;
+        let (q, v) = span.at(&span.weights(middle), 0);
+        self.middles.push([middle, q, v]);
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        self.patience.as_mut().is_none_or(|patience| {
+            *patience = patience.saturating_sub(1);
+            *patience > 0
+        })
+    }
+}
+
+fn integrate<const S: usize>(
+    system: &mut Particles,
+    tableau: Tableau<S>,
+    control: Control,
+    state: &mut State,
+    end: f64,
+) -> Statistics {
+    let (mut method, mut statistics) = (RungeKutta::new(tableau, system.len()), Statistics::new());
+    run(system, &mut method, &control, state, end, &mut Witness::default(), &mut statistics).unwrap();
+    statistics
+}
+
+fn adaptive(rtol: f64, longest: f64) -> Control {
+    Control::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
+}
+
+/// An undamped pair, and a particle on a hardening spring of period 2π/ω·…: nothing here is fast.
+fn pair_and_pendulum() -> (Particles, State) {
+    (Particles::new(&[1.0, 9.0, 4.0], &[0.0, 0.0, -0.8]), State::new(vec![1.0, 0.3, 1.0, 0.0, -0.5, 0.4]))
+}
+
+/// End of the run by steps of 2⁻ᵏ, which add up exactly.
+fn fixed<const S: usize>(tableau: Tableau<S>, k: i32) -> Vec<f64> {
+    let (mut system, mut state) = pair_and_pendulum();
+    integrate(&mut system, tableau, Control::Fixed(2.0_f64.powi(-k)), &mut state, 4.0);
+    assert_eq!(state.elapsed, 4.0);
+    state.y
+}
+
+#[test]
+fn observed_order_is_that_of_the_tableau() {
+    let (mut system, _) = pair_and_pendulum();
+    let reference = fixed(DORMAND_PRINCE, 11);
+    let mut error = |y: &[f64]| {
+        let difference: Vec<f64> = y.iter().zip(&reference).map(|(a, b)| a - b).collect();
+        system.norm(&difference)
+    };
+    // At 2⁻⁷ terms of the next order are a few percent of the error, and round-off nothing.
+    let (coarse, fine) = (error(&fixed(RK4, 6)), error(&fixed(RK4, 7)));
+    assert!(((coarse / fine).log2() - f64::from(RK4.order)).abs() < 0.2, "{}", (coarse / fine).log2());
+    let (coarse, fine) = (error(&fixed(DORMAND_PRINCE, 6)), error(&fixed(DORMAND_PRINCE, 7)));
+    assert!(((coarse / fine).log2() - f64::from(DORMAND_PRINCE.order)).abs() < 0.2, "{}", (coarse / fine).log2());
+    // The linear pair alone has a closed form.
+    let y = fixed(DORMAND_PRINCE, 8);
+    assert!((y[0] - 4.0_f64.cos()).abs() < 1e-12 && (y[3] + 4.0_f64.sin()).abs() < 1e-12);
+}
+
+#[test]
+fn the_embedded_error_is_of_fourth_order() {
+    let (mut system, state) = pair_and_pendulum();
+    let mut error = |step: f64| {
+        let mut method = RungeKutta::new(DORMAND_PRINCE, system.len());
+        method.begin(&mut system, 0.0, &state.y).unwrap();
+        method.step(&mut system, (0.0, step), &state.y, step).unwrap();
+        method.error(&mut system, step)
+    };
+    // Of one step, so h⁵.
+    let order = (error(0.02) / error(0.01)).log2();
+    assert!((order - 5.0).abs() < 0.2, "{order}");
+}
+
+/// A step of a motion that is known, with its ends.
+fn interpolated(start: f64, step: f64, motion: impl Fn(f64) -> [f64; 3], at: f64) -> (f64, f64) {
+    let ends = [motion(start), motion(start + step)].map(|[q, v, a]| ([q, v], [v, a]));
+    let span =
+        Span { start, step, before: (&ends[0].0, &ends[0].1), after: (&ends[1].0, &ends[1].1) };
+    span.at(&span.weights(at), 0)
+}
+
+#[test]
+fn interpolation_is_of_sixth_order_in_displacement_and_fifth_in_velocity() {
+    let sine = |t: f64| [t.sin(), t.cos(), -t.sin()];
+    let errors = |step: f64| {
+        let at = 1.0 + 0.3 * step;
+        let (q, v) = interpolated(1.0, step, sine, at);
+        [(q - at.sin()).abs(), (v - at.cos()).abs()]
+    };
+    let (coarse, fine) = (errors(0.2), errors(0.1));
+    for (index, order) in [(0, 6.0), (1, 5.0)] {
+        let observed = (coarse[index] / fine[index]).log2();
+        assert!((observed - order).abs() < 0.2, "{observed}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+
+    #[test]
+    fn interpolation_is_exact_for_a_quintic(
+        c in prop::array::uniform6(-1.0..1.0), start in -2.0..2.0_f64, step in 1e-3..2.0_f64, part in 0.0..=1.0_f64,
+    ) {
+        let motion = |t: f64| {
+            let s = t - start;
+            let q = c.iter().rev().fold(0.0, |sum, c| sum * s + c);
+            let v = (1..6).rev().fold(0.0, |sum, k| sum * s + k as f64 * c[k]);
+            let a = (2..6).rev().fold(0.0, |sum, k| sum * s + (k * (k - 1)) as f64 * c[k]);
+            [q, v, a]
+        };
+        let at = start + part * step;
+        let ((q, v), exact) = (interpolated(start, step, motion, at), motion(at));
+        // Values up to 1e2 (a quintic at s = 2), differences of which the velocity divides by the step.
+        prop_assert!((q - exact[0]).abs() < 1e-13 * 1e2 && (v - exact[1]).abs() < 1e-13 * 1e2 / step);
+    }
+}
+
+#[test]
+fn the_middle_of_a_step_is_as_good_as_its_end() {
+    let (mut system, mut state) = pair_and_pendulum();
+    let mut witness = Witness { end: Some(4.0), ..Witness::default() };
+    let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, system.len()), Statistics::new());
+    let control = Control::Fixed(1.0 / 64.0);
+    run(&mut system, &mut method, &control, &mut state, 4.0, &mut witness, &mut statistics).unwrap();
+    assert_eq!(witness.middles.len(), 256);
+    for [time, q, v] in witness.middles {
+        // The end is right to 1e-10 with this step.
+        assert!((q - time.cos()).abs() < 2e-10 && (v + time.sin()).abs() < 2e-10);
+    }
+}
+
+#[test]
+fn the_controller_is_the_one_of_the_books() {
+    let control = Adaptive { rtol: 1e-6, floor: 0.0, longest: 1.0 };
+    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+    close(control.grow(5, 1.0, 1.0), 0.9);
+    // 0.7/5 on the error and 0.4/5 on the one before.
+    close(control.grow(5, 0.5, 1.0), 0.9 * 2.0_f64.powf(0.14));
+    close(control.grow(5, 1.0, 0.5), 0.9 * 0.5_f64.powf(0.08));
+    // No error at all counts as 1e-10 and grows no further than five times.
+    close(control.grow(5, 0.0, 1.0), 5.0);
+    // A previous error of nothing does not choke the step: it counts as 1e-4.
+    close(control.grow(5, 1.0, 0.0), 0.9 * 1e-4_f64.powf(0.08));
+    close(control.shrink(5, 32.0), 0.45);
+    close(control.shrink(5, 1e9), 0.2);
+    // Just above the tolerance a step must still shrink.
+    assert!(control.shrink(5, 1.0 + 1e-12) < 0.9);
+}
+
+#[test]
+fn counts_are_pinned() {
+    let counts = |statistics: Statistics| (statistics.steps, statistics.rejected, statistics.evaluations);
+    let (mut system, mut state) = pair_and_pendulum();
+    let fixed = integrate(&mut system, RK4, Control::Fixed(1.0 / 128.0), &mut state, 10.0);
+    // Four a step, and the first.
+    assert_eq!(counts(fixed), (1280, 0, 5121));
+    assert_eq!((fixed.shortest, fixed.longest), (1.0 / 128.0, 1.0 / 128.0));
+
+    let (mut system, mut state) = pair_and_pendulum();
+    let smooth = integrate(&mut system, DORMAND_PRINCE, adaptive(1e-8, 1.0), &mut state, 40.0);
+    let mut bouncing = Particles { hit: 1e4, ..Particles::new(&[1.0], &[0.0]) };
+    let rough =
+        integrate(&mut bouncing, DORMAND_PRINCE, adaptive(1e-6, 0.5), &mut State::new(vec![0.0, 3.0]), 40.0);
+    let mut stiff = Particles::new(&[1.0, 1e6], &[0.0; 2]);
+    let capped =
+        integrate(&mut stiff, DORMAND_PRINCE, adaptive(1e-3, 9.8e-4), &mut State::new(vec![1.0, 0.0, 0.0, 0.0]), 1.0);
+    // The last step of each runs past the end: six evaluations that are no step. A slower integrator, or one that
+    // rejects more, changes these.
+    assert_eq!([smooth, rough, capped].map(counts), [(1375, 2, 8269), (611, 133, 4471), (1020, 0, 6127)]);
+    assert_eq!(capped.at_limit, capped.steps);
+}
+
+#[test]
+fn no_step_grows_right_after_a_rejection() {
+    let mut system = Particles { hit: 1e4, ..Particles::new(&[1.0], &[0.0]) };
+    let mut witness = Witness { end: Some(40.0), evaluations: Rc::clone(&system.evaluations), ..Witness::default() };
+    let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
+    let mut state = State::new(vec![0.0, 3.0]);
+    run(&mut system, &mut method, &adaptive(1e-6, 0.5), &mut state, 40.0, &mut witness, &mut statistics).unwrap();
+    let mut rejections = 0;
+    for triple in witness.seen.windows(3) {
+        let [(_, _, before), (_, step, after), (_, next, _)] = triple else { unreachable!() };
+        // Six evaluations an attempt.
+        let rejected = (after - before) / 6 - 1;
+        rejections += rejected;
+        assert!(rejected == 0 || next <= step, "{step} to {next} after {rejected} rejections");
+    }
+    assert!(rejections > 20, "a wall that is hit a dozen times: {rejections}");
+    assert!(witness.seen.windows(2).any(|pair| pair[1].1 > 1.5 * pair[0].1), "steps do grow elsewhere");
+}
+
+/// The same run at once and in parts.
+fn split<const S: usize>(tableau: Tableau<S>, control: Control, stops: &[f64]) -> Result<(), TestCaseError> {
+    let (mut system, mut whole) = pair_and_pendulum();
+    system.hit = 50.0;
+    let mut parts = whole.clone();
+    integrate(&mut system, tableau, control, &mut whole, 10.0);
+    for stop in stops.iter().chain(&[10.0]) {
+        integrate(&mut system, tableau, control, &mut parts, *stop);
+        prop_assert!(parts.elapsed <= *stop);
+    }
+    // PartialEq of floats, and none of them is zero or NaN: bit for bit.
+    prop_assert_eq!(parts, whole);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(50) })]
+
+    #[test]
+    fn a_split_run_is_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {
+        stops.sort_by(f64::total_cmp);
+        split(RK4, Control::Fixed(0.0123), &stops)?;
+        split(DORMAND_PRINCE, adaptive(1e-6, 0.5), &stops)?;
+    }
+}
+
+#[test]
+fn time_does_not_drift() {
+    let mut system = Particles::new(&[1.0], &[0.0]);
+    let (y, end) = (vec![1.0, 0.0], 1e4 + 0.05);
+    // 1e5 sums of 0.1 would be off by 2e-8; the adaptive steps are all at their limit.
+    let mut state = State::new(y.clone());
+    integrate(&mut system, RK4, Control::Fixed(0.1), &mut state, end);
+    assert_eq!((state.count, state.elapsed), (100_000, 100_000.0 * 0.1));
+    let mut state = State::new(y);
+    integrate(&mut system, DORMAND_PRINCE, adaptive(0.5, 0.1), &mut state, end);
+    assert_eq!((state.count, state.elapsed), (100_000, 100_000.0 * 0.1));
+}
+
+#[test]
+fn capped_steps_stay_bounded_on_undamped_stiffness() {
+    let energy = |longest: f64| {
+        let mut system = Particles::new(&[1e2, 1e8], &[0.0; 2]);
+        // The fast oscillator holds 1e-10 of the energy: far below what the tolerance sees.
+        let mut state = State::new(vec![0.1, 1e-9, 0.0, 0.0]);
+        let before = system.energy(&state.y, 1);
+        integrate(&mut system, DORMAND_PRINCE, adaptive(1e-3, longest), &mut state, 1.0);
+        system.energy(&state.y, 1) / before
+    };
+    let capped = energy(DORMAND_PRINCE.imaginary_limit / 1e4);
+    assert!(capped <= 1.0, "{capped}");
+    // What the cap is for: error control alone reports success while the fast one grows.
+    let uncapped = energy(1.0);
+    assert!(uncapped > 1e4, "{uncapped}");
+}
+
+/// Amplitude of an undamped oscillator after `steps` of `angle` = hω each, begun at one.
+fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64 {
+    let mut system = Particles::new(&[1.0], &[0.0]);
+    let mut state = State::new(vec![1.0, 0.0]);
+    integrate(&mut system, tableau, Control::Fixed(angle), &mut state, angle * (f64::from(steps) + 0.5));
+    assert_eq!(state.count, u64::from(steps));
+    system.norm(&state.y)
+}
+
+#[test]
+fn the_stability_limits_are_where_the_tableaux_say() {
+    // |R| − 1 is −9e-4 at 2.828 and +2e-3 at 2.83: thousands of steps tell.
+    assert!(amplitude(RK4, RK4.imaginary_limit, 20_000) <= 1.0);
+    assert!(amplitude(RK4, 2.83, 20_000) > 1e3);
+    assert!(amplitude(DORMAND_PRINCE, DORMAND_PRINCE.imaginary_limit, 20_000) <= 1.0);
+    // Beyond 0.997 Dormand–Prince grows, by 9e-5 a step at 1.1.
+    assert!(amplitude(DORMAND_PRINCE, 1.1, 100_000) > 100.0);
+}
+
+/// R(z) of a tableau: its end after a step on ẏ = λy, hλ = z.
+fn stability<const S: usize>(tableau: &Tableau<S>, z: num_complex::Complex64) -> f64 {
+    let mut stages = [num_complex::Complex64::ZERO; S];
+    let mut end = num_complex::Complex64::ONE;
+    for stage in 0..S {
+        end = 1.0 + (0..stage).map(|j| stages[j] * tableau.weights[stage][j]).sum::<num_complex::Complex64>();
+        stages[stage] = z * end;
+    }
+    end.norm()
+}
+
+#[test]
+fn every_decaying_motion_within_both_limits_is_stable() {
+    fn check<const S: usize>(tableau: &Tableau<S>) {
+        for i in 0..=600 {
+            for j in 0..=600 {
+                let re = -tableau.real_limit * f64::from(i) / 600.0;
+                let im = tableau.imaginary_limit * f64::from(j) / 600.0;
+                let z = num_complex::Complex64::new(re, im);
+                if z.norm() <= tableau.real_limit || i == 0 {
+                    let growth = stability(tableau, z);
+                    assert!(growth <= 1.0 + 4.0 * f64::EPSILON, "|R({z})| = {growth}");
+                }
+            }
+        }
+    }
+    check(&RK4);
+    check(&DORMAND_PRINCE);
+    for (row, node) in DORMAND_PRINCE.weights.iter().zip(DORMAND_PRINCE.nodes) {
+        assert!((row.iter().sum::<f64>() - node).abs() < 1e-14);
+    }
+    for (row, node) in RK4.weights.iter().zip(RK4.nodes) {
+        assert!((row.iter().sum::<f64>() - node).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn what_cannot_go_on_says_so() {
+    let halted = |system: &mut Particles, y: Vec<f64>, witness: &mut Witness| {
+        let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
+        let mut state = State::new(y);
+        let result = run(system, &mut method, &adaptive(1e-6, 0.1), &mut state, 100.0, witness, &mut statistics);
+        (result.unwrap_err(), state)
+    };
+    // q̈ = +q³ reaches infinity in a finite time, √2/q₀ for this start.
+    let (Halted { halt, elapsed }, state) =
+        halted(&mut Particles::new(&[0.0], &[-1.0]), vec![1.0, 0.5_f64.sqrt()], &mut Witness::default());
+    assert_eq!(halt, Halt::Diverged);
+    assert!((elapsed - 2.0_f64.sqrt()).abs() < 1e-3, "{elapsed}");
+    assert!(state.y.iter().all(|value| value.is_finite()) && state.elapsed == elapsed);
+
+    let mut impatient = Witness { patience: Some(3), ..Witness::default() };
+    let (Halted { halt, .. }, state) = halted(&mut Particles::new(&[1.0], &[0.0]), vec![1.0, 0.0], &mut impatient);
+    assert_eq!((halt, state.count), (Halt::Interrupted, 128));
+
+    let (Halted { halt, elapsed }, _) =
+        halted(&mut Particles::new(&[1.0], &[0.0]), vec![f64::NAN, 0.0], &mut Witness::default());
+    assert_eq!((halt, elapsed), (Halt::Diverged, 0.0));
+    assert_eq!([Limit::Step, Limit::Stability, Limit::Tolerance].map(Limit::name), ["step", "stability", "tolerance"]);
+}

@@ -1,0 +1,308 @@
+//! The exact mesh deflection: against itself by differences, against its closed forms, and against published numbers.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::f64::consts::PI;
+
+use gearbow::mesh::{Contact, Coordinates, Coupling, Geometry, Involute};
+use gearbow::scene::{Scene, System};
+use nalgebra::{Matrix6, Vector6};
+use proptest::prelude::*;
+
+/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
+const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
+const STIFFNESS: f64 = 3e8;
+const DAMPING: f64 = 2e3;
+
+/// A pair of gears: teeth, module, centre-line angle, and how far the centres stand beyond the sum of pitch radii.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    teeth: [u32; 2],
+    module: f64,
+    angle: f64,
+    stretch: f64,
+}
+
+impl Pair {
+    fn coupling(self) -> Coupling {
+        let Self { teeth: [a, b], module, angle, stretch } = self;
+        let distance = module * f64::from(a + b) / 2.0 * (1.0 + stretch);
+        let text = format!(
+            r#"
+            shafts = [
+                {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+                {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+            ]
+            gears = [
+                {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = {module}, face_width = 0.03 }},
+                {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = {module}, face_width = 0.03 }},
+            ]
+            meshes = [{{ driver = "ga", driven = "gb", stiffness = {STIFFNESS:e}, damping = {DAMPING}, centre_line_angle = {angle}, centre_distance = {distance} }}]
+            "#
+        );
+        let scene = Scene::new(&System::from_toml(&text).unwrap()).unwrap();
+        Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+    }
+
+    fn centre_distance(self) -> f64 {
+        self.module * f64::from(self.teeth[0] + self.teeth[1]) / 2.0 * (1.0 + self.stretch)
+    }
+}
+
+const PLAIN: Pair = Pair { teeth: [25, 50], module: 3e-3, angle: 0.4, stretch: 0.0 };
+
+fn pairs() -> impl Strategy<Value = Pair> {
+    (12_u32..120, 12_u32..120, 1e-3..2e-2, -10.0..10.0, 0.0..0.03)
+        .prop_map(|(a, b, module, angle, stretch)| Pair { teeth: [a, b], module, angle, stretch })
+}
+
+fn sigmas() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(-1.0), Just(1.0)]
+}
+
+/// Displacements up to a thousandth of the centre distance, six random numbers from −1 to 1 in hand.
+fn displaced(pair: Pair, numbers: [f64; 6]) -> Vector6<f64> {
+    let size = 1e-3 * pair.centre_distance();
+    let radius = pair.centre_distance() / 2.0;
+    Vector6::from(numbers).component_mul(&Vector6::new(size, size, size, size, size / radius, size / radius))
+}
+
+fn live(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Contact {
+    coupling.contact(Geometry::Live, sigma, q.as_slice(), &[0.0; 6]).unwrap()
+}
+
+fn gradient(coupling: &Coupling, sigma: f64, contact: &Contact) -> Vector6<f64> {
+    let mut gradient = Vector6::zeros();
+    coupling.gradient(sigma, contact.normal, |index, slope| gradient[index] += slope);
+    gradient
+}
+
+/// Central difference of `value` along each coordinate, a step of 1e-5 of the centre distance: its error is 1e-10
+/// relative by the third derivative, and round-off leaves 1e-11.
+fn differentiate<T>(pair: Pair, q: &Vector6<f64>, value: impl Fn(&Vector6<f64>) -> T) -> [T; 6]
+where
+    T: std::ops::Sub<Output = T> + std::ops::Div<f64, Output = T>,
+{
+    let step = 1e-5 * pair.centre_distance();
+    std::array::from_fn(|index| {
+        let step = if index < 4 { step } else { 1e-5 };
+        let (mut ahead, mut behind) = (*q, *q);
+        ahead[index] += step;
+        behind[index] -= step;
+        (value(&ahead) - value(&behind)) / (ahead[index] - behind[index])
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+
+    #[test]
+    fn gradient_is_that_of_the_deflection(
+        pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0), rates in prop::array::uniform6(-1.0..1.0),
+    ) {
+        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
+        let contact = live(&coupling, sigma, &q);
+        let found = gradient(&coupling, sigma, &contact);
+        let expected = differentiate(pair, &q, |q| live(&coupling, sigma, q).deflection);
+        for (found, expected) in found.iter().zip(expected) {
+            prop_assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+        }
+        let [y, z] = contact.normal;
+        // |n| is a sine and a cosine of one angle, each right to an ulp.
+        prop_assert!((y.hypot(z) - 1.0).abs() < 1e-14);
+        prop_assert!((y * contact.across[0] + z * contact.across[1]).abs() < 1e-14);
+        prop_assert!((contact.across[0].hypot(contact.across[1]) - 1.0).abs() < 1e-14);
+
+        let moving = coupling.contact(Geometry::Live, sigma, q.as_slice(), &rates).unwrap();
+        prop_assert!((moving.rate - found.dot(&Vector6::from(rates))).abs() < 1e-14);
+        let force = STIFFNESS * contact.deflection + DAMPING * moving.rate;
+        prop_assert!((moving.force - force).abs() < 1e-15 * (STIFFNESS * contact.deflection.abs() + DAMPING * moving.rate.abs()) * 4.0);
+    }
+
+    #[test]
+    fn tangent_is_the_derivative_of_the_force(
+        pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0),
+    ) {
+        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
+        let contact = live(&coupling, sigma, &q);
+        let (mut tangent, mut curvature) = (Matrix6::zeros(), Matrix6::<f64>::zeros());
+        coupling.tangent(Geometry::Live, sigma, STIFFNESS, &contact, |i, j, value| tangent[(i, j)] += value);
+        coupling.tangent(Geometry::Live, sigma, 0.0, &contact, |i, j, value| curvature[(i, j)] += value);
+        let force = |q: &Vector6<f64>| {
+            let contact = live(&coupling, sigma, q);
+            let mut force = Vector6::zeros();
+            coupling.apply(sigma, contact.force, contact.normal, force.as_mut_slice());
+            -force
+        };
+        let columns = differentiate(pair, &q, force);
+        // The same difference with the deflection held: the turning of the line of action alone, F ∂²δ/∂q².
+        let turning = differentiate(pair, &q, |q| gradient(&coupling, sigma, &live(&coupling, sigma, q)) * contact.force);
+        for j in 0..6 {
+            prop_assert!((columns[j] - tangent.column(j)).amax() < 1e-8 * STIFFNESS);
+            // ∂²δ/∂u² is 1/(C sin α), about 3/C.
+            let scale = contact.force.abs() / contact.tangent;
+            prop_assert!((turning[j] - curvature.column(j)).amax() < 1e-7 * scale + 1e-9);
+        }
+        prop_assert!((tangent - tangent.transpose()).amax() < 1e-15 * tangent.amax());
+    }
+
+    #[test]
+    fn turning_the_pair_about_a_gear_leaves_it_undeflected(pair in pairs(), sigma in sigmas(), turn in -3.0..3.0_f64) {
+        let (coupling, distance) = (pair.coupling(), pair.centre_distance());
+        let (sin, cos) = pair.angle.sin_cos();
+        let (turned_sin, turned_cos) = (pair.angle + turn).sin_cos();
+        let q = Vector6::new(0.0, 0.0, distance * (turned_cos - cos), distance * (turned_sin - sin), turn, turn);
+        let contact = live(&coupling, sigma, &q);
+        // Round-off of the centres that this test itself computes.
+        prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
+        let state = coupling.state(Geometry::Live, sigma, 0.0, q.as_slice(), &[0.0; 6]).unwrap();
+        prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
+        prop_assert!((state.centres.angle - pair.angle - turn).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_smallest_displacement_keeps_its_digits(
+        pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0), exponent in -300..-10,
+    ) {
+        let coupling = pair.coupling();
+        let slopes = gradient(&coupling, sigma, &coupling.contact_at_rest(sigma));
+        // A power of two, so that scaling is exact.
+        let scale = 2.0_f64.powi(exponent * 3);
+        let unit = displaced(pair, numbers) * 1e3;
+        let found = live(&coupling, sigma, &(unit * scale)).deflection;
+        let terms = slopes.component_mul(&unit) * scale;
+        // A few ulps of its terms, the squares that the prediction leaves out, and the smallest doubles of all.
+        let allowed = 4e-15 * terms.abs().sum() + 20.0 * scale * scale * pair.centre_distance() + 1e-320;
+        prop_assert!((found - terms.sum()).abs() <= allowed, "{found:e} {:e}", terms.sum());
+    }
+
+    #[test]
+    fn frozen_is_the_linearisation_of_live(
+        pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0),
+    ) {
+        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
+        let frozen = |q: &Vector6<f64>| coupling.contact(Geometry::Frozen, sigma, q.as_slice(), q.as_slice()).unwrap();
+        let deflection = frozen(&q).deflection;
+        let slopes = gradient(&coupling, sigma, &coupling.contact_at_rest(sigma));
+        let terms = slopes.component_mul(&q);
+        let round_off = 4e-15 * terms.abs().sum();
+        prop_assert!((deflection - terms.sum()).abs() < round_off);
+        prop_assert!((frozen(&q).rate - terms.sum()).abs() < round_off);
+        prop_assert!((coupling.deflection_at_rest(sigma, q.as_slice()) - deflection).abs() < round_off);
+        prop_assert!((frozen(&(-3.0 * q)).force + 3.0 * frozen(&q).force).abs() < 1e-14 * (STIFFNESS + DAMPING) * terms.abs().sum());
+
+        // What live adds is −(m·u)²/(2 C sin α) to second order; the third is a thousandth of C over C sin α smaller.
+        let at_rest = coupling.contact_at_rest(sigma);
+        let across = at_rest.across[0] * (q[2] - q[0]) + at_rest.across[1] * (q[3] - q[1]);
+        let second = -across * across / (2.0 * at_rest.tangent);
+        let third = 1e3 * (1e-3_f64).powi(3) * pair.centre_distance();
+        let found = live(&coupling, sigma, &q).deflection - deflection;
+        prop_assert!((found - second).abs() < third, "{found:e} {second:e}");
+    }
+
+    #[test]
+    fn centres_are_where_they_are(pair in pairs(), numbers in prop::array::uniform6(-1.0..1.0)) {
+        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
+        let apart = [q[2] - q[0], q[3] - q[1]];
+        let (sin, cos) = pair.angle.sin_cos();
+        let [y, z] = [pair.centre_distance() * cos + apart[0], pair.centre_distance() * sin + apart[1]];
+        let centres = coupling.involute.centres(apart).unwrap();
+        let sum: f64 = coupling.involute.base_radius.iter().sum();
+        prop_assert!((centres.distance - y.hypot(z)).abs() < 1e-14 * centres.distance);
+        prop_assert!((centres.pressure_angle.cos() - sum / y.hypot(z)).abs() < 1e-14);
+        // γ stays near ψ, however many turns that contains.
+        prop_assert!((centres.angle - pair.angle).abs() < 0.01);
+        prop_assert!((centres.angle.cos() - y / centres.distance).abs() < 1e-13);
+        let tips = pair.teeth.map(|z| pair.module * (f64::from(z) / 2.0 + 1.0));
+        let reach = |tip: f64, base: f64| (tip * tip - base * base).sqrt();
+        let [a, b] = coupling.involute.base_radius;
+        let path = reach(tips[0], a) + reach(tips[1], b) - centres.distance * centres.pressure_angle.sin();
+        prop_assert!((centres.contact_ratio - path * f64::from(pair.teeth[0]) / (2.0 * PI * a)).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn contact_ratios_are_the_published_ones() {
+    let involute = |pair: Pair| pair.coupling().involute;
+    let wide = involute(Pair { teeth: [62, 62], module: 2e-3, ..PLAIN });
+    // Printed to eight and six digits.
+    assert!((wide.centres([0.0; 2]).unwrap().contact_ratio - 1.789_779_9).abs() < 5e-8);
+    let plain = involute(PLAIN);
+    assert!((plain.centres([0.0; 2]).unwrap().contact_ratio - 1.683_16).abs() < 5e-6);
+
+    // Slopes over the centre distance by central differences: 1e-6 m of 0.1 m, so right to 1e-8.
+    let along = |step: f64| {
+        let (sin, cos) = PLAIN.angle.sin_cos();
+        plain.centres([step * cos, step * sin]).unwrap()
+    };
+    let (ahead, behind) = (along(1e-6), along(-1e-6));
+    let slope = (ahead.contact_ratio - behind.contact_ratio) / 2e-6;
+    assert!((slope + 330.13).abs() < 0.005, "{slope}");
+    let alpha = 20_f64.to_radians();
+    let steeper = (ahead.pressure_angle - behind.pressure_angle) / 2e-6;
+    let expected = 1.0 / (PLAIN.centre_distance() * alpha.tan());
+    assert!((steeper - expected).abs() < 1e-7 * expected, "{steeper} {expected}");
+}
+
+/// Mean and extremes of the pairs in contact over one tooth.
+fn count(involute: &Involute, apart: [f64; 2], sigma: f64, teeth: u32) -> (f64, f64, f64) {
+    let centres = involute.centres(apart).unwrap();
+    let samples = 20_000;
+    let pitch = 2.0 * PI / f64::from(teeth);
+    let counts = (0..samples)
+        .map(|i| involute.pairs_in_contact(&centres, sigma, 1.0 + pitch * f64::from(i) / f64::from(samples)));
+    let fold = |(sum, least, most): (f64, f64, f64), count: f64| (sum + count, least.min(count), most.max(count));
+    let (sum, least, most) = counts.fold((0.0, f64::INFINITY, 0.0), fold);
+    (sum / f64::from(samples), least, most)
+}
+
+#[test]
+fn tooth_pairs_share_the_path_of_contact() {
+    // Contact ratios through 2, 1 and below, where a tooth is lost for a part of its pitch.
+    let involute = PLAIN.coupling().involute;
+    let (sin, cos) = PLAIN.angle.sin_cos();
+    for sigma in [-1.0, 1.0] {
+        for moved in [-8e-4, -2e-4, 0.0, 1e-3, 2.05e-3, 2.5e-3] {
+            let apart = [moved * cos, moved * sin];
+            let ratio = involute.centres(apart).unwrap().contact_ratio;
+            let (mean, least, most) = count(&involute, apart, sigma, 25);
+            // Two ends of contact fall between samples.
+            assert!((mean - ratio).abs() < 2.0 / 20_000.0, "{mean} {ratio}");
+            assert_eq!((least, most), (ratio.floor(), ratio.ceil()), "at a contact ratio of {ratio}");
+        }
+    }
+    let parted = involute.centres([6e-3 * cos, 6e-3 * sin]).unwrap();
+    assert!(parted.contact_ratio < 0.0);
+    assert_eq!(involute.pairs_in_contact(&parted, 1.0, 0.3), 0.0);
+}
+
+#[test]
+fn the_flanks_mirror_each_other() {
+    // Mirrored on the line of centres, a driver that turns the other way is the same gear pair.
+    let coupling = Pair { angle: 0.0, ..PLAIN }.coupling();
+    let q = Vector6::new(1e-4, -2e-4, -3e-5, 5e-5, 1e-3, 2e-3);
+    let mirrored = Vector6::new(q[0], -q[1], q[2], -q[3], -q[4], -q[5]);
+    let (forward, backward) = (live(&coupling, 1.0, &q), live(&coupling, -1.0, &mirrored));
+    assert_eq!(forward.deflection, backward.deflection);
+    assert_eq!(forward.normal, [backward.normal[0], -backward.normal[1]]);
+    // A driver turning counter-clockwise with its driven gear to the right pushes it down, and itself up.
+    assert!(forward.normal[1] > 0.0 && forward.normal[0] > 0.0);
+}
+
+#[test]
+fn base_circles_that_overlap_are_an_error() {
+    let coupling = PLAIN.coupling();
+    let (sin, cos) = PLAIN.angle.sin_cos();
+    let sum: f64 = coupling.involute.base_radius.iter().sum();
+    let to = |distance: f64| {
+        let moved = distance - PLAIN.centre_distance();
+        Vector6::new(0.0, 0.0, moved * cos, moved * sin, 0.0, 0.0)
+    };
+    let contact = |q: &Vector6<f64>| coupling.contact(Geometry::Live, 1.0, q.as_slice(), &[0.0; 6]);
+    assert!(contact(&to(sum * (1.0 + 1e-9))).is_ok());
+    let overlap = contact(&to(sum * (1.0 - 1e-9))).unwrap_err();
+    assert!((overlap.distance - sum).abs() < 2e-9 * sum && (overlap.base_circles - sum).abs() < 1e-15);
+    assert!(contact(&to(0.0)).unwrap_err().distance.abs() < 1e-9);
+    // Frozen geometry has no such place, and what is not a number is for the integrator to report.
+    assert!(coupling.contact(Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
+    assert!(contact(&Vector6::repeat(f64::NAN)).is_ok_and(|contact| contact.force.is_nan()));
+}
