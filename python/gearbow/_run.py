@@ -56,7 +56,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]
-    energy, terms = data["energy"], data.get("energy_terms")
+    energy, terms = data["energy"], data["energy_terms"]
     return {
         **data,
         "time": data["time"][rows],

@@ -37,13 +37,13 @@ class EnergyBalance:
     gravity : ndarray, shape (k,)
         Work of gravity [J].
     drive : ndarray, shape (k,)
-        Work of what keeps the shafts spinning, against the forces of the bow [J].
+        Work of what keeps bowed shafts at their speed [J].
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)
-        Work of what is prescribed of the teeth: spin, transmission error, run-out [J].
+        Work of what is prescribed of the teeth: stiffness, transmission error, run-out [J].
     damping : ndarray, shape (k,)
-        Work of all damping, below zero [J].
+        Work of all damping, which is negative, and of the cross-coupling of bearings [J].
 
     Notes
     -----

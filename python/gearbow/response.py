@@ -32,8 +32,8 @@ class Event(NamedTuple):
     kind : str
         "contact" (the driving flanks meet), "back contact" (those behind them do), "separation"
         (the teeth part), "contact ratio below 1", "contact ratio above 1" (again), "tip
-        interference" (a tip reaches below the base circle of the other gear) or "tip clearance" (no
-        longer).
+        interference" (a tip reaches the root circle of the other gear) or "tip clearance" (it no
+        longer does).
     """
 
     time: float
@@ -313,7 +313,7 @@ class Response:
         ChannelError
             If the energy was not recorded; the text says what to record.
         """
-        terms = self._data.get("energy_terms")
+        terms = self._data["energy_terms"]
         if terms is None:
             raise self._missing("the energy balance", "energy")
         return EnergyBalance(time=self.time, **terms)
@@ -325,9 +325,10 @@ class Response:
         Returns
         -------
         tuple of Event
-            The events in the order of their times, of all meshes, whether recorded or not.
+            The events of all meshes that have backlash or a stiffness that varies, recorded or not,
+            in the order in which they were found.
         """
-        return tuple(Event(*event) for event in self._data.get("events", ()))
+        return tuple(Event(*event) for event in self._data["events"])
 
     def plot(self, kind: str = "orbits", names: Sequence[At] | None = None) -> "Figure":
         """Draw what was recorded.

@@ -107,7 +107,7 @@ def load(path: str | os.PathLike[str]) -> Response:
             "mesh": mesh,
             "energy": arrays.get("energy"),
             "energy_terms": terms or None,
-            "events": [tuple(event) for event in about.get("events", ())],
+            "events": [tuple(event) for event in about["events"]],
             "final": {**about["final"], **state},
             "statistics": about["statistics"],
         },
@@ -195,7 +195,7 @@ def to_dataframe(response: Response) -> "pd.DataFrame":
             ]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
-    for name, values in (data.get("energy_terms") or {}).items():
+    for name, values in (data["energy_terms"] or {}).items():
         columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(response.time, name="time [s]"))
     return table
@@ -221,7 +221,7 @@ def _arrays(response: Response) -> dict[str, NDArray[Any]]:
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["energy"] is not None:
         arrays["energy"] = data["energy"]
-    terms = data.get("energy_terms") or {}
+    terms = data["energy_terms"] or {}
     arrays |= {f"energy_{name}": values for name, values in terms.items()}
     state = data["final"].items()
     return arrays | {
@@ -241,7 +241,7 @@ def _metadata(response: Response) -> str:
             "bearings": data["bearings"],
             "meshes": data["meshes"],
             "statistics": data["statistics"],
-            "events": data.get("events", []),
+            "events": data["events"],
             "final": {
                 name: value
                 for name, value in data["final"].items()

@@ -80,10 +80,13 @@ enum Change {
 /// interpolated motion, the step is taken again up to there, and the new law is adopted as it was found: the state at
 /// the instant itself may, by round-off, still be on either side.
 struct Events {
+    coordinates: Vec<usize>,
     found: Vec<i64>,
     trial: Vec<f64>,
 }
 
+/// Where within a step the laws are looked at.
+const WITHIN: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// An instant is found to this part of its step.
 const RESOLUTION: f64 = 1e-13;
 /// A change within this part of the step from its beginning or its end happens there: no step is shorter.
@@ -93,14 +96,14 @@ const PATIENCE_AT_ONCE: u32 = 8;
 
 impl Events {
     fn new(system: &mut impl System, state: &mut State) -> Result<Option<Self>, Halt> {
-        if !system.switches() {
+        let Some(coordinates) = system.switching().map(<[usize]>::to_vec) else {
             return Ok(None);
-        }
+        };
         if state.laws.is_empty() {
             system.laws_at(state.elapsed, &state.y, &mut state.laws)?;
         }
         system.set_laws(&state.laws);
-        Ok(Some(Self { found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
+        Ok(Some(Self { coordinates, found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
     }
 
     /// The first change of law within a step; the new laws are left in `found`.
@@ -111,11 +114,6 @@ impl Events {
         state: &State,
         taken: &Taken,
     ) -> Result<Option<Change>, Halt> {
-        let Self { found, trial } = self;
-        system.laws_at(taken.after.0, method.end(), found)?;
-        if *found == state.laws {
-            return Ok(None);
-        }
         let derivatives = method.derivatives();
         let span = Span {
             start: state.elapsed,
@@ -123,22 +121,42 @@ impl Events {
             before: (&state.y, derivatives.0),
             after: (method.end(), derivatives.1),
         };
-        let (mut low, mut high) = (0.0, 1.0);
+        // Within the step first: flanks may part and meet again before its end.
+        let mut high = None;
+        for part in WITHIN {
+            if self.changed(system, state, &span, part)? {
+                high = Some(part);
+                break;
+            }
+        }
+        let Some(mut high) = high else {
+            return Ok(None);
+        };
+        let mut low = 0.0;
         while high - low > RESOLUTION {
             let middle = (low + high) / 2.0;
-            let elapsed = state.elapsed + middle * taken.step;
-            span.state(&span.weights(elapsed), trial);
-            system.laws_at(elapsed, trial, found)?;
-            if *found == state.laws { low = middle } else { high = middle }
+            if self.changed(system, state, &span, middle)? { high = middle } else { low = middle }
         }
-        let elapsed = state.elapsed + high * taken.step;
-        span.state(&span.weights(elapsed), trial);
-        system.laws_at(elapsed, trial, found)?;
+        self.changed(system, state, &span, high)?;
         Ok(Some(match high {
             high if high <= NOTHING => Change::AtOnce,
             high if high >= 1.0 - NOTHING => Change::AtEnd,
             high => Change::Within(high * taken.step),
         }))
+    }
+
+    /// Whether other laws hold at a part of a step; they are left in `found`.
+    fn changed(
+        &mut self,
+        system: &impl System,
+        state: &State,
+        span: &Span<'_>,
+        part: f64,
+    ) -> Result<bool, Halt> {
+        let elapsed = if part < 1.0 { span.start + part * span.step } else { span.end() };
+        span.state(&span.weights(elapsed), self.coordinates.iter().copied(), &mut self.trial);
+        system.laws_at(elapsed, &self.trial, &mut self.found)?;
+        Ok(self.found != state.laws)
     }
 }
 

@@ -56,10 +56,10 @@ impl Span<'_> {
         }
     }
 
-    /// The whole state, into `y`.
-    pub fn state(&self, weights: &Weights, y: &mut [f64]) {
+    /// The state of `coordinates`, into `y`.
+    pub fn state(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
         let half = y.len() / 2;
-        for index in 0..half {
+        for index in coordinates {
             (y[index], y[half + index]) = self.at(weights, index);
         }
     }

@@ -35,12 +35,14 @@ pub trait System {
     /// [`Halt`] where f is not defined.
     fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt>;
 
-    /// Whether the right-hand side changes its law at instants that depend on the motion.
-    fn switches(&self) -> bool {
-        false
+    /// The displacements that laws depend on (with their velocities), where the right-hand side changes its law at
+    /// instants that depend on the motion; none where it never does.
+    fn switching(&self) -> Option<&[usize]> {
+        None
     }
 
-    /// Writes the laws that hold at a state, as numbers of the system's own.
+    /// Writes the laws that hold at a state, of which only the [`Self::switching`] displacements and their velocities
+    /// count, as numbers of the system's own.
     ///
     /// # Errors
     /// [`Halt`] where they are not defined.

@@ -108,6 +108,12 @@ impl Coupling {
         self.backlash.is_some() || self.teeth.is_sharp()
     }
 
+    /// The coordinates that it acts on.
+    pub fn indices(&self) -> Vec<usize> {
+        let Coordinates { translation, twist } = self.coordinates;
+        twist.into_iter().chain(translation.into_iter().flatten().flat_map(|v| [v, v + 1])).collect()
+    }
+
     /// Whether the force depends on the displacements of the mesh alone, not on where its shafts stand.
     fn is_autonomous(&self) -> bool {
         self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
@@ -420,12 +426,14 @@ impl Coupling {
             apart = [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]];
         }
         let centres = self.involute.centres(apart)?;
-        let line = self.line(Geometry::Live, sigma, apart)?;
-        let (first, last) = self.path(Geometry::Live, sigma, false, &line, turning[0].angle, q).engaged();
+        let back = law.flank == Flank::Back;
+        let flank_sigma = if back { -sigma } else { sigma };
+        let line = self.line(geometry, flank_sigma, apart)?;
+        let (first, last) = self.path(geometry, flank_sigma, back, &line, turning[0].angle, q).engaged();
         let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
             deflection: drive,
-            force: if law.flank == Flank::Back { -contact.force } else { contact.force },
+            force: if back { -contact.force } else { contact.force },
             stiffness: contact.stiffness,
             pairs_in_contact: count,
             centres,
@@ -446,8 +454,8 @@ impl Coupling {
             Some(_) => -back.max(0.0),
         };
         let centres = self.involute.centres(relative.apart)?;
-        let line = self.line(Geometry::Live, sigma, relative.apart)?;
-        let (first, last) = self.path(Geometry::Live, sigma, false, &line, 0.0, q).engaged();
+        let line = self.line(geometry, sigma, relative.apart)?;
+        let (first, last) = self.path(geometry, sigma, false, &line, 0.0, q).engaged();
         Ok(MeshState {
             deflection: drive / self.stiffness,
             force,

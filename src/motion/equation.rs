@@ -41,6 +41,8 @@ pub struct Motion<'m> {
     angles: Vec<f64>,
     /// The law of each mesh over the step.
     pub(super) laws: Vec<Law>,
+    /// The coordinates of the meshes that change their law.
+    switching: Vec<usize>,
     excited: Vec<Excited>,
     pub(super) modal_damping: Option<DMatrix<f64>>,
     equilibrium: DVector<f64>,
@@ -88,6 +90,7 @@ impl<'m> Motion<'m> {
             angles,
             at_origin,
             laws: vec![Law::ALWAYS; model.meshes.len()],
+            switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(Coupling::indices).collect(),
             excited,
             modal_damping,
             equilibrium,
@@ -198,8 +201,8 @@ impl System for Motion<'_> {
         Ok(())
     }
 
-    fn switches(&self) -> bool {
-        self.model.meshes.iter().any(Coupling::switches)
+    fn switching(&self) -> Option<&[usize]> {
+        (!self.switching.is_empty()).then_some(&self.switching)
     }
 
     fn laws_at(&self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {

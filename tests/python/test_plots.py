@@ -115,3 +115,28 @@ def test_modes_and_synchronous_response_are_drawn(tmp_path):
     np.testing.assert_allclose(line, 1e6 * synchronous.orbit("g1")[:, 0])
     for name, result in {"modes": figure, "synchronous": drawing}.items():
         result.savefig(tmp_path / f"{name}.png")
+
+
+def test_an_energy_balance_leaves_out_what_is_zero():
+    response = recorded()
+    response._data["energy_terms"]["gravity"] = np.zeros(5)
+    balance = response.energy_balance()
+    energy, work, residual = balance.plot().axes
+    assert [line.get_label() for line in energy.get_lines()] == [
+        "kinetic",
+        "shafts",
+        "bearings",
+        "meshes",
+        "all",
+    ]
+    assert [line.get_label() for line in work.get_lines()] == [
+        "torque",
+        "drive",
+        "unbalance",
+        "teeth",
+        "damping",
+        "all",
+    ]
+    np.testing.assert_array_equal(drawn(work)[-1], balance.work)
+    np.testing.assert_array_equal(drawn(residual)[0], balance.residual)
+    assert all(axes.get_ylabel().endswith("[J]") for axes in (energy, work, residual))

@@ -145,6 +145,7 @@ def test_a_place_is_found_by_name_and_by_position():
         (lambda r: r.bearing_force("input", 0.5), "record=[('bearing', 'input', 0.5), ...]"),
         (lambda r: r.mesh("g1", "g3"), "record=[('g1', 'g3'), ...]"),
         (lambda r: r.energy, "record=['energy', ...]"),
+        (lambda r: r.energy_balance(), "record=['energy', ...]"),
     ],
 )
 def test_what_was_not_recorded_is_asked_for_in_words(ask, record):
@@ -189,6 +190,9 @@ class TestTimes:
         rows = np.searchsorted(ordered.time, wanted)
         np.testing.assert_array_equal(response.displacement("g1"), ordered.displacement("g1")[rows])
         np.testing.assert_array_equal(response.energy, ordered.energy[rows])
+        np.testing.assert_array_equal(
+            response.energy_balance().drive, ordered.energy_balance().drive[rows]
+        )
         np.testing.assert_array_equal(
             response.mesh("g1", "g2").force, ordered.mesh("g1", "g2").force[rows]
         )
@@ -348,7 +352,7 @@ def test_tables_have_units_in_their_columns():
     response = recorded()
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
-    assert table.shape == (5, 3 * 3 + 8 + 2 + 1)
+    assert table.shape == (5, 3 * 3 + 8 + 2 + 1 + len(TERMS))
     np.testing.assert_array_equal(table["g2 w [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(
@@ -358,6 +362,67 @@ def test_tables_have_units_in_their_columns():
         table["input@0 force_z [N]"], response.bearing_force("input", 0.0)[:, 1]
     )
     np.testing.assert_array_equal(table["energy [J]"], response.energy)
+    balance = response.energy_balance()
+    np.testing.assert_array_equal(table["energy meshes [J]"], balance.meshes)
+    np.testing.assert_array_equal(table["work damping [J]"], balance.damping)
+
+
+class TestEnergyBalance:
+    """Energies and works of a run."""
+
+    def test_the_sums_are_those_of_the_terms(self):
+        response = recorded()
+        balance = response.energy_balance()
+        assert balance.time is response.time
+        terms = response._data["energy_terms"]
+        np.testing.assert_allclose(balance.total, sum(terms[name] for name in TERMS[:4]))
+        np.testing.assert_allclose(balance.work, sum(terms[name] for name in TERMS[4:]))
+        change = balance.total - balance.total[0] - (balance.work - balance.work[0])
+        np.testing.assert_allclose(balance.residual, change)
+
+    def test_a_damped_train_accounts_for_its_energy(self):
+        response = train().simulate(
+            0.02, 100.0, rtol=1e-9, initial="static", record=["energy"], output_step=1e-4
+        )
+        balance = response.energy_balance()
+        np.testing.assert_allclose(balance.total, response.energy, rtol=1e-12)
+        assert balance.damping[0] == 0.0
+        assert np.all(np.diff(balance.damping) < 0.0)
+        assert np.ptp(balance.drive) > 0.0
+        assert np.all(balance.gravity == 0.0)
+        assert np.abs(balance.residual).max() < 1e-6 * np.ptp(balance.total)
+
+    def test_what_is_left_over_counts_from_the_first_recorded_time(self):
+        response = train().simulate(
+            0.02, 100.0, rtol=1e-9, initial="static", record=["energy"], times=[0.01, 0.015, 0.02]
+        )
+        balance = response.energy_balance()
+        assert balance.work[0] != 0.0
+        assert balance.residual[0] == 0.0
+        assert np.abs(balance.residual).max() < 1e-6 * np.ptp(balance.total)
+
+    def test_a_table_has_the_terms_and_their_sums(self):
+        balance = recorded().energy_balance()
+        table = balance.to_dataframe()
+        assert table.index.name == "time [s]"
+        names = [*TERMS, "total", "work", "residual"]
+        assert list(table.columns) == [f"{name} [J]" for name in names]
+        for name in names:
+            np.testing.assert_array_equal(table[f"{name} [J]"], getattr(balance, name))
+
+
+class TestEvents:
+    """What the meshes did between the recorded times."""
+
+    def test_they_have_names(self):
+        events = recorded().events
+        assert isinstance(events, tuple)
+        assert events[0] == (0.1 + 0.2, "g1", "g2", "separation")
+        assert events[1].kind == "contact"
+        assert events[1].driven == "g2"
+
+    def test_a_mesh_that_never_parts_has_none(self):
+        assert train().simulate(1e-3, 100.0).events == ()
 
 
 def test_modes_are_named_by_where_they_move():

@@ -29,7 +29,7 @@ impl Audit {
         if end > begin {
             for (node, weight) in GAUSS {
                 let elapsed = begin + node * (end - begin);
-                span.state(&span.weights(elapsed), &mut self.state);
+                span.state(&span.weights(elapsed), 0..self.state.len() / 2, &mut self.state);
                 let (q, v) = self.state.split_at(self.state.len() / 2);
                 let powers = motion.powers(elapsed, q, v);
                 let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;

@@ -1,0 +1,179 @@
+"""Tooth pairs on the path of contact: how many carry, how long, how stiff; clearance of opened centres."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.teeth import Toothed, begin, pair_stiffness, tips
+
+SPEED, CYCLES, PER_CYCLE = 20.0, 4, 1000
+MEAN = 2e8
+RATIOS = [0.9, 1.0, 1.02, 1.5, 1.98, 2.0, 2.3, 3.0]
+
+
+def with_ratio(contact_ratio: float, **mesh: Any) -> Toothed:
+    scene = Toothed(mesh=mesh)
+    return replace(scene, gear={"tip_radius": tips(scene, contact_ratio)})
+
+
+def over_cycles(scene: Toothed, count: int = CYCLES, **options: Any) -> gb.Response:
+    """At equal phases of the mesh, off the round ones: a count of samples is then exact to one part of the cycle."""
+    period = 2 * np.pi / (SPEED * scene.teeth[0])
+    times = (np.arange(count * PER_CYCLE) + 0.5) * period / PER_CYCLE
+    options = {"initial": "rest", "times": times} | options
+    return scene.package().simulate(count * period, SPEED, **options)
+
+
+@pytest.mark.parametrize("method", ["rk45", "rk4"])
+@pytest.mark.parametrize("contact_ratio", RATIOS)
+def test_mean_number_of_pairs_is_the_contact_ratio(contact_ratio: float, method: str):
+    square = {"model": "square", "mean": MEAN, "engagement": "sharp"}
+    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), method=method).mesh("ga", "gb")
+    assert mesh.contact_ratio == pytest.approx(contact_ratio, abs=1e-12)
+    # the ratios are whole numbers of 1/1000 of a cycle, so that the count is exact
+    assert np.mean(mesh.pairs_in_contact) == pytest.approx(contact_ratio, abs=1e-6)
+    assert np.mean(mesh.stiffness) == pytest.approx(MEAN, rel=1e-6)
+    # the pairs that stiffen the mesh are those that are counted, at every instant
+    pair = MEAN / contact_ratio
+    assert mesh.stiffness == pytest.approx(pair * mesh.pairs_in_contact, abs=1e-9 * MEAN)
+    assert np.abs(np.diff(mesh.stiffness)).max() < pair * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("width", [0.02, 0.1, 0.5])
+@pytest.mark.parametrize("contact_ratio", RATIOS)
+def test_smooth_engagement_keeps_the_mean_and_never_jumps(contact_ratio: float, width: float):
+    square = {"model": "square", "mean": MEAN, "engagement": width, "phase": "prescribed"}
+    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), count=1).mesh("ga", "gb")
+    # equal phases integrate a periodic curve of two derivatives: (1/1000)^3 of its third's jump, 60/width^3
+    assert np.mean(mesh.stiffness) == pytest.approx(MEAN, rel=1e-6)
+    # the ramp 6x^5 - 15x^4 + 10x^3 rises by at most 15/8 over its width; two pairs never share an instant fully
+    rise = 2 * 15 / 8 / (width * PER_CYCLE) * MEAN / contact_ratio
+    assert np.abs(np.diff(mesh.stiffness)).max() < rise
+
+
+def test_mean_of_a_parabolic_pair():
+    scene = {"model": "parabolic", "mean": MEAN, "end_ratio": 0.5}
+    sharp = over_cycles(with_ratio(1.6, stiffness={**scene, "engagement": "sharp"})).mesh("ga", "gb")
+    # the midpoint rule at a jump that lies on neither side of a sample: second order, plus nothing
+    assert np.mean(sharp.stiffness) == pytest.approx(MEAN, rel=1e-6)
+    pair = MEAN / 1.6 / (0.5 + 0.5 * 2 / 3)  # mean of a parabola that falls to half is 5/6
+    assert np.max(sharp.stiffness) < 2 * pair
+    # a single pair in the middle of the path, where the parabola is flat
+    single = sharp.stiffness[sharp.pairs_in_contact == 1]
+    assert np.max(single) == pytest.approx(pair, rel=1e-5)
+    smooth = over_cycles(with_ratio(1.6, stiffness={**scene, "engagement": 0.1, "phase": "prescribed"}))
+    # a ramp of width w weighs a slope at the ends by w^2/56: (0.1/0.8)^2/56 * 2 * ... below 1e-4 of the mean
+    assert np.mean(smooth.mesh("ga", "gb").stiffness) == pytest.approx(MEAN, rel=2e-4)
+
+
+@pytest.mark.parametrize("opened", [0.0, 3e-4, 8e-4, -2e-4])
+def test_share_of_time_of_each_number_of_pairs_follows_opened_centres(opened: float):
+    scene = Toothed(mesh={"stiffness": {"model": "square", "pair": 1.2e8, "engagement": "sharp"}})
+    law = scene.law()
+    opened_scene = replace(scene, mesh={**scene.mesh, "centre_distance": law.centre_distance + opened})
+    mesh = over_cycles(opened_scene).mesh("ga", "gb")
+    ratio = law.contact_ratio(law.centre_distance + opened)
+    assert mesh.contact_ratio == pytest.approx(ratio, abs=1e-12)
+    assert 1 < ratio < 2
+    # one sample of the thousand of a cycle at either end of the share
+    assert np.mean(mesh.pairs_in_contact == 2) == pytest.approx(ratio - 1, abs=1.01 / PER_CYCLE)
+    assert np.mean(mesh.pairs_in_contact == 1) == pytest.approx(2 - ratio, abs=1.01 / PER_CYCLE)
+    assert np.mean(mesh.stiffness) == pytest.approx(1.2e8 * ratio, rel=1.01 / PER_CYCLE)
+
+
+@pytest.mark.parametrize("opened", [0.0, 3e-4, 1e-3])
+def test_live_centres_widen_the_clearance_of_both_flanks(opened: float):
+    """Free flight from one flank to the other, with the centres of a bent scene moved apart."""
+    backlash = 1e-4
+    scene = Toothed(coupled=True, mesh={"stiffness": MEAN, "backlash": backlash})
+    system = scene.package()
+    law, n = scene.law(), len(system.dofs)
+    alpha_0 = law.angle_at_rest
+    distance = law.centre_distance + opened
+    alpha = np.arccos(law.sum_of_radii / distance)
+    wider = 2 * law.sum_of_radii * (np.tan(alpha) - alpha - np.tan(alpha_0) + alpha_0)
+    # gear b, with its whole shaft, stands off by `opened`; the driver stands at -x on the drive flank's line
+    touching = []
+    for sign in (1, -1):
+        for twist in np.linspace(0.0, backlash / law.base_radius_a + 0.1, 4001):
+            pass
+        # the drive flank touches where delta = 0, the other where it is past the backlash: bisect on the force
+        low, high = (0.0, 0.2)
+        for _ in range(50):
+            twist = (low + high) / 2
+            y = np.zeros(2 * n)
+            for i, (shaft, _x, kind) in enumerate(system.dofs):
+                if kind == "twist" and shaft == "a":
+                    y[i] = sign * twist
+                if kind == "v" and shaft == "b":
+                    y[i] = opened
+            found = system.simulate(0.0, 0.0, initial=begin(system, 0.0, y), times=[0.0])
+            if found.mesh("ga", "gb").force[0] == 0.0:
+                low = twist
+            else:
+                high = twist
+        touching.append(low * law.base_radius_a)
+    # bisected to 0.2 / 2^50 of twist
+    assert sum(touching) == pytest.approx(backlash + wider, abs=1e-15)
+    # and each flank has its half of what the centres add: the drive flank touched at zero before
+    assert touching[0] == pytest.approx(wider / 2, abs=1e-15)
+
+
+def test_iso_6336_is_the_default_stiffness():
+    scene = Toothed(teeth=(25, 50), face_width=0.03)
+    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    # q' 0.0586086, c' 13.65 and c_gamma 20.64 N/(mm um), times 30 mm, of four digits each
+    assert mesh.stiffness == pytest.approx(20.64e9 * 0.03, rel=3e-4)
+    assert 0.8 / 0.0586086 == pytest.approx(13.65, abs=5e-3)
+    exact = 0.8 / (0.04723 + 0.15551 / 25 + 0.25791 / 50) * (0.75 * mesh.contact_ratio + 0.25) * 1e9 * 0.03
+    assert mesh.stiffness == pytest.approx(exact, rel=1e-14)
+
+
+PAIRS = [((25, 50), 3e-3, (0.01, 0.02)), ((50, 50), 3e-3, (0.025, 0.025)), ((19, 48), 3.2e-3, (0.01, 0.018))]
+
+
+@pytest.mark.parametrize(("teeth", "module", "bores"), PAIRS)
+def test_potential_energy_against_an_independent_quadrature(
+    teeth: tuple[int, int], module: float, bores: tuple[float, float]
+):
+    width = 0.02
+    stiffness = {"model": "potential_energy", "engagement": "sharp", "bore_radii": bores}
+    scene = Toothed(teeth=teeth, module=module, face_width=width, mesh={"stiffness": stiffness})
+    law = scene.law()
+    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    tangent = law.centre_distance * np.sin(law.angle_at_rest)
+    low = tangent - np.sqrt(law.tip_radius_b**2 - law.base_radius_b**2)
+    high = np.sqrt(law.tip_radius_a**2 - law.base_radius_a**2)
+    period = 2 * np.pi / (SPEED * teeth[0])
+    phases = (np.arange(PER_CYCLE) + 0.5) * period / PER_CYCLE * SPEED
+    errors = []
+    for i in range(0, PER_CYCLE, 20):
+        s = law.base_radius_a * (phases[i] + law.angle_at_rest)
+        places = [s + j * law.base_pitch for j in range(-6, 6)]
+        expected = width * sum(
+            pair_stiffness(*teeth, module, bores, tangent, at) for at in places if low <= at <= high
+        )
+        errors.append(mesh.stiffness[i] / expected - 1)
+    print(f"largest error {np.abs(errors).max():.2e}")
+    assert np.abs(errors).max() < 1e-6
+
+
+def test_potential_energy_has_the_published_shape():
+    bores = (0.025, 0.025)
+    stiffness = {"model": "potential_energy", "engagement": "sharp", "bore_radii": bores}
+    scene = Toothed(teeth=(50, 50), face_width=0.02, mesh={"stiffness": stiffness})
+    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    single = mesh.stiffness[mesh.pairs_in_contact == 1]
+    double = mesh.stiffness[mesh.pairs_in_contact == 2]
+    # steel pairs: 10 to 20 N/(mm um) each, softest at the ends of the path; two share the load at both ends of it
+    assert 10e9 * 0.02 < single.min() < single.max() < 20e9 * 0.02
+    assert 1.3 * single.max() < double.min() < double.max() < 2 * single.max()
+    # equal gears: symmetric about the pitch point, and stiffest there while one pair carries
+    assert single == pytest.approx(single[::-1], rel=1e-2)
+    middle = np.argmax(single) / len(single)
+    assert 0.4 < middle < 0.6
