@@ -301,7 +301,7 @@ class Response:
         return energy
 
     def energy_balance(self) -> EnergyBalance:
-        """Energies of shafts, bearings and meshes, and the work that was done on the system.
+        """Hold the energies of the system against the work that was done on it.
 
         Returns
         -------

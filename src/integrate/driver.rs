@@ -57,7 +57,7 @@ fn adopt<const S: usize>(
     state.laws.clear();
     state.laws.extend_from_slice(found);
     system.set_laws(found);
-    observer.switched(state.elapsed, found);
+    observer.switched(state.elapsed, &state.y, found);
     statistics.evaluations += 1;
     statistics.events += 1;
     method.begin(system, state.elapsed, &state.y)
@@ -186,7 +186,7 @@ pub fn run<const S: usize>(
 ) -> Result<(), Halted> {
     let at = |elapsed: f64| move |halt: Halt| Halted { halt, elapsed };
     let mut events = Events::new(system, state).map_err(at(state.elapsed))?;
-    observer.switched(state.elapsed, &state.laws);
+    observer.switched(state.elapsed, &state.y, &state.laws);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
     statistics.evaluations += 1;
     let (mut asked, mut adopted) = (0, 0);

@@ -77,8 +77,8 @@ pub trait Observer {
     /// [`Halt`] where what it looks at is not defined.
     fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt>;
 
-    /// Sees that the laws of the system have changed.
-    fn switched(&mut self, _elapsed: f64, _laws: &[i64]) {}
+    /// Sees that the laws of the system have changed at a state.
+    fn switched(&mut self, _elapsed: f64, _y: &[f64], _laws: &[i64]) {}
 
     /// Whether to go on, asked every few steps with the elapsed time.
     fn go_on(&mut self, elapsed: f64) -> bool;

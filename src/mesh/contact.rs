@@ -20,6 +20,20 @@ pub enum Flank {
     Back,
     /// Neither: the teeth have parted.
     Apart,
+    /// Both: the centres have closed by more than the backlash.
+    Both,
+}
+
+impl Flank {
+    /// Whether the drive flank carries.
+    pub fn drives(self) -> bool {
+        matches!(self, Self::Drive | Self::Both)
+    }
+
+    /// Whether the back flank carries.
+    pub fn holds_back(self) -> bool {
+        matches!(self, Self::Back | Self::Both)
+    }
 }
 
 /// The law of a mesh over a step: it changes between steps alone, so that a step never sees a jump.
@@ -27,17 +41,22 @@ pub enum Flank {
 pub struct Law {
     /// The flank that carries.
     pub flank: Flank,
-    /// First and last pair between the tip circles, where pairs come and go in jumps.
-    pub engaged: (i64, i64),
+    /// First and last pair between the tip circles on the drive flank and on the back flank, where pairs come and go
+    /// in jumps.
+    pub engaged: [(i64, i64); 2],
 }
 
 impl Law {
     /// The law of a mesh that never changes it.
-    pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: (0, 0) };
+    pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: [(0, 0); 2] };
 
-    /// As numbers: flank, first pair, last pair.
-    pub fn code(&self) -> [i64; 3] {
-        [self.flank as i64, self.engaged.0, self.engaged.1]
+    /// Length of [`Self::code`].
+    pub const CODE: usize = 5;
+
+    /// As numbers: flank, then first and last pair of each flank.
+    pub fn code(&self) -> [i64; Self::CODE] {
+        let [(a, b), (c, d)] = self.engaged;
+        [self.flank as i64, a, b, c, d]
     }
 
     /// From its numbers.
@@ -45,20 +64,19 @@ impl Law {
         let flank = match code[0] {
             0 => Flank::Drive,
             1 => Flank::Back,
-            _ => Flank::Apart,
+            2 => Flank::Apart,
+            _ => Flank::Both,
         };
-        Self { flank, engaged: (code[1], code[2]) }
+        Self { flank, engaged: [(code[1], code[2]), (code[3], code[4])] }
     }
 }
 
-/// The state of a mesh at an instant, on the flank that carries.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The state of a mesh at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Deflection δ, m.
+    /// Deflection δ of the drive flank, m; of the back flank where that alone is asked for.
     pub deflection: f64,
-    /// Its rate δ̇, m/s.
-    pub rate: f64,
-    /// Force F, N.
+    /// Force F, N: that of the drive flank, less that of the back flank.
     pub force: f64,
     /// Stiffness ∂²U/∂δ², N/m.
     pub stiffness: f64,
@@ -70,6 +88,25 @@ pub struct Contact {
     pub moments: [f64; 2],
     /// Power of what is prescribed (error, spin of the teeth, run-out), W.
     pub drive_power: f64,
+    /// Power that damping takes, cδ̇², W.
+    pub damping_power: f64,
+}
+
+impl Contact {
+    /// This of the drive flank with that of the back flank beside it.
+    pub(super) fn and_back(&self, back: &Self) -> Self {
+        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        Self {
+            deflection: self.deflection,
+            force: self.force - back.force,
+            stiffness: self.stiffness + back.stiffness,
+            energy: self.energy + back.energy,
+            push: sum(self.push, back.push),
+            moments: sum(self.moments, back.moments),
+            drive_power: self.drive_power + back.drive_power,
+            damping_power: self.damping_power + back.damping_power,
+        }
+    }
 }
 
 /// What a response reports of a mesh.

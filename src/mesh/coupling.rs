@@ -177,23 +177,35 @@ impl Coupling {
             let [ra, rb] = self.involute.base_radius;
             return Ok(Contact {
                 deflection,
-                rate,
                 force,
                 stiffness: self.stiffness,
                 energy: elastic * deflection / 2.0,
                 push: line.normal.map(|n| force * n),
                 moments: [-force * sigma * ra, -force * sigma * rb],
                 drive_power: 0.0,
+                damping_power: self.damping * rate * rate,
             });
         }
-        self.contact_of_teeth(geometry, sigma, law, turning, q, v)
+        let drive = self.flank(geometry, sigma, false, law, turning, q, v)?;
+        match law.flank {
+            Flank::Drive => Ok(drive),
+            Flank::Apart => Ok(Contact { deflection: drive.deflection, ..Contact::default() }),
+            Flank::Back | Flank::Both => {
+                let back = self.flank(geometry, sigma, true, law, turning, q, v)?;
+                let drive =
+                    if law.flank.drives() { drive } else { Contact { deflection: drive.deflection, ..Contact::default() } };
+                Ok(drive.and_back(&back))
+            }
+        }
     }
 
-    /// [`Self::contact`] in full: tooth pairs, error, run-out, either flank.
-    fn contact_of_teeth(
+    /// The contact of one flank: tooth pairs, error and run-out.
+    #[expect(clippy::too_many_arguments, reason = "where the mesh is, and which flank")]
+    fn flank(
         &self,
         geometry: Geometry,
         sigma: f64,
+        back: bool,
         law: &Law,
         turning: &[Turning; 2],
         q: &[f64],
@@ -211,7 +223,6 @@ impl Coupling {
             let (spin_a, spin_b) = (turning[0].spin, turning[1].spin);
             carried = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
         }
-        let back = law.flank == Flank::Back;
         let sigma = if back { -sigma } else { sigma };
         let line = self.line(geometry, sigma, position.apart)?;
         let (error, error_rate) = match &self.error {
@@ -223,12 +234,9 @@ impl Coupling {
         let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
 
         let path = self.path(geometry, sigma, back, &line, turning[0].angle, q);
-        let Stored { energy, force: elastic, stiffness, travel, shortening } = match law.flank {
-            Flank::Apart => Stored::default(),
-            _ => self.teeth.stored(&path, law.engaged, deflection),
-        };
-        let damping = if law.flank == Flank::Apart { 0.0 } else { self.damping };
-        let force = elastic + damping * rate;
+        let Stored { energy, force: elastic, stiffness, travel, shortening } =
+            self.teeth.stored(&path, law.engaged[usize::from(back)], deflection);
+        let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);
         let mut moments = [-force * sigma * ra, -force * sigma * rb];
@@ -256,7 +264,8 @@ impl Coupling {
             moments[1] += push[1] * eb[0] - push[0] * eb[1];
             drive_power -= dot(push, carried);
         }
-        Ok(Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power })
+        let damping_power = self.damping * rate * rate;
+        Ok(Contact { deflection, force, stiffness, energy, push, moments, drive_power, damping_power })
     }
 
     /// Where the tooth pairs are on the path of contact.
@@ -291,34 +300,38 @@ impl Coupling {
         q: &[f64],
         v: &[f64],
     ) -> Result<Law, Overlap> {
-        let engaged = |flank: Flank| {
+        let engaged = |back: bool| {
             if !self.teeth.is_sharp() {
                 return Ok((0, 0));
             }
-            let mut apart = self.relative(q).apart;
-            if let Some([ea, eb]) = self.eccentric(turning, q) {
-                apart = [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]];
-            }
-            let sigma = if flank == Flank::Back { -sigma } else { sigma };
-            let line = self.line(geometry, sigma, apart)?;
-            Ok(self.path(geometry, sigma, flank == Flank::Back, &line, turning[0].angle, q).engaged())
+            let sigma = if back { -sigma } else { sigma };
+            let line = self.line(geometry, sigma, self.apart(turning, q))?;
+            Ok(self.path(geometry, sigma, back, &line, turning[0].angle, q).engaged())
         };
-        let drive = Law { flank: Flank::Drive, engaged: engaged(Flank::Drive)? };
         if self.backlash.is_none() {
-            return Ok(drive);
+            return Ok(Law { flank: Flank::Drive, engaged: [engaged(false)?, (0, 0)] });
         }
-        let presses = |law: &Law| {
-            let contact = self.contact(geometry, sigma, law, turning, q, v)?;
+        let law = Law { flank: Flank::Both, engaged: [engaged(false)?, engaged(true)?] };
+        let presses = |back: bool| {
+            let contact = self.flank(geometry, sigma, back, &law, turning, q, v)?;
             Ok(contact.deflection > 0.0 && contact.force > 0.0)
         };
-        if presses(&drive)? {
-            return Ok(drive);
+        let flank = match (presses(false)?, presses(true)?) {
+            (true, true) => Flank::Both,
+            (true, false) => Flank::Drive,
+            (false, true) => Flank::Back,
+            (false, false) => Flank::Apart,
+        };
+        Ok(Law { flank, ..law })
+    }
+
+    /// u_b − u_a of the base circles.
+    fn apart(&self, turning: &[Turning; 2], q: &[f64]) -> [f64; 2] {
+        let apart = self.relative(q).apart;
+        match self.eccentric(turning, q) {
+            Some([ea, eb]) => [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]],
+            None => apart,
         }
-        let back = Law { flank: Flank::Back, engaged: engaged(Flank::Back)? };
-        if presses(&back)? {
-            return Ok(back);
-        }
-        Ok(Law { flank: Flank::Apart, ..drive })
     }
 
     /// δ of small displacements `q`, along the line of action at rest.
@@ -417,23 +430,16 @@ impl Coupling {
         v: &[f64],
     ) -> Result<MeshState, Overlap> {
         let contact = self.contact(geometry, sigma, law, turning, q, v)?;
-        let drive = match law.flank {
-            Flank::Drive => contact.deflection,
-            _ => self.contact(geometry, sigma, &Law { flank: Flank::Drive, ..*law }, turning, q, v)?.deflection,
-        };
-        let mut apart = self.relative(q).apart;
-        if let Some([ea, eb]) = self.eccentric(turning, q) {
-            apart = [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]];
-        }
+        let apart = self.apart(turning, q);
         let centres = self.involute.centres(apart)?;
-        let back = law.flank == Flank::Back;
+        let back = !law.flank.drives() && law.flank.holds_back();
         let flank_sigma = if back { -sigma } else { sigma };
         let line = self.line(geometry, flank_sigma, apart)?;
         let (first, last) = self.path(geometry, flank_sigma, back, &line, turning[0].angle, q).engaged();
         let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
-            deflection: drive,
-            force: if back { -contact.force } else { contact.force },
+            deflection: contact.deflection,
+            force: contact.force,
             stiffness: contact.stiffness,
             pairs_in_contact: count,
             centres,

@@ -1,7 +1,7 @@
 //! Where the energy of the motion is, and what changes it.
 
 use super::Motion;
-use crate::mesh::{Flank, MeshState, Overlap};
+use crate::mesh::{MeshState, Overlap};
 use crate::model::Model;
 
 /// Energies, J.
@@ -37,17 +37,26 @@ impl<'m> Motion<'m> {
         self.unbend(elapsed, q, &mut unbent);
         let shafts = self.model.shaft_form(&unbent) / 2.0;
         self.scratch = unbent;
-        let mut meshes = 0.0;
-        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
-            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
-            meshes += contact.map_err(|overlap| (index, overlap))?.energy;
-        }
+        let meshes = self.mesh_energy(elapsed, q, v)?;
         Ok(Energies {
             kinetic: self.model.kinetic_form(v) / 2.0,
             shafts,
             bearings: self.model.support_form(q) / 2.0,
             meshes,
         })
+    }
+
+    /// Elastic energy of the meshes, J.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles of the mesh named.
+    pub fn mesh_energy(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<f64, (usize, Overlap)> {
+        let mut sum = 0.0;
+        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
+            sum += contact.map_err(|overlap| (index, overlap))?.energy;
+        }
+        Ok(sum)
     }
 
     /// Power of the [`SOURCES`], W: torque and gravity; the drive that holds the speed of bowed shafts; unbalance; what
@@ -96,9 +105,7 @@ impl<'m> Motion<'m> {
             let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
             let contact = contact.map_err(|overlap| (index, overlap))?;
             teeth += contact.drive_power;
-            if self.laws[index].flank != Flank::Apart {
-                damping += mesh.damping * contact.rate * contact.rate;
-            }
+            damping += contact.damping_power;
         }
         Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
     }

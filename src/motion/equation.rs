@@ -221,7 +221,7 @@ impl System for Motion<'_> {
     }
 
     fn set_laws(&mut self, laws: &[i64]) {
-        for (law, code) in self.laws.iter_mut().zip(laws.chunks_exact(3)) {
+        for (law, code) in self.laws.iter_mut().zip(laws.chunks_exact(Law::CODE)) {
             *law = Law::from_code(code);
         }
     }

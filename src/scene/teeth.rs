@@ -15,9 +15,10 @@ pub enum Engagement {
 /// What moves the teeth along the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Spin, twist and centres, with the force ½δ² ∂k/∂q that belongs to them: energy is conserved.
+    /// Spin, twist and centres, with the force ½δ² ∂k/∂q that belongs to them: energy is conserved, so that what
+    /// damping takes from the vibration slows the rolling of a train whose torques are in balance.
     Twist,
-    /// Spin alone; the stiffness is prescribed, and what prescribes it does work.
+    /// Spin and centres; the stiffness is prescribed, and what holds the speed does work through it.
     Prescribed,
 }
 
@@ -132,8 +133,8 @@ impl Teeth {
                 let message = "\"twist\" needs a smooth engagement: a jump that depends on the motion is a blow";
                 return Err(place.field("phase").error(message));
             }
-            (Some(description::Phase::Prescribed), _) | (None, Engagement::Sharp) => Phase::Prescribed,
-            _ => Phase::Twist,
+            (Some(description::Phase::Twist), Engagement::Smooth(_)) => Phase::Twist,
+            _ => Phase::Prescribed,
         };
         let pairs = matches!(
             stiffness,

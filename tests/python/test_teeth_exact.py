@@ -38,7 +38,9 @@ def cycles(scene: Toothed, count: int, per_cycle: int) -> np.ndarray:
 @pytest.mark.parametrize("contact_ratio", [0.9, 1.6, 2.0, 2.3])
 @pytest.mark.parametrize("bowed", [False, True], ids=["torsion", "bowed"])
 @pytest.mark.parametrize("method", ["rk45", "rk4"])
-def test_square_stiffness_against_matrix_exponentials(bowed: bool, contact_ratio: float, method: str):
+def test_square_stiffness_against_matrix_exponentials(
+    bowed: bool, contact_ratio: float, method: str
+):
     scene = with_ratio(BOWED if bowed else TORSION, contact_ratio)
     stiffness = {"model": "square", "pair": PAIR, "engagement": "sharp"}
     scene = replace(scene, mesh={**scene.mesh, "stiffness": stiffness})
@@ -47,7 +49,9 @@ def test_square_stiffness_against_matrix_exponentials(bowed: bool, contact_ratio
     motion, force = propagate(scene, TeethLaw(law, live=False), PAIR, SPEED, times)
     system = scene.package()
     # rk4: (h omega)^4 of the fastest motion that is excited
-    options: dict[str, Any] = {"rtol": 1e-12} if method == "rk45" else {"step": 5e-8 if bowed else 2e-7}
+    options: dict[str, Any] = (
+        {"rtol": 1e-12} if method == "rk45" else {"step": 5e-8 if bowed else 2e-7}
+    )
     found = system.simulate(
         times[-1],
         SPEED,
@@ -77,22 +81,45 @@ def parabola(scene: Toothed, middle: float, end: float) -> Callable[[Any], Any]:
 
 
 def error(a: Any, b: Any) -> Any:
-    return 4e-6 * np.cos(25 * a + 0.3) + 1e-6 * np.cos(50 * a) + 8e-6 * np.cos(a - 1) + 5e-6 * np.cos(2 * b)
+    return (
+        4e-6 * np.cos(25 * a + 0.3)
+        + 1e-6 * np.cos(50 * a)
+        + 8e-6 * np.cos(a - 1)
+        + 5e-6 * np.cos(2 * b)
+    )
 
 
 SQUARE = {"model": "square", "pair": PAIR, "engagement": 0.2}
-ERROR = {"tooth": [(4e-6, 0.3), (1e-6, 0.0)], "driver": [(8e-6, -1.0)], "driven": [(0.0, 0.0), (5e-6, 0.0)]}
+ERROR = {
+    "tooth": [(4e-6, 0.3), (1e-6, 0.0)],
+    "driver": [(8e-6, -1.0)],
+    "driven": [(0.0, 0.0), (5e-6, 0.0)],
+}
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "square, moved by twist": ({"stiffness": SQUARE}, {"width": 0.2}),
-    "square, prescribed": ({"stiffness": {**SQUARE, "phase": "prescribed"}}, {"width": 0.2, "twist": False}),
+    "square, prescribed": (
+        {"stiffness": {**SQUARE, "phase": "prescribed"}},
+        {"width": 0.2, "twist": False},
+    ),
     "square, frozen": ({"stiffness": SQUARE, "frozen": True}, {"width": 0.2, "live": False}),
     "parabolic": (
         {"stiffness": {"model": "parabolic", "pair": PAIR, "end_ratio": 0.5, "engagement": 0.3}},
         {"width": 0.3, "pair": 0.5},
     ),
     "fourier": (
-        {"stiffness": {"model": "fourier", "mean": 2e8, "amplitudes": [4e7, 1e7], "phases": [0.2, 1.0]}},
-        {"cycle": lambda x: 2e8 + 4e7 * np.cos(2 * np.pi * x + 0.2) + 1e7 * np.cos(4 * np.pi * x + 1.0)},
+        {
+            "stiffness": {
+                "model": "fourier",
+                "mean": 2e8,
+                "amplitudes": [4e7, 1e7],
+                "phases": [0.2, 1.0],
+            }
+        },
+        {
+            "cycle": lambda x: (
+                2e8 + 4e7 * np.cos(2 * np.pi * x + 0.2) + 1e7 * np.cos(4 * np.pi * x + 1.0)
+            )
+        },
     ),
     "linear relief": (
         {"stiffness": SQUARE, "tip_relief": {"amount": 6e-6, "length": 2e-3}},

@@ -1,12 +1,17 @@
 //! The energy audit: works are integrated over the interpolated motion of every step, by the three-point Gauss rule,
 //! whose error is of higher order than that of the motion.
 
-use crate::integrate::{Halt, Span};
+use crate::integrate::{Halt, Span, System};
+use crate::mesh::Law;
 use crate::motion::Motion;
 
 /// Abscissae on [0, 1] and weights.
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// Indices of the works of teeth and damping.
+const TEETH: usize = 4;
+const DAMPING: usize = 5;
 
 /// Works since the start of a run, J.
 #[derive(Clone, Debug)]
@@ -15,12 +20,14 @@ pub(super) struct Audit {
     /// Elapsed time up to which they count.
     until: f64,
     state: Vec<f64>,
+    /// The laws of the steps that are counted; none before the first.
+    laws: Option<Vec<i64>>,
 }
 
 impl Audit {
     /// An audit that begins at `start` (elapsed time) for states of length `len`.
     pub fn new(start: f64, len: usize) -> Self {
-        Self { works: [0.0; 6], until: start, state: vec![0.0; len] }
+        Self { works: [0.0; 6], until: start, state: vec![0.0; len], laws: None }
     }
 
     /// Counts what is done within a step, up to `end`; returns the works until then.
@@ -40,5 +47,22 @@ impl Audit {
             self.until = end;
         }
         Ok(self.works)
+    }
+
+    /// Sets the laws of the steps to come. Pairs that come into contact in a jump bring energy with them, which is work
+    /// of the teeth; flanks that part while their damping still holds them drop what they store, which is damping.
+    pub fn switch(&mut self, motion: &mut Motion, elapsed: f64, y: &[f64], laws: &[i64]) {
+        let (q, v) = y.split_at(y.len() / 2);
+        let before = motion.mesh_energy(elapsed, q, v);
+        motion.set_laws(laws);
+        let Some(old) = self.laws.replace(laws.to_vec()) else {
+            return;
+        };
+        let flanks = |laws: &[i64]| laws.chunks_exact(Law::CODE).map(|code| code[0]).collect::<Vec<_>>();
+        let source = if flanks(&old) == flanks(laws) { TEETH } else { DAMPING };
+        // Base circles that overlap stop the run elsewhere.
+        if let (Ok(before), Ok(after)) = (before, motion.mesh_energy(elapsed, q, v)) {
+            self.works[source] += after - before;
+        }
     }
 }

@@ -13,6 +13,8 @@ pub enum Kind {
     BackContact,
     /// The flanks part.
     Separation,
+    /// Both flanks press: the centres have closed by more than the backlash.
+    Tight,
     /// The contact ratio falls below one.
     RatioBelowOne,
     /// The contact ratio rises to one again.
@@ -30,6 +32,7 @@ impl Kind {
             Self::Contact => "contact",
             Self::BackContact => "back contact",
             Self::Separation => "separation",
+            Self::Tight => "tight",
             Self::RatioBelowOne => "contact ratio below 1",
             Self::RatioAboveOne => "contact ratio above 1",
             Self::TipInterference => "tip interference",
@@ -81,7 +84,7 @@ impl Events {
 
     /// Sees the laws of the steps to come.
     pub fn switched(&mut self, elapsed: f64, laws: &[i64]) {
-        for (mesh, code) in laws.chunks_exact(3).enumerate() {
+        for (mesh, code) in laws.chunks_exact(Law::CODE).enumerate() {
             let flank = Law::from_code(code).flank;
             let before = self.flanks[mesh].replace(flank);
             if before.is_some_and(|before| before != flank) {
@@ -89,6 +92,7 @@ impl Events {
                     Flank::Drive => Kind::Contact,
                     Flank::Back => Kind::BackContact,
                     Flank::Apart => Kind::Separation,
+                    Flank::Both => Kind::Tight,
                 };
                 self.push(elapsed, mesh, kind);
             }

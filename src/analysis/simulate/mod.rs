@@ -176,8 +176,8 @@ impl Observer for Watcher<'_, '_> {
         self.recorder.observe(span, end)
     }
 
-    fn switched(&mut self, elapsed: f64, laws: &[i64]) {
-        self.recorder.switched(elapsed, laws);
+    fn switched(&mut self, elapsed: f64, y: &[f64], laws: &[i64]) {
+        self.recorder.switched(elapsed, y, laws);
     }
 
     fn go_on(&mut self, elapsed: f64) -> bool {

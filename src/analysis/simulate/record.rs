@@ -115,8 +115,11 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// Takes over the laws of the steps to come.
-    pub fn switched(&mut self, elapsed: f64, laws: &[i64]) {
-        self.motion.set_laws(laws);
+    pub fn switched(&mut self, elapsed: f64, y: &[f64], laws: &[i64]) {
+        match &mut self.audit {
+            Some(audit) => audit.switch(&mut self.motion, elapsed, y, laws),
+            None => self.motion.set_laws(laws),
+        }
         if let Some(events) = &mut self.events {
             events.switched(elapsed, laws);
         }

@@ -2,7 +2,7 @@
 
 use super::{Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336, pair_stiffness};
 use crate::mesh::Involute;
-use crate::scene::{Gear, Scale, StiffnessModel, Teeth};
+use crate::scene::{Engagement, Gear, Scale, StiffnessModel, Teeth};
 
 /// Knots of a pair that is tabulated from its teeth.
 const KNOTS: usize = 129;
@@ -33,11 +33,12 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             pairs(Pair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores) => {
-            let teeth = [Tooth::new(pair[0], bores[0]), Tooth::new(pair[1], bores[1])];
-            // A little beyond the ends of the path at rest: the centres move.
-            let (from, to) = (low - 0.1 * pitch, high + 0.1 * pitch);
+            let tooth = [Tooth::new(pair[0], bores[0]), Tooth::new(pair[1], bores[1])];
+            // Beyond the ends of the path at rest by half the engagement, and a little more: the centres move.
+            let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
+            let (from, to) = (low - (half + 0.1) * pitch, high + (half + 0.1) * pitch);
             let spacing = (to - from) / (KNOTS - 1) as f64;
-            let at = |i: usize| pair_stiffness(&teeth[0], &teeth[1], involute.tangent_at_rest(), from + i as f64 * spacing);
+            let at = |i: usize| pair_stiffness(&tooth[0], &tooth[1], involute.tangent_at_rest(), from + i as f64 * spacing);
             let values: Vec<f64> = (0..KNOTS).map(at).collect();
             pairs(Pair::Tabulated(UniformCurve::new(from, spacing, &values)), &Scale::Pair(*width))
         }

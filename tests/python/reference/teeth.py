@@ -183,6 +183,7 @@ class Toothed:
         default_factory=dict
     )  # more of gb.Gear, for each gear
     torque: float = 0.0  # on the driver, balanced at the driven gear
+    bearing_damping: float = 300.0
     coupled: bool = False  # otherwise torsion alone, of two inertias on shafts that carry nothing
     inertia: tuple[float, float] = (1e-3, 8e-3)
     bows: Mapping[str, HalfSine] = field(default_factory=dict)
@@ -241,7 +242,7 @@ class Toothed:
                 ],
                 meshes=[gb.Mesh("ga", "gb", **given)],
                 bearings=[
-                    gb.Bearing(name, position=x, stiffness=1e8, damping=300.0)
+                    gb.Bearing(name, position=x, stiffness=1e8, damping=self.bearing_damping)
                     for name in "ab"
                     for x in (0.0, self.length)
                     if self.coupled
@@ -301,7 +302,7 @@ class Toothed:
             mass, diametral, _ = solid_disk(self.module * z / 2, self.face_width, DENSITY)
             rigid.append(RigidSpec(f"g{name}", name, self.position, mass, diametral, polar))
         bearings = [
-            BearingSpec(name, x, np.eye(2) * 1e8, np.eye(2) * 300.0)
+            BearingSpec(name, x, np.eye(2) * 1e8, np.eye(2) * self.bearing_damping)
             for name in "ab"
             for x in (0.0, self.length)
             if self.coupled
@@ -346,20 +347,16 @@ class Equations:
             (spin, a[self.keep], b[self.keep]) for spin, a, b in self.train.turning_force(speed)
         ]
 
-    def state(self, q: Array, qd: Array) -> Array:
-        """In the order of the package: its dofs, displacements before velocities."""
-        return np.concatenate([q, qd])
-
 
 def integrate(
     scene: Toothed,
     teeth: TeethLaw,
     speed: float,
     times: Array,
-    start: Array | None = None,
+    *,
     rtol: float = 1e-10,
 ) -> tuple[Array, Array]:
-    """Coordinates and tooth force at `times`, from rest or from `start`, by SciPy's DOP853."""
+    """Coordinates and tooth force at `times`, from rest, by SciPy's DOP853."""
     system = Equations(scene, teeth.law)
     n = len(system.keep)
     linear = np.hstack(
@@ -381,8 +378,9 @@ def integrate(
         return np.concatenate([y[n:], a])
 
     scale = np.concatenate([np.full(n, 1e-14), np.full(n, 1e-10)])
-    begin = np.zeros(2 * n) if start is None else start
-    found = solve_ivp(rate, (0.0, times[-1]), begin, "DOP853", times, rtol=rtol, atol=scale)
+    found = solve_ivp(
+        rate, (0.0, times[-1]), np.zeros(2 * n), "DOP853", times, rtol=rtol, atol=scale
+    )
     assert found.success, found.message
     forces = [
         teeth.force(system.select @ y[:n], system.select @ y[n:], spins * t, spins)[0]
@@ -441,8 +439,6 @@ def propagate(
         return pair * (np.floor((high - at) / pitch) - np.ceil((low - at) / pitch) + 1)
 
     y = np.zeros(size)
-    if start is not None:
-        y[: 2 * n] = start
     y[2 * n] = 1.0
     y[2 * n + 1 :: 2] = 1.0
     marks = np.unique(np.concatenate([[0.0], switch_times(teeth, speed, times[-1]), times]))
@@ -487,15 +483,15 @@ def tips(scene: Toothed, contact_ratio: float) -> tuple[float, float]:
 
 
 def pair_stiffness(
-    teeth: int, other: int, module: float, bores: tuple[float, float], tangent: float, s: float
+    teeth: tuple[int, int], module: float, bores: tuple[float, float], tangent: float, s: float
 ) -> float:
     """Of one pair per face width: bending, shear, compression (in the angle form of Yang, Lin and Tian, which has
     integrals over the tangent angle from -a1 at the contact to a2 at the base circle), blank, contact."""
     contact = 4 * (1 - NU**2) / (np.pi * E)
     return 1 / (
         contact
-        + tooth_compliance(teeth, module, bores[0], s)
-        + tooth_compliance(other, module, bores[1], tangent - s)
+        + tooth_compliance(teeth[0], module, bores[0], s)
+        + tooth_compliance(teeth[1], module, bores[1], tangent - s)
     )
 
 

@@ -1,0 +1,193 @@
+"""Energy of meshes with teeth: kept where nothing works, and accounted for where something does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.bows import HalfSine
+from reference.teeth import TeethLaw, Toothed, begin, switch_times
+
+K = 2e8
+
+
+def thrown(
+    scene: Toothed, speed: float, rates: tuple[float, float], duration: float, **options: Any
+) -> gb.Response:
+    """A torsional pair at rest on its shafts, its gears turning at `rates`."""
+    system = scene.package()
+    n = len(system.dofs)
+    y = np.zeros(2 * n)
+    y[:2] = -1e-5  # a gap of a third of a micrometre
+    y[n:] = np.repeat(rates, 2)
+    run = {k: v for k, v in options.items() if k in ("method", "step", "rtol")}
+    more = {"output_step": duration / 2000} | options
+    return system.simulate(
+        duration, speed, initial=begin(system, speed, y, **run), record=["meshes", "energy"], **more
+    )
+
+
+@pytest.mark.parametrize(("method", "setting"), [("rk45", 1e-9), ("rk4", 2e-6)])
+def test_hammering_never_gains_energy(method: str, setting: float):
+    """A gear that flies between the flanks of another: ten thousand impacts, undamped."""
+    scene = Toothed(mesh={"stiffness": K, "backlash": 1e-5})
+    options = {"rtol": setting} if method == "rk45" else {"step": setting}
+    found = thrown(scene, 0.0, (50.0, 0.0), 1.75, method=method, **options)
+    impacts = [event for event in found.events if event.kind.endswith("contact")]
+    assert len(impacts) > 1e4
+    energy = found.energy
+    # both methods lose: 1e-9 or (h omega)^6/144 = 2e-11 of each step; neither may gain more than round-off
+    assert np.max(energy) < energy[0] * (1 + 1e-12)
+    assert energy[-1] > energy[0] * (1 - 4e-5)
+    # and it strikes as hard on either flank to the end
+    force = found.mesh("ga", "gb").force
+    assert force[-200:].max() == pytest.approx(-force[-200:].min(), rel=0.05)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+def test_loss_of_energy_in_impacts_follows_the_tolerance(rtol: float):
+    found = thrown(
+        Toothed(mesh={"stiffness": K, "backlash": 1e-5}), 0.0, (50.0, 0.0), 0.1, rtol=rtol
+    )
+    lost = found.energy / found.energy[0] - 1
+    # 1200 impacts of some tens of steps each
+    assert np.abs(lost).max() < 1e3 * rtol
+
+
+@pytest.mark.parametrize("method", ["rk45", "rk4"])
+def test_switching_stiffness_does_work(method: str):
+    """Between switches nothing works; at each the energy changes by half dk delta^2."""
+    speed, pair = 700.0, 1.5e8
+    square = {"model": "square", "pair": pair, "engagement": "sharp"}
+    scene = Toothed(mesh={"stiffness": square}, torque=0.0)
+    duration = 12 * 2 * np.pi / (speed * scene.teeth[0])
+    switches = switch_times(TeethLaw(scene.law()), speed, duration)
+    assert len(switches) == 24
+    between = [(a + b) / 2 for a, b in pairwise([0.0, *switches, duration])]
+    run: dict[str, Any] = {"rtol": 1e-13} if method == "rk45" else {"step": 2e-7, "method": "rk4"}
+    found = thrown(
+        scene, speed, (1.0, 0.0), duration, output_step=None, times=[*between, *switches], **run
+    )
+    energy, mesh = found.energy, found.mesh("ga", "gb")
+    m = len(between)
+    steps = np.diff(mesh.stiffness[:m])
+    assert np.abs(steps) == pytest.approx(pair, rel=1e-9)
+    change = steps * mesh.deflection[m:] ** 2 / 2
+    # the deflection at a switch is interpolated to h^6, the energy kept to 1e-13 (rk45) or (h omega)^5 a step
+    assert np.diff(energy[:m]) == pytest.approx(change, abs=2e-10 * energy.max())
+    assert np.abs(change).max() > 0.1 * energy[0]
+
+
+TEETH = {"model": "square", "pair": 1.5e8, "engagement": 0.3}
+ROLLING = Toothed(coupled=True, bearing_damping=0.0, mesh={"stiffness": TEETH}, torque=0.0)
+
+
+def rolling(rtol: float | None = None, step: float | None = None, **mesh: Any) -> np.ndarray:
+    """Energy of a train that rolls by its own twist, pairs passing and centres moving; undamped and driven by nothing."""
+    scene = replace(ROLLING, mesh=ROLLING.mesh | mesh)
+    system = scene.package()
+    # shaft by shaft, bending (four to a node) before twist
+    n, nodes = len(system.dofs), len(system.dofs) // 10
+    y = np.zeros(2 * n)
+    for first, rate in ((0, 300.0), (5 * nodes, -148.0)):  # a little off rolling: the mesh winds up
+        y[n + first + 4 * nodes : n + first + 5 * nodes] = rate
+    options: dict[str, Any] = {"rtol": rtol} if rtol else {"method": "rk4", "step": step}
+    found = system.simulate(
+        2e-3,
+        0.0,
+        initial=begin(system, 0.0, y, **options),
+        record=["meshes", "energy", "gears"],
+        output_step=1e-5,
+        **options,
+    )
+    pairs = found.mesh("ga", "gb").pairs_in_contact
+    assert np.abs(np.diff(pairs)).sum() >= 3  # they come and go
+    assert np.ptp(found.mesh("ga", "gb").pressure_angle) > 1e-5
+    vibrating = found.energy_balance().meshes.max()
+    return (found.energy - found.energy[0]) / vibrating
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        TEETH,
+        {"model": "parabolic", "pair": 1.5e8, "engagement": 0.3},
+        {"model": "potential_energy", "engagement": 0.2},
+        {"model": "fourier", "mean": 2e8, "amplitudes": [4e7, 1e7]},
+        {"model": "table", "values": [1e8, 2e8, 3e8, 2e8, 2.5e8]},
+    ],
+    ids=lambda model: model["model"],
+)
+def test_teeth_that_are_moved_by_the_twist_keep_the_energy(model: dict[str, Any]):
+    drift = np.abs(rolling(1e-11, stiffness=model))
+    # of the energy of the mesh; the kinetic energy that rolls along is some hundred times that
+    assert drift.max() < 1e-6
+
+
+def test_the_drift_falls_with_the_order_of_the_method():
+    coarse, fine = (np.abs(rolling(step=h)).max() for h in (4e-6, 2e-6))
+    # what RK4 loses is of fifth order; the force has two derivatives
+    assert coarse / fine > 2**4
+    assert coarse < 1e-3
+    drift = [
+        np.abs(rolling(rtol)).max() for rtol in (1e-7, 1e-8, 1e-9)
+    ]  # between the longest step and round-off
+    assert drift[0] / drift[1] > 5
+    assert drift[1] / drift[2] > 5
+
+
+FORCED = {
+    "torque alone": {},
+    "error": {"error": {"tooth": [(3e-6, 0.0)], "driver": [(5e-6, 1.0)]}},
+    "relief": {"tip_relief": {"amount": 5e-6, "length": 2e-3}},
+    "backlash": {"backlash": 1e-4},
+    "damping": {"damping": 800.0},
+    "prescribed": {"stiffness": {**TEETH, "phase": "prescribed"}},
+    "all": {
+        "error": {"tooth": [(3e-6, 0.0)], "driver": [(5e-6, 1.0)]},
+        "tip_relief": {"amount": 5e-6, "length": 2e-3},
+        "backlash": 1e-4,
+        "damping": 800.0,
+    },
+}
+
+
+@pytest.mark.parametrize("run_out", [None, (2e-5 + 1e-5j, 1e-5j)], ids=["round", "run-out"])
+@pytest.mark.parametrize("geometry", ["live", "frozen"])
+@pytest.mark.parametrize("name", FORCED)
+def test_the_balance_accounts_for_every_work(name: str, geometry: str, run_out: Any):
+    scene = replace(
+        ROLLING,
+        torque=80.0,
+        bearing_damping=300.0,
+        mesh=ROLLING.mesh | FORCED[name],
+        gear={"run_out": run_out} if run_out else {},
+        bows={"a": HalfSine(4e-5), "b": HalfSine(2e-5, 1.0)},
+    )
+    found = scene.package().simulate(
+        1e-3,
+        400.0,
+        initial="rest",
+        record=["energy"],
+        rtol=1e-10,
+        geometry=geometry,
+        output_step=1e-5,
+    )
+    balance = found.energy_balance()
+    turned_over = np.abs(np.diff(balance.total)).sum()
+    # the works are integrals over the interpolated motion; corners of the law fall within a step of them
+    assert np.abs(balance.residual).max() < 1e-6 * turned_over
+
+
+def test_the_balance_accounts_for_the_work_of_a_sharp_switch():
+    square = {"model": "square", "pair": 1.5e8, "engagement": "sharp"}
+    found = thrown(Toothed(mesh={"stiffness": square}), 700.0, (1.0, 0.0), 4e-3, rtol=1e-11)
+    balance = found.energy_balance()
+    turned_over = np.abs(np.diff(balance.total)).sum()
+    assert turned_over > balance.total[0]
+    assert np.abs(balance.residual).max() < 1e-6 * turned_over
