@@ -35,7 +35,12 @@ fn system(elements: usize, excited: bool) -> System {
         text += &format!("{{ name = \"{name}\", length = 0.5, outer_diameter = 0.05, elements = {elements}{bow} }},\n");
     }
     text += "]\ngears = [\n";
-    let gears = [("g1", "input", middle, 25), ("g2", "middle", third, 50), ("g3", "middle", elements - third, 25), ("g4", "output", middle, 50)];
+    let gears = [
+        ("g1", "input", middle, 25),
+        ("g2", "middle", third, 50),
+        ("g3", "middle", elements - third, 25),
+        ("g4", "output", middle, 50),
+    ];
     for (name, shaft, part, teeth) in gears {
         text += &format!(
             "{{ name = \"{name}\", shaft = \"{shaft}\", position = {}, teeth = {teeth}, module = 3e-3, face_width = 0.03{unbalance} }},\n",

@@ -57,7 +57,9 @@ fn agrees_with_dense<const B: usize, const L: usize>(nodes: usize, seed: u64) ->
     for node in 0..nodes {
         let range = node * B * L..(node + 1) * B * L;
         let (row, loaded) = (chain.row::<L>(node, x.as_slice()), load::<B, L>(x.as_slice(), node));
-        prop_assert!(row.iter().flatten().zip(&product.as_slice()[range.clone()]).all(|(a, b)| (a - b).abs() < round_off));
+        prop_assert!(
+            row.iter().flatten().zip(&product.as_slice()[range.clone()]).all(|(a, b)| (a - b).abs() < round_off)
+        );
         prop_assert_eq!(loaded.as_flattened(), &x.as_slice()[range]);
     }
     prop_assert!((chain.quadratic::<L>(x.as_slice()) - x.dot(&product)).abs() < round_off * x.norm());

@@ -7,6 +7,7 @@ use common::{Noise, basis, free_train, largest, train};
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
 use gearbow::modal::{self, Basis, Whirl};
 use gearbow::scene::System;
+use gearbow::scene::description::Coefficient;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Backward error of a decomposition of matrices of up to a hundred rows, relative to their norm.
@@ -173,7 +174,10 @@ fn modes_solve_the_quadratic_problem() {
         let elastic = &stiffness * shape;
         let residual: DVector<Complex<f64>> = &inertia + &rate * shape * value + &elastic;
         // φ is right to ε·ω_max²/ω² against the stiffest motions: 1e7 between them here, seen through K.
-        assert!(residual.norm() < 1e-9 * (complex(&model.stiffness_matrix(speed)) * shape.map(|z| Complex::new(z.norm(), 0.0))).norm());
+        assert!(
+            residual.norm()
+                < 1e-9 * (complex(&model.stiffness_matrix(speed)) * shape.map(|z| Complex::new(z.norm(), 0.0))).norm()
+        );
         assert!((shape.dotc(&(&mass * shape)).re - 1.0).abs() < 1e-10, "φᴴMφ = 1");
     }
 }
@@ -193,6 +197,12 @@ fn a_train_has_exactly_one_null_motion_and_it_rolls() {
         // Nothing but round-off of the small eigenproblem that finds it.
         assert!((rolling[dof.index] - turned).abs() < 1e-13 * scale, "{dof:?}");
     }
+    // The softest and the stiffest bearings that there are, together: they hold all the same.
+    let mut system = train();
+    for (index, bearing) in system.bearings.iter_mut().enumerate() {
+        bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 });
+    }
+    assert_eq!(common::basis(&system).real_modes(100.0).unwrap().null, 1);
     let modes = modal::modes(&basis, 100.0).unwrap();
     let still = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
     assert_eq!(still.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);

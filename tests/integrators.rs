@@ -1,112 +1,14 @@
-//! The integrators on systems small enough to know the answer of.
+//! The integrators on systems small enough to know the answer of: order, interpolation, control, counts.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::cell::Cell;
+mod common;
+
 use std::rc::Rc;
 
+use common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{
-    Adaptive, Control, Halt, Halted, Limit, Observer, RungeKutta, Span, State, Statistics, System, run,
-};
+use gearbow::integrate::{Adaptive, Control, RungeKutta, Span, State, Statistics, System as _, run};
 use proptest::prelude::*;
-
-/// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
-#[derive(Clone, Debug)]
-struct Particles {
-    square: Vec<f64>,
-    cubic: Vec<f64>,
-    /// Springs that are `hit` times stiffer where q > 1: a kink.
-    hit: f64,
-    evaluations: Rc<Cell<u64>>,
-}
-
-impl Particles {
-    fn new(square: &[f64], cubic: &[f64]) -> Self {
-        Self { square: square.to_vec(), cubic: cubic.to_vec(), hit: 0.0, evaluations: Rc::default() }
-    }
-
-    fn energy(&self, y: &[f64], index: usize) -> f64 {
-        let (q, v) = (y[index], y[y.len() / 2 + index]);
-        v * v / 2.0 + self.square[index] * q * q / 2.0 + self.cubic[index] * q.powi(4) / 4.0
-    }
-}
-
-impl System for Particles {
-    fn len(&self) -> usize {
-        2 * self.square.len()
-    }
-
-    fn derivative(&mut self, _: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
-        self.evaluations.set(self.evaluations.get() + 1);
-        let n = self.square.len();
-        for i in 0..n {
-            let q = y[i];
-            derivative[i] = y[n + i];
-            derivative[n + i] = -q * (self.square[i] + self.cubic[i] * q * q) - self.hit * (q - 1.0).max(0.0);
-        }
-        Ok(())
-    }
-
-    fn norm(&mut self, difference: &[f64]) -> f64 {
-        let (q, v) = difference.split_at(self.square.len());
-        let sum: f64 = q.iter().zip(v).zip(&self.square).map(|((q, v), square)| square * q * q + v * v).sum();
-        sum.sqrt()
-    }
-
-    fn size(&mut self, y: &[f64]) -> f64 {
-        self.norm(y)
-    }
-}
-
-/// Asks for nothing, or sees every step until `end`: its beginning, its length, and the evaluations until then.
-#[derive(Default)]
-struct Witness {
-    end: Option<f64>,
-    seen: Vec<(f64, f64, u64)>,
-    /// (time, q₀, v₀) in the middle of every step.
-    middles: Vec<[f64; 3]>,
-    evaluations: Rc<Cell<u64>>,
-    patience: Option<u64>,
-}
-
-impl Observer for Witness {
-    fn next(&self) -> Option<f64> {
-        let (last, end) = (self.seen.last().map_or(0.0, |(start, step, _)| start + step), self.end?);
-        (last < end).then_some(last)
-    }
-
-    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
-        assert!((span.end() - end).abs() <= 1e-12 * end);
-        self.seen.push((span.start, span.step, self.evaluations.get()));
-        let middle = span.start + 0.4 * span.step;
-        let (q, v) = span.at(&span.weights(middle), 0);
-        self.middles.push([middle, q, v]);
-        Ok(())
-    }
-
-    fn go_on(&mut self, _: f64) -> bool {
-        self.patience.as_mut().is_none_or(|patience| {
-            *patience = patience.saturating_sub(1);
-            *patience > 0
-        })
-    }
-}
-
-fn integrate<const S: usize>(
-    system: &mut Particles,
-    tableau: Tableau<S>,
-    control: Control,
-    state: &mut State,
-    end: f64,
-) -> Statistics {
-    let (mut method, mut statistics) = (RungeKutta::new(tableau, system.len()), Statistics::new());
-    run(system, &mut method, &control, state, end, &mut Witness::default(), &mut statistics).unwrap();
-    statistics
-}
-
-fn adaptive(rtol: f64, longest: f64) -> Control {
-    Control::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
-}
 
 /// An undamped pair, and a particle on a hardening spring of period 2π/ω·…: nothing here is fast.
 fn pair_and_pendulum() -> (Particles, State) {
@@ -156,8 +58,7 @@ fn the_embedded_error_is_of_fourth_order() {
 /// A step of a motion that is known, with its ends.
 fn interpolated(start: f64, step: f64, motion: impl Fn(f64) -> [f64; 3], at: f64) -> (f64, f64) {
     let ends = [motion(start), motion(start + step)].map(|[q, v, a]| ([q, v], [v, a]));
-    let span =
-        Span { start, step, before: (&ends[0].0, &ends[0].1), after: (&ends[1].0, &ends[1].1) };
+    let span = Span { start, step, before: (&ends[0].0, &ends[0].1), after: (&ends[1].0, &ends[1].1) };
     span.at(&span.weights(at), 0)
 }
 
@@ -241,8 +142,7 @@ fn counts_are_pinned() {
     let (mut system, mut state) = pair_and_pendulum();
     let smooth = integrate(&mut system, DORMAND_PRINCE, adaptive(1e-8, 1.0), &mut state, 40.0);
     let mut bouncing = Particles { hit: 1e4, ..Particles::new(&[1.0], &[0.0]) };
-    let rough =
-        integrate(&mut bouncing, DORMAND_PRINCE, adaptive(1e-6, 0.5), &mut State::new(vec![0.0, 3.0]), 40.0);
+    let rough = integrate(&mut bouncing, DORMAND_PRINCE, adaptive(1e-6, 0.5), &mut State::new(vec![0.0, 3.0]), 40.0);
     let mut stiff = Particles::new(&[1.0, 1e6], &[0.0; 2]);
     let capped =
         integrate(&mut stiff, DORMAND_PRINCE, adaptive(1e-3, 9.8e-4), &mut State::new(vec![1.0, 0.0, 0.0, 0.0]), 1.0);
@@ -308,101 +208,4 @@ fn time_does_not_drift() {
     let mut state = State::new(y);
     integrate(&mut system, DORMAND_PRINCE, adaptive(0.5, 0.1), &mut state, end);
     assert_eq!((state.count, state.elapsed), (100_000, 100_000.0 * 0.1));
-}
-
-#[test]
-fn capped_steps_stay_bounded_on_undamped_stiffness() {
-    let energy = |longest: f64| {
-        let mut system = Particles::new(&[1e2, 1e8], &[0.0; 2]);
-        // The fast oscillator holds 1e-10 of the energy: far below what the tolerance sees.
-        let mut state = State::new(vec![0.1, 1e-9, 0.0, 0.0]);
-        let before = system.energy(&state.y, 1);
-        integrate(&mut system, DORMAND_PRINCE, adaptive(1e-3, longest), &mut state, 1.0);
-        system.energy(&state.y, 1) / before
-    };
-    let capped = energy(DORMAND_PRINCE.imaginary_limit / 1e4);
-    assert!(capped <= 1.0, "{capped}");
-    // What the cap is for: error control alone reports success while the fast one grows.
-    let uncapped = energy(1.0);
-    assert!(uncapped > 1e4, "{uncapped}");
-}
-
-/// Amplitude of an undamped oscillator after `steps` of `angle` = hω each, begun at one.
-fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64 {
-    let mut system = Particles::new(&[1.0], &[0.0]);
-    let mut state = State::new(vec![1.0, 0.0]);
-    integrate(&mut system, tableau, Control::Fixed(angle), &mut state, angle * (f64::from(steps) + 0.5));
-    assert_eq!(state.count, u64::from(steps));
-    system.norm(&state.y)
-}
-
-#[test]
-fn the_stability_limits_are_where_the_tableaux_say() {
-    // |R| − 1 is −9e-4 at 2.828 and +2e-3 at 2.83: thousands of steps tell.
-    assert!(amplitude(RK4, RK4.imaginary_limit, 20_000) <= 1.0);
-    assert!(amplitude(RK4, 2.83, 20_000) > 1e3);
-    assert!(amplitude(DORMAND_PRINCE, DORMAND_PRINCE.imaginary_limit, 20_000) <= 1.0);
-    // Beyond 0.997 Dormand–Prince grows, by 9e-5 a step at 1.1.
-    assert!(amplitude(DORMAND_PRINCE, 1.1, 100_000) > 100.0);
-}
-
-/// R(z) of a tableau: its end after a step on ẏ = λy, hλ = z.
-fn stability<const S: usize>(tableau: &Tableau<S>, z: num_complex::Complex64) -> f64 {
-    let mut stages = [num_complex::Complex64::ZERO; S];
-    let mut end = num_complex::Complex64::ONE;
-    for stage in 0..S {
-        end = 1.0 + (0..stage).map(|j| stages[j] * tableau.weights[stage][j]).sum::<num_complex::Complex64>();
-        stages[stage] = z * end;
-    }
-    end.norm()
-}
-
-#[test]
-fn every_decaying_motion_within_both_limits_is_stable() {
-    fn check<const S: usize>(tableau: &Tableau<S>) {
-        for i in 0..=600 {
-            for j in 0..=600 {
-                let re = -tableau.real_limit * f64::from(i) / 600.0;
-                let im = tableau.imaginary_limit * f64::from(j) / 600.0;
-                let z = num_complex::Complex64::new(re, im);
-                if z.norm() <= tableau.real_limit || i == 0 {
-                    let growth = stability(tableau, z);
-                    assert!(growth <= 1.0 + 4.0 * f64::EPSILON, "|R({z})| = {growth}");
-                }
-            }
-        }
-    }
-    check(&RK4);
-    check(&DORMAND_PRINCE);
-    for (row, node) in DORMAND_PRINCE.weights.iter().zip(DORMAND_PRINCE.nodes) {
-        assert!((row.iter().sum::<f64>() - node).abs() < 1e-14);
-    }
-    for (row, node) in RK4.weights.iter().zip(RK4.nodes) {
-        assert!((row.iter().sum::<f64>() - node).abs() < 1e-15);
-    }
-}
-
-#[test]
-fn what_cannot_go_on_says_so() {
-    let halted = |system: &mut Particles, y: Vec<f64>, witness: &mut Witness| {
-        let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
-        let mut state = State::new(y);
-        let result = run(system, &mut method, &adaptive(1e-6, 0.1), &mut state, 100.0, witness, &mut statistics);
-        (result.unwrap_err(), state)
-    };
-    // q̈ = +q³ reaches infinity in a finite time, √2/q₀ for this start.
-    let (Halted { halt, elapsed }, state) =
-        halted(&mut Particles::new(&[0.0], &[-1.0]), vec![1.0, 0.5_f64.sqrt()], &mut Witness::default());
-    assert_eq!(halt, Halt::Diverged);
-    assert!((elapsed - 2.0_f64.sqrt()).abs() < 1e-3, "{elapsed}");
-    assert!(state.y.iter().all(|value| value.is_finite()) && state.elapsed == elapsed);
-
-    let mut impatient = Witness { patience: Some(3), ..Witness::default() };
-    let (Halted { halt, .. }, state) = halted(&mut Particles::new(&[1.0], &[0.0]), vec![1.0, 0.0], &mut impatient);
-    assert_eq!((halt, state.count), (Halt::Interrupted, 128));
-
-    let (Halted { halt, elapsed }, _) =
-        halted(&mut Particles::new(&[1.0], &[0.0]), vec![f64::NAN, 0.0], &mut Witness::default());
-    assert_eq!((halt, elapsed), (Halt::Diverged, 0.0));
-    assert_eq!([Limit::Step, Limit::Stability, Limit::Tolerance].map(Limit::name), ["step", "stability", "tolerance"]);
 }

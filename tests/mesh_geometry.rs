@@ -51,8 +51,12 @@ impl Pair {
 const PLAIN: Pair = Pair { teeth: [25, 50], module: 3e-3, angle: 0.4, stretch: 0.0 };
 
 fn pairs() -> impl Strategy<Value = Pair> {
-    (12_u32..120, 12_u32..120, 1e-3..2e-2, -10.0..10.0, 0.0..0.03)
-        .prop_map(|(a, b, module, angle, stretch)| Pair { teeth: [a, b], module, angle, stretch })
+    (12_u32..120, 12_u32..120, 1e-3..2e-2, -10.0..10.0, 0.0..0.03).prop_map(|(a, b, module, angle, stretch)| Pair {
+        teeth: [a, b],
+        module,
+        angle,
+        stretch,
+    })
 }
 
 fn sigmas() -> impl Strategy<Value = f64> {

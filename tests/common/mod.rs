@@ -1,9 +1,16 @@
 //! What the tests share: the train that the documentation describes, and numbers without a pattern.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, reason = "every test file uses a part of this one")]
 
+pub mod particles;
+
+use gearbow::mesh::Geometry;
 use gearbow::modal::Basis;
 use gearbow::model::Model;
+use gearbow::motion::Motion;
+use gearbow::scene::description::{Bow, BowShape, Coefficient, Complex, Gravity};
 use gearbow::scene::{Scene, System};
+use nalgebra::DVector;
+use num_complex::Complex64;
 
 /// A double-stage train: three shafts on six bearings, two meshes, bow on two shafts, torque in balance.
 pub const TRAIN: &str = r#"
@@ -57,6 +64,38 @@ pub fn model(system: &System) -> Model {
 /// The basis of a description.
 pub fn basis(system: &System) -> Basis {
     Basis::new(model(system))
+}
+
+/// A train with everything that a scene can have: cross-coupled bearings, gravity, both dampings, a tilted bow.
+pub fn everything() -> System {
+    let mut system = train();
+    system.bearings[1].stiffness = Coefficient::Full([[1e8, 3e6], [-2e6, 7e7]]);
+    system.bearings[1].damping = Some(Coefficient::Full([[500.0, -80.0], [60.0, 300.0]]));
+    system.gravity = Some(Gravity::Vector([1.0, -9.0]));
+    system.rayleigh = Some([20.0, 1e-6]);
+    system.modal_damping = Some(0.01);
+    system.gears[3].unbalance = Some(Complex::Pair([0.0, 2e-4]));
+    system.shafts[2].bow = Some(points(vec![0.0, 0.2, 0.5], |x| Complex64::new(1e-4 + 3e-3 * x * x, -1e-3 * x)));
+    system
+}
+
+/// The bow through `curve` at `positions`.
+pub fn points(positions: Vec<f64>, curve: impl Fn(f64) -> Complex64) -> Bow {
+    let values: Vec<_> = positions.iter().map(|x| curve(*x)).collect();
+    Bow {
+        shape: BowShape::Points,
+        amplitude: None,
+        phase: None,
+        number: None,
+        amplitudes: Some(values.iter().map(|value| value.norm()).collect()),
+        phases: Some(values.iter().map(|value| value.arg()).collect()),
+        positions: Some(positions),
+    }
+}
+
+/// The motion of a basis; tolerances are relative to the distance from rest.
+pub fn motion(basis: &Basis, geometry: Geometry, speed: f64, origin: f64) -> Motion<'_> {
+    Motion::new(basis, geometry, speed, origin, DVector::zeros(basis.model.len())).unwrap()
 }
 
 /// Numbers between −1 and 1 without a pattern, the same every time (Steele, Lea and Flood's SplitMix64).

@@ -1,0 +1,117 @@
+//! Systems small enough to know the answer of.
+#![allow(dead_code, clippy::unwrap_used, reason = "every test file uses a part of this one")]
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use gearbow::integrate::tableau::Tableau;
+use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System, run};
+
+/// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
+#[derive(Clone, Debug)]
+pub struct Particles {
+    /// ωᵢ².
+    pub square: Vec<f64>,
+    /// cᵢ.
+    pub cubic: Vec<f64>,
+    /// Springs that are `hit` times stiffer where q > 1: a kink.
+    pub hit: f64,
+    /// Evaluations of the derivative so far.
+    pub evaluations: Rc<Cell<u64>>,
+}
+
+impl Particles {
+    /// Particles of `square` and `cubic`.
+    pub fn new(square: &[f64], cubic: &[f64]) -> Self {
+        Self { square: square.to_vec(), cubic: cubic.to_vec(), hit: 0.0, evaluations: Rc::default() }
+    }
+
+    /// Energy of particle `index`.
+    pub fn energy(&self, y: &[f64], index: usize) -> f64 {
+        let (q, v) = (y[index], y[y.len() / 2 + index]);
+        v * v / 2.0 + self.square[index] * q * q / 2.0 + self.cubic[index] * q.powi(4) / 4.0
+    }
+}
+
+impl System for Particles {
+    fn len(&self) -> usize {
+        2 * self.square.len()
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        let n = self.square.len();
+        for i in 0..n {
+            let q = y[i];
+            derivative[i] = y[n + i];
+            derivative[n + i] = -q * (self.square[i] + self.cubic[i] * q * q) - self.hit * (q - 1.0).max(0.0);
+        }
+        Ok(())
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        let (q, v) = difference.split_at(self.square.len());
+        let sum: f64 = q.iter().zip(v).zip(&self.square).map(|((q, v), square)| square * q * q + v * v).sum();
+        sum.sqrt()
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        self.norm(y)
+    }
+}
+
+/// Asks for nothing, or sees every step until `end`.
+#[derive(Default)]
+pub struct Witness {
+    /// Until when.
+    pub end: Option<f64>,
+    /// Every step: beginning, length, evaluations.
+    pub seen: Vec<(f64, f64, u64)>,
+    /// (time, q₀, v₀) at two fifths of every step.
+    pub middles: Vec<[f64; 3]>,
+    /// The counter of the system that it watches.
+    pub evaluations: Rc<Cell<u64>>,
+    /// How many times it lets a run go on.
+    pub patience: Option<u64>,
+}
+
+impl Observer for Witness {
+    fn next(&self) -> Option<f64> {
+        let (last, end) = (self.seen.last().map_or(0.0, |(start, step, _)| start + step), self.end?);
+        (last < end).then_some(last)
+    }
+
+    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
+        assert!((span.end() - end).abs() <= 1e-12 * end);
+        self.seen.push((span.start, span.step, self.evaluations.get()));
+        let middle = span.start + 0.4 * span.step;
+        let (q, v) = span.at(&span.weights(middle), 0);
+        self.middles.push([middle, q, v]);
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        self.patience.as_mut().is_none_or(|patience| {
+            *patience = patience.saturating_sub(1);
+            *patience > 0
+        })
+    }
+}
+
+/// Integrates `state` until `end`.
+pub fn integrate<const S: usize>(
+    system: &mut Particles,
+    tableau: Tableau<S>,
+    control: Control,
+    state: &mut State,
+    end: f64,
+) -> Statistics {
+    let (mut method, mut statistics) = (RungeKutta::new(tableau, system.len()), Statistics::new());
+    run(system, &mut method, &control, state, end, &mut Witness::default(), &mut statistics).unwrap();
+    statistics
+}
+
+/// Error control from a floor of 1e-9.
+pub fn adaptive(rtol: f64, longest: f64) -> Control {
+    Control::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
+}
