@@ -63,9 +63,9 @@ fn an_undamped_free_motion_conserves_energy_with_the_order_of_the_method() {
     let drift = |geometry: Geometry, step: f64, size: f64| {
         let mut motion = motion(&basis, geometry, 300.0, 0.0);
         let y = slow(&basis, size);
-        let before = motion.energy(0.0, &y[..n], &y[n..]).unwrap();
+        let before = motion.energies(0.0, &y[..n], &y[n..]).unwrap().total();
         let state = integrate(&mut motion, RK4, Control::Fixed(step), y, 0.01);
-        (motion.energy(state.elapsed, &state.y[..n], &state.y[n..]).unwrap() - before) / before
+        (motion.energies(state.elapsed, &state.y[..n], &state.y[n..]).unwrap().total() - before) / before
     };
     // 3e-4 m of a centre distance of 0.11 m: the line of action turns by 1e-2 rad.
     let step = 2.0_f64.powi(-18);

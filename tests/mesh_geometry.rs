@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use gearbow::mesh::{Contact, Coordinates, Coupling, Geometry, Involute};
+use gearbow::mesh::stiffness::Path;
+use gearbow::mesh::{Centres, Coordinates, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Turning};
 use gearbow::scene::{Scene, System};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -70,8 +71,35 @@ fn displaced(pair: Pair, numbers: [f64; 6]) -> Vector6<f64> {
     Vector6::from(numbers).component_mul(&Vector6::new(size, size, size, size, size / radius, size / radius))
 }
 
+/// A contact with the line of action that it has.
+#[derive(Debug)]
+struct Contact {
+    deflection: f64,
+    rate: f64,
+    force: f64,
+    normal: [f64; 2],
+    across: [f64; 2],
+    tangent: f64,
+}
+
+/// Shafts that stand still.
+const STILL: [Turning; 2] = [Turning { angle: 0.0, spin: 0.0 }; 2];
+
+fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
+    let found = coupling.contact(geometry, sigma, &Law::ALWAYS, &STILL, q, v)?;
+    let LineOfAction { normal, across, tangent, .. } = match geometry {
+        Geometry::Live => coupling.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
+        Geometry::Frozen => coupling.involute.line_at_rest(sigma),
+    };
+    Ok(Contact { deflection: found.deflection, rate: found.rate, force: found.force, normal, across, tangent })
+}
+
+fn at_rest(coupling: &Coupling, sigma: f64) -> Contact {
+    touch(coupling, Geometry::Frozen, sigma, &[0.0; 6], &[0.0; 6]).unwrap()
+}
+
 fn live(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Contact {
-    coupling.contact(Geometry::Live, sigma, q.as_slice(), &[0.0; 6]).unwrap()
+    touch(coupling, Geometry::Live, sigma, q.as_slice(), &[0.0; 6]).unwrap()
 }
 
 fn gradient(coupling: &Coupling, sigma: f64, contact: &Contact) -> Vector6<f64> {
@@ -116,7 +144,7 @@ proptest! {
         prop_assert!((y * contact.across[0] + z * contact.across[1]).abs() < 1e-14);
         prop_assert!((contact.across[0].hypot(contact.across[1]) - 1.0).abs() < 1e-14);
 
-        let moving = coupling.contact(Geometry::Live, sigma, q.as_slice(), &rates).unwrap();
+        let moving = touch(&coupling, Geometry::Live, sigma, q.as_slice(), &rates).unwrap();
         prop_assert!((moving.rate - found.dot(&Vector6::from(rates))).abs() < 1e-14);
         let force = STIFFNESS * contact.deflection + DAMPING * moving.rate;
         prop_assert!((moving.force - force).abs() < 1e-15 * (STIFFNESS * contact.deflection.abs() + DAMPING * moving.rate.abs()) * 4.0);
@@ -128,13 +156,16 @@ proptest! {
     ) {
         let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
         let contact = live(&coupling, sigma, &q);
-        let (mut tangent, mut curvature) = (Matrix6::zeros(), Matrix6::<f64>::zeros());
-        coupling.tangent(Geometry::Live, sigma, STIFFNESS, &contact, |i, j, value| tangent[(i, j)] += value);
-        coupling.tangent(Geometry::Live, sigma, 0.0, &contact, |i, j, value| curvature[(i, j)] += value);
+        let mut tangent = Matrix6::zeros();
+        let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
+        let (pressed, normal) = coupling.mean_tangent(Geometry::Live, sigma, Flank::Drive, q.as_slice(), add).unwrap();
+        prop_assert_eq!((pressed, normal), (contact.force, contact.normal));
+        let slopes = gradient(&coupling, sigma, &contact);
+        let curvature: Matrix6<f64> = tangent - STIFFNESS * slopes * slopes.transpose();
         let force = |q: &Vector6<f64>| {
-            let contact = live(&coupling, sigma, q);
+            let contact = coupling.contact(Geometry::Live, sigma, &Law::ALWAYS, &STILL, q.as_slice(), &[0.0; 6]).unwrap();
             let mut force = Vector6::zeros();
-            coupling.apply(sigma, contact.force, contact.normal, force.as_mut_slice());
+            coupling.apply(&contact, force.as_mut_slice());
             -force
         };
         let columns = differentiate(pair, &q, force);
@@ -158,7 +189,7 @@ proptest! {
         let contact = live(&coupling, sigma, &q);
         // Round-off of the centres that this test itself computes.
         prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
-        let state = coupling.state(Geometry::Live, sigma, 0.0, q.as_slice(), &[0.0; 6]).unwrap();
+        let state = coupling.state(Geometry::Live, sigma, &Law::ALWAYS, &STILL, q.as_slice(), &[0.0; 6]).unwrap();
         prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
         prop_assert!((state.centres.angle - pair.angle - turn).abs() < 1e-13);
     }
@@ -168,7 +199,7 @@ proptest! {
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0), exponent in -300..-10,
     ) {
         let coupling = pair.coupling();
-        let slopes = gradient(&coupling, sigma, &coupling.contact_at_rest(sigma));
+        let slopes = gradient(&coupling, sigma, &at_rest(&coupling, sigma));
         // A power of two, so that scaling is exact.
         let scale = 2.0_f64.powi(exponent * 3);
         let unit = displaced(pair, numbers) * 1e3;
@@ -184,9 +215,9 @@ proptest! {
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0),
     ) {
         let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
-        let frozen = |q: &Vector6<f64>| coupling.contact(Geometry::Frozen, sigma, q.as_slice(), q.as_slice()).unwrap();
+        let frozen = |q: &Vector6<f64>| touch(&coupling, Geometry::Frozen, sigma, q.as_slice(), q.as_slice()).unwrap();
         let deflection = frozen(&q).deflection;
-        let slopes = gradient(&coupling, sigma, &coupling.contact_at_rest(sigma));
+        let slopes = gradient(&coupling, sigma, &at_rest(&coupling, sigma));
         let terms = slopes.component_mul(&q);
         let round_off = 4e-15 * terms.abs().sum();
         prop_assert!((deflection - terms.sum()).abs() < round_off);
@@ -195,7 +226,7 @@ proptest! {
         prop_assert!((frozen(&(-3.0 * q)).force + 3.0 * frozen(&q).force).abs() < 1e-14 * (STIFFNESS + DAMPING) * terms.abs().sum());
 
         // What live adds is −(m·u)²/(2 C sin α) to second order; the third is a thousandth of C over C sin α smaller.
-        let at_rest = coupling.contact_at_rest(sigma);
+        let at_rest = at_rest(&coupling, sigma);
         let across = at_rest.across[0] * (q[2] - q[0]) + at_rest.across[1] * (q[3] - q[1]);
         let second = -across * across / (2.0 * at_rest.tangent);
         let third = 1e3 * (1e-3_f64).powi(3) * pair.centre_distance();
@@ -247,13 +278,20 @@ fn contact_ratios_are_the_published_ones() {
     assert!((steeper - expected).abs() < 1e-7 * expected, "{steeper} {expected}");
 }
 
+fn pairs_in_contact(involute: &Involute, centres: &Centres, sigma: f64, turned: f64) -> f64 {
+    let position = involute.position(sigma, turned, centres.angle, centres.pressure_angle);
+    let [low, high] = involute.path(centres.distance * centres.pressure_angle.sin());
+    let (first, last) = Path { position, low, high, pitch: involute.base_pitch }.engaged();
+    (last - first + 1).max(0) as f64
+}
+
 /// Mean and extremes of the pairs in contact over one tooth.
 fn count(involute: &Involute, apart: [f64; 2], sigma: f64, teeth: u32) -> (f64, f64, f64) {
     let centres = involute.centres(apart).unwrap();
     let samples = 20_000;
     let pitch = 2.0 * PI / f64::from(teeth);
     let counts = (0..samples)
-        .map(|i| involute.pairs_in_contact(&centres, sigma, 1.0 + pitch * f64::from(i) / f64::from(samples)));
+        .map(|i| pairs_in_contact(involute, &centres, sigma, 1.0 + pitch * f64::from(i) / f64::from(samples)));
     let fold = |(sum, least, most): (f64, f64, f64), count: f64| (sum + count, least.min(count), most.max(count));
     let (sum, least, most) = counts.fold((0.0, f64::INFINITY, 0.0), fold);
     (sum / f64::from(samples), least, most)
@@ -276,7 +314,7 @@ fn tooth_pairs_share_the_path_of_contact() {
     }
     let parted = involute.centres([6e-3 * cos, 6e-3 * sin]).unwrap();
     assert!(parted.contact_ratio < 0.0);
-    assert_eq!(involute.pairs_in_contact(&parted, 1.0, 0.3), 0.0);
+    assert_eq!(pairs_in_contact(&involute, &parted, 1.0, 0.3), 0.0);
 }
 
 #[test]
@@ -301,12 +339,12 @@ fn base_circles_that_overlap_are_an_error() {
         let moved = distance - PLAIN.centre_distance();
         Vector6::new(0.0, 0.0, moved * cos, moved * sin, 0.0, 0.0)
     };
-    let contact = |q: &Vector6<f64>| coupling.contact(Geometry::Live, 1.0, q.as_slice(), &[0.0; 6]);
-    assert!(contact(&to(sum * (1.0 + 1e-9))).is_ok());
-    let overlap = contact(&to(sum * (1.0 - 1e-9))).unwrap_err();
+    let apart = |q: &Vector6<f64>| touch(&coupling, Geometry::Live, 1.0, q.as_slice(), &[0.0; 6]);
+    assert!(apart(&to(sum * (1.0 + 1e-9))).is_ok());
+    let overlap = apart(&to(sum * (1.0 - 1e-9))).unwrap_err();
     assert!((overlap.distance - sum).abs() < 2e-9 * sum && (overlap.base_circles - sum).abs() < 1e-15);
-    assert!(contact(&to(0.0)).unwrap_err().distance.abs() < 1e-9);
+    assert!(apart(&to(0.0)).unwrap_err().distance.abs() < 1e-9);
     // Frozen geometry has no such place, and what is not a number is for the integrator to report.
-    assert!(coupling.contact(Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
-    assert!(contact(&Vector6::repeat(f64::NAN)).is_ok_and(|contact| contact.force.is_nan()));
+    assert!(touch(&coupling, Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
+    assert!(apart(&Vector6::repeat(f64::NAN)).is_ok_and(|contact| contact.force.is_nan()));
 }

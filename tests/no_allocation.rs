@@ -91,7 +91,7 @@ fn derivative_norms_and_energy_allocate_nothing() {
     let info = measure(|| {
         motion.derivative(0.1, &y, &mut derivative).unwrap();
         std::hint::black_box(motion.norm(&y) + motion.size(&y));
-        std::hint::black_box(motion.energy(0.1, &y[..n], &y[n..]).unwrap());
+        std::hint::black_box(motion.energies(0.1, &y[..n], &y[n..]).unwrap());
         std::hint::black_box(motion.mesh_state(0, 0.1, &y[..n], &y[n..]).unwrap());
     });
     assert_eq!(info.count_total, 0);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::{TRAIN, train};
 use gearbow::model::Model;
-use gearbow::scene::description::{Bearing, Coefficient, Gravity, Segment, Shaft};
+use gearbow::scene::description::{Bearing, Coefficient, Gravity, Segment, Shaft, Stiffness};
 use gearbow::scene::{MAX_ELEMENTS, Scene, SceneError, System};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -150,7 +150,7 @@ fn errors_name_their_place() {
     assert_eq!(place(&|system| system.gears[3].position = 0.6), "gears[3].position");
     assert_eq!(place(&|system| system.gears[2].name = "g1".to_owned()), "gears[2].name");
     assert_eq!(place(&|system| system.meshes[1].driven = "g5".to_owned()), "meshes[1].driven");
-    assert_eq!(place(&|system| system.meshes[0].stiffness = -1.0), "meshes[0].stiffness");
+    assert_eq!(place(&|system| system.meshes[0].stiffness = Some(Stiffness::Mean(-1.0))), "meshes[0].stiffness");
     assert_eq!(place(&|system| system.meshes[0].centre_distance = Some(0.05)), "meshes[0].centre_distance");
     assert_eq!(
         place(&|system| system.bearings[4].stiffness = Coefficient::Full([[1.0, f64::NAN], [0.0, 1.0]])),

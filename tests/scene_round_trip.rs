@@ -3,7 +3,7 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft, Torque,
+    Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft, Stiffness, Torque,
 };
 use gearbow::scene::{Scene, System};
 use proptest::prelude::*;
@@ -141,6 +141,7 @@ fn systems() -> impl Strategy<Value = System> {
                         diametral_inertia: size.map(|size| size * 1e-3),
                         polar_inertia: size.map(|size| size * 2e-3),
                         unbalance,
+                        run_out: None,
                     }
                 };
             let (stiffness, damped, damping, angle) = mesh;
@@ -172,11 +173,14 @@ fn systems() -> impl Strategy<Value = System> {
                 meshes: vec![Mesh {
                     driver: "a".to_owned(),
                     driven: "b".to_owned(),
-                    stiffness,
+                    stiffness: Some(Stiffness::Mean(stiffness)),
                     damping_ratio: given(0),
                     damping: given(1),
                     centre_line_angle: angle,
                     centre_distance: None,
+                    backlash: None,
+                    tip_relief: None,
+                    error: None,
                 }],
                 bearings: places.into_iter().map(bearing).collect(),
                 torques: vec![

@@ -31,9 +31,9 @@ class Event(NamedTuple):
         Name of the driven gear.
     kind : str
         "contact" (the driving flanks meet), "back contact" (those behind them do), "separation"
-        (the teeth part), "contact ratio below 1", "contact ratio above 1" (again), "tip
-        interference" (a tip reaches the root circle of the other gear) or "tip clearance" (it no
-        longer does).
+        (the teeth part), "tight" (both flanks press), "contact ratio below 1", "contact ratio above
+        1" (again), "tip interference" (a tip reaches the root circle of the other gear) or "tip
+        clearance" (it no longer does).
     """
 
     time: float

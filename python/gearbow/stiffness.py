@@ -58,11 +58,11 @@ class Stiffness(Part):
     that is twice differentiable, half of it before and half after the end of the path; at most 0.5,
     and 0.1 if left out.
 
-    ``phase="twist"`` moves the teeth by spin, twist and centres, and adds the force −∂U/∂q that
-    goes with it, so that an undamped train conserves its energy. ``phase="prescribed"`` moves them
-    by the spin of the driver, not by its twist, without that force: what prescribes the
-    stiffness does work. Left out it is "twist", or "prescribed" with a sharp engagement, which
-    allows no other.
+    ``phase="prescribed"``, the default, moves the teeth by the spin of the driver and the centres,
+    not by its twist; what holds the speed does work through the stiffness. ``phase="twist"`` adds
+    the twist, and the force −∂U/∂q that goes with it, so that an undamped train conserves its
+    energy: what damping takes then slows down a train that is free to roll. It needs a smooth
+    engagement.
 
     Examples
     --------

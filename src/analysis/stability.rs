@@ -38,9 +38,13 @@ impl Spectrum {
     }
 
     /// The longest stable step of a method, s.
+    ///
+    /// A damped oscillator has |λ| = ω, at the angle asin(d/2ω) from the imaginary axis, or is overdamped with |λ| ≤ d.
+    /// While d ≤ ω_max/2 those near ω_max stay within 14.5° of the axis, and all others have room.
     pub fn longest_step<const S: usize>(&self, tableau: &Tableau<S>) -> f64 {
         let undamped = tableau.imaginary_limit / (self.omega_max + self.gyroscopic);
-        if self.damping == 0.0 { undamped } else { undamped.min(tableau.real_limit / self.radius()) }
+        let light = self.damping <= self.omega_max / 2.0;
+        if light { undamped } else { undamped.min(tableau.real_limit / self.radius()) }
     }
 }
 

@@ -63,14 +63,21 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
     if matrix.is_empty() {
         return Ok(Eigen { values: DVector::zeros(0), vectors: DMatrix::zeros(0, 0) });
     }
-    let eigen = view(matrix).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
+    let size = matrix.amax();
+    if !size.is_finite() {
+        return Err(DecompositionError::Eigenvalues);
+    }
+    // A power of two, so that scaling is exact: squares of what is near overflow are not finite.
+    let scale = if size > 0.0 { 2.0_f64.powi(size.log2().floor() as i32) } else { 1.0 };
+    let scaled = matrix / scale;
+    let eigen = view(&scaled).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
     let values = eigen.S().column_vector();
     let mut vectors = copy(eigen.U());
     for mut column in vectors.column_iter_mut() {
         let norm = column.norm();
         column.unscale_mut(norm);
     }
-    Ok(Eigen { values: DVector::from_fn(values.nrows(), |i, _| values[i]), vectors })
+    Ok(Eigen { values: DVector::from_fn(values.nrows(), |i, _| values[i] * scale), vectors })
 }
 
 /// Solves a square real system by LU with partial pivoting.

@@ -76,6 +76,8 @@ impl Law {
 pub struct Contact {
     /// Deflection δ of the drive flank, m; of the back flank where that alone is asked for.
     pub deflection: f64,
+    /// Its rate δ̇, m/s.
+    pub rate: f64,
     /// Force F, N: that of the drive flank, less that of the back flank.
     pub force: f64,
     /// Stiffness ∂²U/∂δ², N/m.
@@ -93,11 +95,17 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// What is left of it where the flanks do not touch.
+    pub(super) fn apart(&self) -> Self {
+        Self { deflection: self.deflection, rate: self.rate, ..Self::default() }
+    }
+
     /// This of the drive flank with that of the back flank beside it.
     pub(super) fn and_back(&self, back: &Self) -> Self {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
             deflection: self.deflection,
+            rate: self.rate,
             force: self.force - back.force,
             stiffness: self.stiffness + back.stiffness,
             energy: self.energy + back.energy,

@@ -177,6 +177,7 @@ impl Coupling {
             let [ra, rb] = self.involute.base_radius;
             return Ok(Contact {
                 deflection,
+                rate,
                 force,
                 stiffness: self.stiffness,
                 energy: elastic * deflection / 2.0,
@@ -189,11 +190,10 @@ impl Coupling {
         let drive = self.flank(geometry, sigma, false, law, turning, q, v)?;
         match law.flank {
             Flank::Drive => Ok(drive),
-            Flank::Apart => Ok(Contact { deflection: drive.deflection, ..Contact::default() }),
+            Flank::Apart => Ok(drive.apart()),
             Flank::Back | Flank::Both => {
                 let back = self.flank(geometry, sigma, true, law, turning, q, v)?;
-                let drive =
-                    if law.flank.drives() { drive } else { Contact { deflection: drive.deflection, ..Contact::default() } };
+                let drive = if law.flank.drives() { drive } else { drive.apart() };
                 Ok(drive.and_back(&back))
             }
         }
@@ -265,7 +265,7 @@ impl Coupling {
             drive_power -= dot(push, carried);
         }
         let damping_power = self.damping * rate * rate;
-        Ok(Contact { deflection, force, stiffness, energy, push, moments, drive_power, damping_power })
+        Ok(Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power, damping_power })
     }
 
     /// Where the tooth pairs are on the path of contact.

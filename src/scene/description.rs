@@ -510,7 +510,7 @@ impl System {
     pub fn deserialize<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
         serde_path_to_error::deserialize(source).map_err(|error| {
             let path = match error.path().to_string() {
-                path if path == "." => "system".to_owned(),
+                path if path == "." || path.is_empty() => "system".to_owned(),
                 path => path,
             };
             let message = error.into_inner().to_string();

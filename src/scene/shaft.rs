@@ -63,8 +63,9 @@ pub(super) fn build(system: &System, stations: &[Vec<(f64, Path)>]) -> Result<Ve
         for segment in &segments {
             elements = segment.elements.saturating_add(elements);
         }
+        elements = elements.saturating_add(stations[index].len());
         if elements > MAX_ELEMENTS {
-            return Err(at.error(format!("{elements} elements up to here, more than the {MAX_ELEMENTS} that one system may have")));
+            return Err(at.error(format!("{elements} elements and positions up to here, more than the {MAX_ELEMENTS} that one system may have")));
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
     }

@@ -209,10 +209,10 @@ def test_the_defaults_of_the_core_are_those_of_the_docstrings():
     iso = cycle(pair()).stiffness
     np.testing.assert_array_equal(iso, cycle(pair(stiffness=gb.Stiffness.iso6336())).stiffness)
     for left_out, spelt_out in (
-        (SQUARE, gb.Stiffness.square(2e8, engagement=0.1, phase="twist")),
+        (SQUARE, gb.Stiffness.square(2e8, engagement=0.1, phase="prescribed")),
         (
             gb.Stiffness.parabolic(2e8),
-            gb.Stiffness.parabolic(2e8, end_ratio=0.6, engagement=0.1, phase="twist"),
+            gb.Stiffness.parabolic(2e8, end_ratio=0.6, engagement=0.1, phase="prescribed"),
         ),
         (
             gb.Stiffness.square(2e8, engagement="sharp"),
@@ -220,12 +220,15 @@ def test_the_defaults_of_the_core_are_those_of_the_docstrings():
         ),
         (
             gb.Stiffness.potential_energy(),
-            gb.Stiffness.potential_energy((0.025, 0.025), engagement=0.1, phase="twist"),
+            gb.Stiffness.potential_energy((0.025, 0.025), engagement=0.1, phase="prescribed"),
         ),
-        (gb.Stiffness.fourier(2e8, [1e7]), gb.Stiffness.fourier(2e8, [1e7], [0.0], phase="twist")),
+        (
+            gb.Stiffness.fourier(2e8, [1e7]),
+            gb.Stiffness.fourier(2e8, [1e7], [0.0], phase="prescribed"),
+        ),
         (
             gb.Stiffness.table([1e8, 2e8, 2e8]),
-            gb.Stiffness.table([1e8, 2e8, 2e8], phase="twist"),
+            gb.Stiffness.table([1e8, 2e8, 2e8], phase="prescribed"),
         ),
     ):
         a, b = (cycle(pair(stiffness=stiffness)) for stiffness in (left_out, spelt_out))

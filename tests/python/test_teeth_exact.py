@@ -89,7 +89,7 @@ def error(a: Any, b: Any) -> Any:
     )
 
 
-SQUARE = {"model": "square", "pair": PAIR, "engagement": 0.2}
+SQUARE = {"model": "square", "pair": PAIR, "engagement": 0.2, "phase": "twist"}
 ERROR = {
     "tooth": [(4e-6, 0.3), (1e-6, 0.0)],
     "driver": [(8e-6, -1.0)],
@@ -103,7 +103,15 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     ),
     "square, frozen": ({"stiffness": SQUARE, "frozen": True}, {"width": 0.2, "live": False}),
     "parabolic": (
-        {"stiffness": {"model": "parabolic", "pair": PAIR, "end_ratio": 0.5, "engagement": 0.3}},
+        {
+            "stiffness": {
+                "model": "parabolic",
+                "pair": PAIR,
+                "end_ratio": 0.5,
+                "engagement": 0.3,
+                "phase": "twist",
+            }
+        },
         {"width": 0.3, "pair": 0.5},
     ),
     "fourier": (
@@ -113,6 +121,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
                 "mean": 2e8,
                 "amplitudes": [4e7, 1e7],
                 "phases": [0.2, 1.0],
+                "phase": "twist",
             }
         },
         {

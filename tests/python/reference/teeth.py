@@ -161,14 +161,17 @@ class TeethLaw:
         return delta[0].real, force, -(generalised + self.law.damping * rate * gradient[:6])
 
     def force(self, q: Array, qd: Array, angles: Array, spins: Array) -> tuple[float, Array]:
-        """Force (negative on the back flank), generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
-        _, force, out = (drive := self.flank(q, qd, angles, spins, False))
+        """Force of the drive flank less that of the other, generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
         if self.backlash is None:
+            _, force, out = self.flank(q, qd, angles, spins, False)
             return float(force), out
-        if drive[0] > 0 and force > 0:
-            return float(force), out
-        delta, force, out = self.flank(q, qd, angles, spins, True)
-        return (-float(force), out) if delta > 0 and force > 0 else (0.0, np.zeros(6))
+        total, both = 0.0, np.zeros(6)
+        for sign, back in ((1, False), (-1, True)):
+            if self.deflection(q, angles, back) > 0:
+                _, force, out = self.flank(q, qd, angles, spins, back)
+                if force > 0:
+                    total, both = total + sign * float(force), both + out
+        return total, both
 
 
 @dataclass(frozen=True)
@@ -409,9 +412,8 @@ def propagate(
     pair: float,
     speed: float,
     times: Array,
-    start: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Exact motion of frozen geometry with square stiffness, and the tooth force: matrix exponentials between switches."""
+    """Exact motion from rest, frozen geometry and square stiffness, and the tooth force: exponentials between switches."""
     system = Equations(scene, teeth.law)
     n = len(system.keep)
     g = system.select.T @ teeth.law.gradient_at_rest()
