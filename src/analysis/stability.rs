@@ -86,7 +86,8 @@ fn dampers(basis: &Basis, speed: f64) -> Result<f64, DecompositionError> {
         let sigma = model.sigma(index, speed);
         let mut column = DVector::zeros(model.len());
         let normal = mesh.normal_at_rest(sigma);
-        mesh.gradient(sigma, normal, |index, slope| column[index] += mesh.damping.sqrt() * slope);
+        let flanks = if mesh.backlash.is_some() { 2.0 } else { 1.0_f64 };
+        mesh.gradient(sigma, normal, |index, slope| column[index] += (flanks * mesh.damping).sqrt() * slope);
         columns.push(column);
     }
     if columns.is_empty() {

@@ -14,7 +14,7 @@
 
 use super::contact::{Contact, Flank, Law, MeshState, Turning};
 use super::error::ErrorCurve;
-use super::involute::{Involute, LineOfAction, Overlap};
+use super::involute::{Centres, Involute, LineOfAction, Overlap};
 use super::stiffness::{self, Path, Stiffness, Stored};
 use crate::scene::{Damping, Gear, Mesh, Phase};
 
@@ -86,12 +86,14 @@ impl Coupling {
                 2.0 * ratio * (mean / (compliance(a) + compliance(b))).sqrt()
             }
         };
+        // Both flanks press where the centres close by more than the backlash.
+        let flanks = if mesh.teeth.backlash.is_some() { 2.0 } else { 1.0 };
         let out = [a, b].map(|gear| (gear.run_out.norm(), gear.run_out.arg()));
         Self {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
             stiffness: mean,
-            stiffest: teeth.largest(low, high, involute.base_pitch).max(mean),
+            stiffest: flanks * teeth.largest(low, high, involute.base_pitch).max(mean),
             involute,
             teeth,
             phase: mesh.teeth.phase,
@@ -106,6 +108,19 @@ impl Coupling {
     /// Whether a step of the integration must end where this mesh changes its law.
     pub fn switches(&self) -> bool {
         self.backlash.is_some() || self.teeth.is_sharp()
+    }
+
+    /// Whether its teeth come and go: the centres must be watched at every step.
+    pub fn varies(&self) -> bool {
+        self.switches() || !self.teeth.is_constant()
+    }
+
+    /// How the centres of the base circles lie.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn centres(&self, turning: &[Turning; 2], q: &[f64]) -> Result<Centres, Overlap> {
+        self.involute.centres(self.apart(turning, q))
     }
 
     /// The coordinates that it acts on.

@@ -19,6 +19,7 @@ pub use numbering::{Dof, Kind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
 use crate::linalg::NotPositiveDefinite;
+use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{Coordinates, Coupling};
 use crate::scene::{Node, Scene, SceneError};
 
@@ -68,7 +69,7 @@ impl Model {
                 Some(Support { index, stiffness: bearing.stiffness, damping: bearing.damping })
             })
             .collect();
-        let meshes = scene
+        let meshes: Vec<_> = scene
             .meshes
             .iter()
             .map(|mesh| {
@@ -80,6 +81,7 @@ impl Model {
                 Coupling::new(mesh, &scene.gears, Coordinates { translation, twist })
             })
             .collect();
+        check_stiffness(&meshes)?;
         let mut model = Self {
             constant_load: DVector::zeros(numbering.len()),
             scene,
@@ -154,6 +156,20 @@ impl Model {
             shaft.multiply_mass(x, out);
         }
     }
+}
+
+/// A stiffness that varies must not fall below zero: it would push the flanks together.
+fn check_stiffness(meshes: &[Coupling]) -> Result<(), SceneError> {
+    for (index, mesh) in meshes.iter().enumerate() {
+        if let Stiffness::Cycle(cycle) = &mesh.teeth {
+            let smallest = cycle.smallest();
+            if smallest < 0.0 {
+                let message = format!("must not fall below zero over the mesh cycle, falls to {smallest:.4e} N/m");
+                return Err(SceneError::new(format!("meshes[{index}].stiffness"), message));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The scene error of a shaft whose mass matrix cannot be factored.

@@ -110,7 +110,7 @@ impl<'m> Motion<'m> {
 
     /// How the shafts of a mesh stand.
     #[inline(always)]
-    pub(super) fn turning(&self, mesh: usize, elapsed: f64) -> [Turning; 2] {
+    pub fn turning(&self, mesh: usize, elapsed: f64) -> [Turning; 2] {
         self.model.meshes[mesh].shafts.map(|shaft| {
             let spin = self.spins[shaft];
             Turning { angle: self.angles[shaft] + spin * elapsed, spin }

@@ -1,7 +1,7 @@
 //! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
 
 use crate::integrate::Span;
-use crate::mesh::{Flank, Law};
+use crate::mesh::{Centres, Coupling, Flank, Law};
 use crate::motion::Motion;
 
 /// What happened.
@@ -55,13 +55,13 @@ pub struct Event {
 /// More events than this are counted in the statistics alone.
 const MOST: usize = 1_000_000;
 
-/// Watches the meshes whose teeth are modelled.
+/// Watches the meshes.
 #[derive(Clone, Debug)]
 pub(super) struct Events {
     pub list: Vec<Event>,
     origin: f64,
     flanks: Vec<Option<Flank>>,
-    /// Contact ratio less one, and tip clearance in metres, at the end of the step before.
+    /// Contact ratio less one, and tip clearance in metres, when last seen.
     margins: Vec<Option<(f64, [f64; 2])>>,
 }
 
@@ -71,9 +71,9 @@ impl Events {
         Self { list: Vec::new(), origin, flanks: vec![None; meshes], margins: vec![None; meshes] }
     }
 
-    /// Whether there is a mesh to watch at every step.
-    pub fn watch(motion: &Motion) -> bool {
-        motion.model().meshes.iter().any(|mesh| mesh.switches() || !mesh.teeth.is_constant())
+    /// Whether there is a mesh to watch at every step; the others are seen when they are recorded.
+    pub fn watches(motion: &Motion) -> bool {
+        motion.model().meshes.iter().any(Coupling::varies)
     }
 
     fn push(&mut self, elapsed: f64, mesh: usize, kind: Kind) {
@@ -99,33 +99,34 @@ impl Events {
         }
     }
 
-    /// Sees the end of a step.
+    /// Sees the end of a step, for meshes whose teeth are modelled.
     pub fn step(&mut self, motion: &Motion, span: &Span<'_>) {
         let n = motion.model().len();
-        for (index, mesh) in motion.model().meshes.iter().enumerate() {
-            if !mesh.switches() && mesh.teeth.is_constant() {
-                continue;
-            }
+        for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
             // Centres that overlap stop the run elsewhere.
-            let Ok(state) = motion.mesh_state(index, span.end(), &span.after.0[..n], &span.after.0[n..]) else {
-                continue;
-            };
-            let pair = &motion.model().scene.meshes[index];
-            let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
-            let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
-            let now = [state.centres.contact_ratio - 1.0, state.centres.distance - reach];
-            let before = self.margins[index].replace((span.end(), now));
-            let kinds = [(Kind::RatioBelowOne, Kind::RatioAboveOne), (Kind::TipInterference, Kind::TipClearance)];
-            for (i, (lost, won)) in kinds.into_iter().enumerate() {
-                match before {
-                    None if now[i] < 0.0 => self.push(span.start, index, lost),
-                    Some((then, margins)) if (margins[i] < 0.0) != (now[i] < 0.0) => {
-                        let part = margins[i] / (margins[i] - now[i]);
-                        let kind = if now[i] < 0.0 { lost } else { won };
-                        self.push(then + part * (span.end() - then), index, kind);
-                    }
-                    _ => {}
+            if let Ok(apart) = mesh.centres(&motion.turning(index, span.end()), &span.after.0[..n]) {
+                self.see(motion, index, span.end(), &apart);
+            }
+        }
+    }
+
+    /// Sees the centres of a mesh.
+    pub fn see(&mut self, motion: &Motion, index: usize, elapsed: f64, centres: &Centres) {
+        let pair = &motion.model().scene.meshes[index];
+        let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
+        let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
+        let now = [centres.contact_ratio - 1.0, centres.distance - reach];
+        let before = self.margins[index].replace((elapsed, now));
+        let kinds = [(Kind::RatioBelowOne, Kind::RatioAboveOne), (Kind::TipInterference, Kind::TipClearance)];
+        for (i, (lost, won)) in kinds.into_iter().enumerate() {
+            match before {
+                None if now[i] < 0.0 => self.push(elapsed, index, lost),
+                Some((then, margins)) if (margins[i] < 0.0) != (now[i] < 0.0) => {
+                    let part = margins[i] / (margins[i] - now[i]);
+                    let kind = if now[i] < 0.0 { lost } else { won };
+                    self.push(then + part * (elapsed - then), index, kind);
                 }
+                _ => {}
             }
         }
     }

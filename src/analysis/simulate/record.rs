@@ -48,7 +48,8 @@ pub(super) struct Recorder<'a, 'm> {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     audit: Option<Audit>,
-    events: Option<Events>,
+    events: Events,
+    every_step: bool,
     record: Record,
 }
 
@@ -72,7 +73,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             displacement: vec![0.0; model.len()],
             velocity: vec![0.0; model.len()],
             audit: plan.energy.then(|| Audit::new(start, 2 * model.len())),
-            events: Events::watch(&motion).then(|| Events::new(&motion, origin)),
+            events: Events::new(&motion, origin),
+            every_step: plan.energy || Events::watches(&motion),
             motion,
             plan,
             times,
@@ -103,15 +105,13 @@ impl<'a, 'm> Recorder<'a, 'm> {
         if let Some(audit) = &mut self.audit {
             audit.count(&mut self.motion, span, end)?;
         }
-        if let Some(events) = &mut self.events {
-            events.step(&self.motion, span);
-        }
+        self.events.step(&self.motion, span);
         Ok(())
     }
 
     /// Whether every step must be seen.
     pub fn sees_every_step(&self) -> bool {
-        self.audit.is_some() || self.events.is_some()
+        self.every_step
     }
 
     /// Takes over the laws of the steps to come.
@@ -120,9 +120,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             Some(audit) => audit.switch(&mut self.motion, elapsed, y, laws),
             None => self.motion.set_laws(laws),
         }
-        if let Some(events) = &mut self.events {
-            events.switched(elapsed, laws);
-        }
+        self.events.switched(elapsed, laws);
     }
 
     fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {
@@ -139,7 +137,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             let energies = energies.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
             self.record.energy.push((energies, works));
         }
-        for state in &meshes {
+        for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
+            self.events.see(&self.motion, *mesh, elapsed, &state.centres);
             for (series, value) in self.record.mesh.iter_mut().zip(fields(state)) {
                 series.push(value);
             }
@@ -158,7 +157,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
 
     /// What was recorded.
     pub fn finish(mut self) -> Record {
-        self.record.events = self.events.map_or_else(Vec::new, |events| events.list);
+        self.record.events = self.events.list;
         self.record
     }
 }

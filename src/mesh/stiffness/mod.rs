@@ -21,7 +21,7 @@ pub use curve::{Cycle, UniformCurve};
 pub use iso6336::{Iso6336, iso6336};
 pub use model::build;
 pub use pair::Pair;
-pub use potential_energy::{Tooth, pair_stiffness};
+pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
 
 use crate::scene::{Engagement, Relief};
 
@@ -107,7 +107,7 @@ impl Stiffness {
                 let mut sum = Stored::default();
                 for j in first..=last {
                     let s = path.position + j as f64 * path.pitch;
-                    let (k, slope) = pair.at(s);
+                    let [k, slope, by_low] = pair.at(s, path.low);
                     let (entered, left) = (s - path.low, path.high - s);
                     let w = engagement.weight(entered, left, path.pitch);
                     let r = relief.as_ref().map_or([0.0; 3], |relief| relief.at(entered, left));
@@ -120,7 +120,7 @@ impl Stiffness {
                     sum.force += w[0] * k * d;
                     sum.stiffness += if d == 0.0 && relief.is_some() { 0.0 } else { w[0] * k };
                     sum.travel += half * w[0] * slope + by_entered - by_left;
-                    sum.shortening -= by_entered;
+                    sum.shortening += half * w[0] * by_low - by_entered;
                 }
                 sum
             }
@@ -142,7 +142,7 @@ impl Stiffness {
         match self {
             Self::Mean(k) => *k,
             Self::Cycle(cycle) => cycle.mean(),
-            Self::Pairs { pair, .. } => pair.integral(low, high) / pitch,
+            Self::Pairs { pair, engagement, .. } => mean_of_pairs(pair, engagement, low, high, pitch),
         }
     }
 
@@ -154,4 +154,22 @@ impl Stiffness {
             Self::Pairs { pair, .. } => pair.largest(low, high) * ((high - low) / pitch).ceil().max(1.0),
         }
     }
+}
+
+/// (1/p_b)∫w k ds over the path from `low` to `high`, where w reaches beyond it, by Simpson's rule on pieces that meet
+/// where w bends.
+fn mean_of_pairs(pair: &Pair, engagement: &Engagement, low: f64, high: f64, pitch: f64) -> f64 {
+    const PIECES: usize = 256;
+    let half = if let Engagement::Smooth(width) = engagement { width * pitch / 2.0 } else { 0.0 };
+    let at = |s: f64| engagement.weight(s - low, high - s, pitch)[0] * pair.at(s, low)[0];
+    let piece = |from: f64, to: f64| {
+        let h = (to - from) / PIECES as f64;
+        let simpson = |i: usize| {
+            let s = from + i as f64 * h;
+            (at(s) + 4.0 * at(s + h / 2.0) + at(s + h)) * h / 6.0
+        };
+        (0..PIECES).map(simpson).sum::<f64>()
+    };
+    let (entered, leaving) = ((low + half).min(high), (high - half).max(low));
+    (piece(low - half, entered.min(leaving)) + piece(entered.min(leaving), leaving.max(entered)) + piece(leaving.max(entered), high + half)) / pitch
 }

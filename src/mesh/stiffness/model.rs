@@ -1,11 +1,11 @@
 //! From what a user says of the teeth to the stiffness of the mesh.
 
-use super::{Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336, pair_stiffness};
+use super::{CONTACT_COMPLIANCE, Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336, mean_of_pairs};
 use crate::mesh::Involute;
 use crate::scene::{Engagement, Gear, Scale, StiffnessModel, Teeth};
 
-/// Knots of a pair that is tabulated from its teeth.
-const KNOTS: usize = 129;
+/// Knots of the compliance of a tooth.
+const KNOTS: usize = 257;
 
 /// The stiffness that `teeth` describe, on the path of contact of the centres at rest.
 pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness {
@@ -15,8 +15,7 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
         let pair = match scale {
             Scale::Pair(k) => shape.scaled(*k),
             Scale::Mean(mean) => {
-                let unit = shape.integral(low, high) / pitch;
-                shape.scaled(mean / unit)
+                shape.clone().scaled(mean / mean_of_pairs(&shape, &teeth.engagement, low, high, pitch))
             }
         };
         Stiffness::Pairs { pair, engagement: teeth.engagement, relief: teeth.relief }
@@ -33,14 +32,22 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             pairs(Pair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores) => {
-            let tooth = [Tooth::new(pair[0], bores[0]), Tooth::new(pair[1], bores[1])];
             // Beyond the ends of the path at rest by half the engagement, and a little more: the centres move.
             let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
-            let (from, to) = (low - (half + 0.1) * pitch, high + (half + 0.1) * pitch);
-            let spacing = (to - from) / (KNOTS - 1) as f64;
-            let at = |i: usize| pair_stiffness(&tooth[0], &tooth[1], involute.tangent_at_rest(), from + i as f64 * spacing);
-            let values: Vec<f64> = (0..KNOTS).map(at).collect();
-            pairs(Pair::Tabulated(UniformCurve::new(from, spacing, &values)), &Scale::Pair(*width))
+            let margin = (half + 0.2) * pitch;
+            let table = |tooth: Tooth, from: f64, to: f64| {
+                let (from, to) = ((from - margin).max(0.0), to + margin);
+                let spacing = (to - from) / (KNOTS - 1) as f64;
+                let values: Vec<f64> = (0..KNOTS).map(|i| tooth.compliance(from + i as f64 * spacing)).collect();
+                UniformCurve::new(from, spacing, &values)
+            };
+            let (tangent, [a, b]) = (involute.tangent_at_rest(), pair);
+            let tables = [
+                table(Tooth::new(a, bores[0]), low, high),
+                table(Tooth::new(b, bores[1]), tangent - high, tangent - low),
+            ];
+            let pair = Pair::Teeth { contact: CONTACT_COMPLIANCE, teeth: Box::new(tables), reach: tangent - low };
+            pairs(pair, &Scale::Pair(*width))
         }
         StiffnessModel::Table(values) => Stiffness::Cycle(Cycle::table(values)),
         StiffnessModel::Fourier(mean, harmonics) => Stiffness::Cycle(Cycle::Fourier(*mean, harmonics.clone())),

@@ -16,23 +16,34 @@ pub enum Pair {
         /// Middle and half length of the path of contact at rest, m.
         path: (f64, f64),
     },
-    /// Tabulated from the teeth.
-    Tabulated(UniformCurve),
+    /// From the compliance of either tooth over where it is touched.
+    Teeth {
+        /// Compliance of the contact, m/N.
+        contact: f64,
+        /// Compliance of the driver's tooth over s, and of the driven one over C sin α − s, m/N.
+        teeth: Box<[UniformCurve; 2]>,
+        /// C sin α less the beginning of the path of contact, m.
+        reach: f64,
+    },
 }
 
 impl Pair {
-    /// Stiffness and its slope at `s`.
+    /// Stiffness at `s` of a path that begins at `low`, and its slopes over both.
     #[inline]
-    pub fn at(&self, s: f64) -> (f64, f64) {
+    pub fn at(&self, s: f64, low: f64) -> [f64; 3] {
         match self {
-            Self::Uniform(k) => (*k, 0.0),
+            Self::Uniform(k) => [*k, 0.0, 0.0],
             Self::Parabolic { middle, end_ratio, path: (centre, half) } => {
                 let x = (s - centre) / half;
                 let drop = middle * (1.0 - end_ratio);
                 let k = middle - drop * x * x;
-                if k > 0.0 { (k, -2.0 * drop * x / half) } else { (0.0, 0.0) }
+                if k > 0.0 { [k, -2.0 * drop * x / half, 0.0] } else { [0.0; 3] }
             }
-            Self::Tabulated(curve) => curve.at(s),
+            Self::Teeth { contact, teeth, reach } => {
+                let ((driver, by_s), (driven, by_rest)) = (teeth[0].at(s), teeth[1].at(low + reach - s));
+                let k = 1.0 / (contact + driver + driven);
+                [k, -k * k * (by_s - by_rest), -k * k * by_rest]
+            }
         }
     }
 
@@ -42,20 +53,15 @@ impl Pair {
         match self {
             Self::Uniform(k) => Self::Uniform(k * factor),
             Self::Parabolic { middle, end_ratio, path } => Self::Parabolic { middle: middle * factor, end_ratio, path },
-            Self::Tabulated(curve) => Self::Tabulated(curve.scaled(factor)),
+            Self::Teeth { contact, teeth, reach } => {
+                let teeth = Box::new(teeth.map(|curve| curve.scaled(1.0 / factor)));
+                Self::Teeth { contact: contact / factor, teeth, reach }
+            }
         }
-    }
-
-    /// ∫k ds from `low` to `high`, by Simpson's rule, exact for the polynomials that these are between knots.
-    pub fn integral(&self, low: f64, high: f64) -> f64 {
-        const PIECES: usize = 512;
-        let h = (high - low) / PIECES as f64;
-        let at = |i: f64| self.at(low + i * h).0;
-        (0..PIECES).map(|i| i as f64).map(|i| (at(i) + 4.0 * at(i + 0.5) + at(i + 1.0)) * h / 6.0).sum()
     }
 
     /// The largest stiffness between `low` and `high`, to the resolution of a table.
     pub fn largest(&self, low: f64, high: f64) -> f64 {
-        (0..=64).map(|i| self.at(low + (high - low) * f64::from(i) / 64.0).0).fold(0.0, f64::max)
+        (0..=64).map(|i| self.at(low + (high - low) * f64::from(i) / 64.0, low)[0]).fold(0.0, f64::max)
     }
 }

@@ -11,6 +11,8 @@ use crate::scene::Gear;
 /// Young's modulus and Poisson's ratio of the gears: steel.
 const YOUNGS_MODULUS: f64 = 207e9;
 const POISSON_RATIO: f64 = 0.3;
+/// Compliance of the contact of two flanks per face width, m²/N.
+pub const CONTACT_COMPLIANCE: f64 = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
 /// Shear correction of a rectangular section.
 const SHEAR: f64 = 1.2;
 
@@ -110,12 +112,6 @@ impl Tooth {
             self.half_angle
         }
     }
-}
-
-/// Stiffness per face width (N/m²) of a pair that touches at `s` of a line of action of length `tangent`.
-pub fn pair_stiffness(driver: &Tooth, driven: &Tooth, tangent: f64, s: f64) -> f64 {
-    let contact = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
-    1.0 / (contact + driver.compliance(s) + driven.compliance(tangent - s))
 }
 
 fn gauss(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
