@@ -32,7 +32,7 @@ demo: $(VENV)/.plot
 test: test-rust test-python
 
 test-rust:
-	cargo test --locked
+	cargo test --locked --no-fail-fast
 
 test-python: $(VENV)/.dev
 	$(BIN)/python -m pytest --pyargs gearbow tests/python README.md docs
