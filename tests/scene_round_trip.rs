@@ -3,7 +3,8 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft, Stiffness, Torque,
+    Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft,
+    Stiffness, Torque,
 };
 use gearbow::scene::{Scene, System};
 use proptest::prelude::*;

@@ -43,7 +43,8 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
     for _ in 0..ITERATIONS {
         let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
         let residual = load - &linear * &q - force;
-        let step = solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
+        let step =
+            solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
@@ -88,7 +89,8 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
             let name = &model.scene.shafts[shaft].name;
             SceneError::new(format!("shafts[{shaft}]"), format!("\"{name}\" is not held: no static equilibrium"))
         } else {
-            let message = "are out of balance, so that the train gains speed: no static equilibrium (see Torque.balance)";
+            let message =
+                "are out of balance, so that the train gains speed: no static equilibrium (see Torque.balance)";
             SceneError::new("torques", message)
         };
         return Err(error.into());

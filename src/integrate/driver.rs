@@ -146,13 +146,7 @@ impl Events {
     }
 
     /// Whether other laws hold at a part of a step; they are left in `found`.
-    fn changed(
-        &mut self,
-        system: &impl System,
-        state: &State,
-        span: &Span<'_>,
-        part: f64,
-    ) -> Result<bool, Halt> {
+    fn changed(&mut self, system: &impl System, state: &State, span: &Span<'_>, part: f64) -> Result<bool, Halt> {
         let elapsed = if part < 1.0 { span.start + part * span.step } else { span.end() };
         span.state(&span.weights(elapsed), self.coordinates.iter().copied(), &mut self.trial);
         system.laws_at(elapsed, &self.trial, &mut self.found)?;
@@ -292,10 +286,9 @@ fn attempt<const S: usize>(
         method.step(system, (state.elapsed, after.0), &state.y, step)?;
         statistics.evaluations += S as u64 - 1;
         let scale = before.max(system.size(method.end())).max(control.floor);
-        let error = match method.error(system, step) {
-            error if error == 0.0 => 0.0,
-            error => error / (control.rtol * scale),
-        };
+        let error = method.error(system, step);
+        // A scene at rest in equilibrium has neither error nor size.
+        let error = if error > 0.0 || error.is_nan() { error / (control.rtol * scale) } else { 0.0 };
         if error <= 1.0 {
             let factor = control.grow(order, error, state.previous_error);
             // Growing right after a rejection would only be rejected again.

@@ -262,9 +262,8 @@ impl Coupling {
             Phase::Twist => {
                 moments[0] -= travel * ra * sigma;
                 if geometry == Geometry::Live {
-                    for i in 0..2 {
-                        push[i] -= travel * ra * line.across[i] / line.tangent
-                            + shortening * (line.normal[i] + line.across[i] * steeper);
+                    for ((push, normal), across) in push.iter_mut().zip(line.normal).zip(line.across) {
+                        *push -= travel * ra * across / line.tangent + shortening * (normal + across * steeper);
                     }
                 }
             }

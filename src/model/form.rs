@@ -21,10 +21,14 @@ impl Model {
     pub fn damping_form(&self, v: &[f64]) -> f64 {
         let mut sum = 0.0;
         for shaft in &self.shafts {
-            if let Some((chain, damping)) = shaft.bending.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?))) {
+            if let Some((chain, damping)) =
+                shaft.bending.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?)))
+            {
                 sum += damping.quadratic::<2>(&v[chain.start..]);
             }
-            if let Some((chain, damping)) = shaft.twist.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?))) {
+            if let Some((chain, damping)) =
+                shaft.twist.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?)))
+            {
                 sum += damping.quadratic::<1>(&v[chain.start..]);
             }
         }

@@ -82,14 +82,8 @@ impl Model {
             })
             .collect();
         check_stiffness(&meshes)?;
-        let mut model = Self {
-            constant_load: DVector::zeros(numbering.len()),
-            scene,
-            numbering,
-            shafts,
-            supports,
-            meshes,
-        };
+        let mut model =
+            Self { constant_load: DVector::zeros(numbering.len()), scene, numbering, shafts, supports, meshes };
         model.constant_load = model.assemble_constant_load();
         Ok(model)
     }

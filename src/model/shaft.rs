@@ -193,12 +193,7 @@ fn rayleigh<const B: usize>(
 }
 
 /// The bow as the force K_s b that straightens the shaft (no bearing, body or mesh term enters it), and unbalance.
-fn excitations(
-    scene: &Scene,
-    index: usize,
-    chain: &BendingChain,
-    bow: Option<&[Complex64]>,
-) -> Vec<Excitation> {
+fn excitations(scene: &Scene, index: usize, chain: &BendingChain, bow: Option<&[Complex64]>) -> Vec<Excitation> {
     let mut force = vec![0.0; 4 * chain.nodes];
     if let Some(bow) = bow {
         let opposite: Vec<f64> = bow.iter().flat_map(|value| [-value.re, -value.im]).collect();

@@ -131,8 +131,7 @@ impl<'m> Motion<'m> {
         for support in &self.model.supports {
             let (i, k, c) = (support.index, &support.stiffness, &support.damping);
             for row in 0..2 {
-                force[i + row] -=
-                    k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+                force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
             }
         }
         for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {

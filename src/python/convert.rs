@@ -8,22 +8,14 @@ use pyo3::prelude::*;
 use crate::model::Numbering;
 
 /// A matrix over the coordinates, from the inside order to the outside one.
-pub fn outside_matrix<'py>(
-    py: Python<'py>,
-    numbering: &Numbering,
-    inside: &DMatrix<f64>,
-) -> Bound<'py, PyArray2<f64>> {
+pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMatrix<f64>) -> Bound<'py, PyArray2<f64>> {
     let dofs = numbering.dofs();
     let entry = |(i, j): (usize, usize)| inside[(dofs[i].index, dofs[j].index)] * dofs[i].sign * dofs[j].sign;
     Array2::from_shape_fn((dofs.len(), dofs.len()), entry).into_pyarray(py)
 }
 
 /// A vector over the coordinates, from the inside order to the outside one.
-pub fn outside_vector<'py>(
-    py: Python<'py>,
-    numbering: &Numbering,
-    inside: &DVector<f64>,
-) -> Bound<'py, PyArray1<f64>> {
+pub fn outside_vector<'py>(py: Python<'py>, numbering: &Numbering, inside: &DVector<f64>) -> Bound<'py, PyArray1<f64>> {
     Array1::from(numbering.outside(inside.as_slice())).into_pyarray(py)
 }
 

@@ -104,9 +104,11 @@ impl PyModel {
         let model = self.model();
         let place = Path::root("at");
         let node = match &at {
-            At::Body(name) => model.scene.body(name).map(|body| body.node).ok_or_else(|| {
-                place.error(format!("no gear or disk is called \"{name}\""))
-            })?,
+            At::Body(name) => model
+                .scene
+                .body(name)
+                .map(|body| body.node)
+                .ok_or_else(|| place.error(format!("no gear or disk is called \"{name}\"")))?,
             At::Position(shaft, position) => {
                 let index = model.scene.shaft(shaft);
                 let index = index.ok_or_else(|| place.error(format!("no shaft is called \"{shaft}\"")))?;
@@ -117,11 +119,7 @@ impl PyModel {
         };
         let (translation, twist) = (model.numbering.translation(node), model.numbering.twist(node));
         let outside = |index: usize| model.numbering.dofs().iter().position(|dof| dof.index == index);
-        Ok((
-            translation.and_then(outside),
-            translation.and_then(|v| outside(v + 1)),
-            twist.and_then(outside),
-        ))
+        Ok((translation.and_then(outside), translation.and_then(|v| outside(v + 1)), twist.and_then(outside)))
     }
 
     fn matrices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

@@ -172,7 +172,8 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
             }
         };
     }
-    let lacking = |key: &str| SceneError::new("initial", format!("lacks \"{key}\", which the final state of a run has"));
+    let lacking =
+        |key: &str| SceneError::new("initial", format!("lacks \"{key}\", which the final state of a run has"));
     let item = |key: &str| given.get_item(key).map_err(|_| PyErr::from(lacking(key)));
     let number = |key: &str| item(key)?.extract::<f64>();
     let state = item("state")?;

@@ -499,7 +499,8 @@ impl System {
     /// # Errors
     /// [`SceneError`] for text that is not TOML or does not fit the description.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
-        let document = toml::Deserializer::parse(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
+        let document =
+            toml::Deserializer::parse(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
         Self::deserialize(document)
     }
 

@@ -97,7 +97,8 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
     }
     let teeth = f64::from(given.teeth);
     let optional = |name: &str, value: Option<f64>| value.map(|value| at.field(name).positive(value)).transpose();
-    let pressure_angle = at.field("pressure_angle").positive(given.pressure_angle.unwrap_or(STANDARD_PRESSURE_ANGLE))?;
+    let pressure_angle =
+        at.field("pressure_angle").positive(given.pressure_angle.unwrap_or(STANDARD_PRESSURE_ANGLE))?;
     if pressure_angle >= PI / 4.0 {
         let message = format!("must be below π/4 rad (is it in degrees?), got {pressure_angle}");
         return Err(at.field("pressure_angle").error(message));
@@ -108,7 +109,8 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
         (Some(module), Some(base)) => {
             let expected = module * teeth / 2.0 * pressure_angle.cos();
             if (base - expected).abs() > BASE_PITCH_TOLERANCE * expected {
-                let message = format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
+                let message =
+                    format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
                 return Err(at.field("base_radius").error(message));
             }
             (module, base)
@@ -118,8 +120,7 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
         (None, None) => return Err(at.error("needs module or base_radius")),
     };
     let pitch_radius = module * teeth / 2.0;
-    let tip_radius =
-        optional("tip_radius", given.tip_radius)?.unwrap_or(pitch_radius + module * (1.0 + profile_shift));
+    let tip_radius = optional("tip_radius", given.tip_radius)?.unwrap_or(pitch_radius + module * (1.0 + profile_shift));
     if tip_radius <= base_radius {
         let message = format!("{tip_radius} m leaves no tooth above the base radius of {base_radius} m");
         return Err(at.field("tip_radius").error(message));
@@ -214,7 +215,8 @@ fn mesh(
     };
     let base_circles = a.base_radius + b.base_radius;
     if centre_distance <= base_circles {
-        let message = format!("{centre_distance} m lets the base circles overlap, whose radii add up to {base_circles} m");
+        let message =
+            format!("{centre_distance} m lets the base circles overlap, whose radii add up to {base_circles} m");
         return Err(at.field("centre_distance").error(message));
     }
     let shaft_radii = [a, b].map(|gear| shafts[gear.body.node.shaft].radius_at(gear.body.node.node));
@@ -239,7 +241,8 @@ fn check_racks(a: &Gear, b: &Gear, at: &Path, warnings: &mut Vec<String>) -> Res
             return Err(at.error(message));
         }
         if differ(angle_a, angle_b) {
-            let message = format!("cannot mesh: \"{first}\" has pressure angle {angle_a} rad, \"{second}\" {angle_b} rad");
+            let message =
+                format!("cannot mesh: \"{first}\" has pressure angle {angle_a} rad, \"{second}\" {angle_b} rad");
             return Err(at.error(message));
         }
     }

@@ -28,7 +28,9 @@ impl Material {
             _ => return Err(at.error("needs one of poisson_ratio and shear_modulus")),
         };
         if !(-1.0 < poisson_ratio && poisson_ratio <= 0.5) {
-            return Err(at.field("poisson_ratio").error(format!("must lie above -1 and up to 0.5, got {poisson_ratio}")));
+            return Err(at
+                .field("poisson_ratio")
+                .error(format!("must lie above -1 and up to 0.5, got {poisson_ratio}")));
         }
         Ok(Self { youngs_modulus, shear_modulus, poisson_ratio, density })
     }

@@ -241,7 +241,11 @@ fn coefficient(given: Option<description::Coefficient>, at: &Path) -> Result<[[f
                 Some(description::Coefficient::Orthotropic(_)) => at.index(i),
                 _ => at.clone(),
             };
-            if i == j { place.non_negative(*value)? } else { place.finite(*value)? };
+            if i == j {
+                place.non_negative(*value)?
+            } else {
+                place.finite(*value)?
+            };
         }
     }
     Ok(rows)

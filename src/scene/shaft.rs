@@ -65,7 +65,9 @@ pub(super) fn build(system: &System, stations: &[Vec<(f64, Path)>]) -> Result<Ve
         }
         elements = elements.saturating_add(stations[index].len());
         if elements > MAX_ELEMENTS {
-            return Err(at.error(format!("{elements} elements and positions up to here, more than the {MAX_ELEMENTS} that one system may have")));
+            return Err(at.error(format!(
+                "{elements} elements and positions up to here, more than the {MAX_ELEMENTS} that one system may have"
+            )));
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
     }
@@ -91,7 +93,8 @@ fn segments(given: &description::Shaft, at: &Path) -> Result<Vec<description::Se
             (segments.clone(), Box::new(|index| at.field("segments").index(index)))
         }
         None => {
-            let needed = |value: Option<f64>, name: &str| value.ok_or_else(|| at.error(format!("needs {name}, or segments")));
+            let needed =
+                |value: Option<f64>, name: &str| value.ok_or_else(|| at.error(format!("needs {name}, or segments")));
             let segment = description::Segment {
                 length: needed(given.length, "length")?,
                 outer_diameter: needed(given.outer_diameter, "outer_diameter")?,
@@ -140,7 +143,9 @@ fn shaft(
     for (position, path) in stations {
         path.finite(*position)?;
         if *position < -tolerance || *position > length + tolerance {
-            return Err(path.error(format!("{position} m is off the shaft \"{}\", which is {length} m long", given.name)));
+            return Err(
+                path.error(format!("{position} m is off the shaft \"{}\", which is {length} m long", given.name))
+            );
         }
         let next = nodes.partition_point(|x| *x < position - tolerance);
         if (nodes[next.min(nodes.len() - 1)] - position).abs() > tolerance {

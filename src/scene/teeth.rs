@@ -106,9 +106,10 @@ impl Teeth {
         let place = at.field("stiffness");
         let model = match &given.stiffness {
             None => description::StiffnessModel::of(StiffnessKind::Iso6336),
-            Some(description::Stiffness::Mean(mean)) => {
-                description::StiffnessModel { mean: Some(*mean), ..description::StiffnessModel::of(StiffnessKind::Constant) }
-            }
+            Some(description::Stiffness::Mean(mean)) => description::StiffnessModel {
+                mean: Some(*mean),
+                ..description::StiffnessModel::of(StiffnessKind::Constant)
+            },
             Some(description::Stiffness::Model(model)) => model.clone(),
         };
         unused(&model, &place)?;
@@ -204,7 +205,9 @@ fn stiffness(
     };
     Ok(match model.model {
         // A number is the whole stiffness: what is wrong with it is wrong there.
-        StiffnessKind::Constant => StiffnessModel::Mean(at.positive(model.mean.ok_or_else(|| at.error("needs mean"))?)?),
+        StiffnessKind::Constant => {
+            StiffnessModel::Mean(at.positive(model.mean.ok_or_else(|| at.error("needs mean"))?)?)
+        }
         StiffnessKind::Iso6336 => StiffnessModel::Iso6336(face_width()?),
         StiffnessKind::Square => StiffnessModel::Square(scale()?),
         StiffnessKind::Parabolic => {

@@ -101,9 +101,7 @@ pub fn simulate(
     };
     match outcome {
         Ok(()) => Ok(response),
-        Err(halted) => {
-            Err(Stopped { error: explain(basis, &halted, origin), response: Some(Box::new(response)) })
-        }
+        Err(halted) => Err(Stopped { error: explain(basis, &halted, origin), response: Some(Box::new(response)) }),
     }
 }
 

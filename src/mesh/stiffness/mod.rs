@@ -171,5 +171,8 @@ fn mean_of_pairs(pair: &Pair, engagement: &Engagement, low: f64, high: f64, pitc
         (0..PIECES).map(simpson).sum::<f64>()
     };
     let (entered, leaving) = ((low + half).min(high), (high - half).max(low));
-    (piece(low - half, entered.min(leaving)) + piece(entered.min(leaving), leaving.max(entered)) + piece(leaving.max(entered), high + half)) / pitch
+    (piece(low - half, entered.min(leaving))
+        + piece(entered.min(leaving), leaving.max(entered))
+        + piece(leaving.max(entered), high + half))
+        / pitch
 }

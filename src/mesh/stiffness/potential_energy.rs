@@ -46,8 +46,8 @@ impl Tooth {
     /// A tooth of `gear`, whose blank is clamped at `bore_radius`.
     pub fn new(gear: &Gear, bore_radius: f64) -> Self {
         let alpha = gear.pressure_angle;
-        let thickness = PI / (2.0 * f64::from(gear.teeth))
-            + 2.0 * gear.profile_shift * alpha.tan() / f64::from(gear.teeth);
+        let thickness =
+            PI / (2.0 * f64::from(gear.teeth)) + 2.0 * gear.profile_shift * alpha.tan() / f64::from(gear.teeth);
         Self {
             base_radius: gear.base_radius,
             root_radius: gear.root_radius(),
@@ -92,9 +92,8 @@ impl Tooth {
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let (theta, h) = (self.root_angle(), self.root_radius / self.bore_radius);
-        let [l, m, p, q] = FOUNDATION.map(|[a, b, c, d, e, f]| {
-            a / (theta * theta) + b * h * h + c * h / theta + d / theta + e * h + f
-        });
+        let [l, m, p, q] = FOUNDATION
+            .map(|[a, b, c, d, e, f]| a / (theta * theta) + b * h * h + c * h / theta + d / theta + e * h + f);
         let arc = 2.0 * theta * self.root_radius;
         // Where the line of action meets the axis of the tooth, above the root circle.
         let reach = (contact - lever * sin / cos - self.root_radius) / arc;
@@ -120,7 +119,8 @@ fn gauss(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     (0..PIECES)
         .map(|piece| {
             let middle = from + half * (2 * piece + 1) as f64;
-            let pair = |(x, weight): &(f64, f64)| weight * (integrand(middle - half * x) + integrand(middle + half * x));
+            let pair =
+                |(x, weight): &(f64, f64)| weight * (integrand(middle - half * x) + integrand(middle + half * x));
             GAUSS.iter().map(pair).sum::<f64>() * half
         })
         .sum()
