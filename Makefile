@@ -11,7 +11,7 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check bench fmt wheel readme figure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check bench fmt wheel readme figures clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -23,7 +23,7 @@ help:
 	@echo "make fmt     format Rust and Python"
 	@echo "make wheel   build the wheel into dist/"
 	@echo "make readme  print the tables of the documents anew"
-	@echo "make figure  draw the figure of the README anew"
+	@echo "make figures draw the figures of the documents anew"
 	@echo "make clean   remove whatever was built"
 
 demo: $(VENV)/.plot
@@ -62,8 +62,10 @@ documents: $(VENV)/.dev
 readme: $(VENV)/.dev
 	$(BIN)/python docs/printed.py
 
-# A palette of 32 colours makes the figure small enough to be kept.
-figure: demo
+# A palette of 32 colours makes the figure of the demo small enough to be kept.
+figures: demo
+	$(BIN)/python examples/mesh_models.py
+	$(BIN)/python examples/resonance_sweep.py
 	$(BIN)/python -c "from PIL import Image; \
 	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
 

@@ -10,11 +10,12 @@ use std::time::Duration;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{RungeKutta, System as _};
+use gearbow::integrate::{Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, run};
 use gearbow::mesh::Geometry;
 use gearbow::modal::{self, Basis};
 use gearbow::model::Model;
 use gearbow::motion::Motion;
+use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
 use gearbow::scene::{Scene, System};
 use nalgebra::DVector;
 
@@ -173,5 +174,61 @@ fn norm(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(engine, assembly, real_modes, damped_modes, right_hand_side, steps, norm);
+/// Sees nothing, and never stops a run.
+struct Nobody;
+
+impl Observer for Nobody {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn observe(&mut self, _span: &Span<'_>, _end: f64) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    fn go_on(&mut self, _elapsed: f64) -> bool {
+        true
+    }
+}
+
+/// A thousand steps of rk4 at 240 degrees of freedom: what live geometry, teeth and separation cost beside a frozen
+/// mesh that never parts.
+fn meshes(criterion: &mut Criterion) {
+    let mut group = group(criterion, "1000 steps of rk4, mesh");
+    group.sample_size(10);
+    let cases = [
+        ("frozen", Geometry::Frozen, false, None),
+        ("live", Geometry::Live, false, None),
+        ("live, teeth", Geometry::Live, true, None),
+        ("live, backlash", Geometry::Live, false, Some(1e-4)),
+        ("live, teeth, backlash", Geometry::Live, true, Some(1e-4)),
+    ];
+    for (name, geometry, teeth, backlash) in cases {
+        let mut system = system(15, true);
+        for mesh in &mut system.meshes {
+            mesh.backlash = backlash;
+            if teeth {
+                let parabolic = StiffnessModel::of(StiffnessKind::Parabolic);
+                mesh.stiffness = Some(Stiffness::Model(StiffnessModel { mean: Some(2e8), ..parabolic }));
+            }
+        }
+        let basis = Basis::new(Model::new(Scene::new(&system).unwrap()).unwrap());
+        let step = Spectrum::new(&basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+        let equilibrium = gearbow::analysis::equilibrium(&basis, geometry, SPEED).unwrap();
+        let y = [equilibrium.as_slice(), vec![0.0; basis.model.len()].as_slice()].concat();
+        let mut motion = Motion::new(&basis, geometry, SPEED, 0.0, equilibrium).unwrap();
+        let mut method = RungeKutta::new(RK4, y.len());
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let (mut state, mut statistics) = (State::new(y.clone()), Statistics::new());
+                let end = 999.5 * step;
+                run(&mut motion, &mut method, &Control::Fixed(step), &mut state, end, &mut Nobody, &mut statistics)
+                    .unwrap();
+                statistics.steps
+            });
+        });
+    }
+}
+
+criterion_group!(engine, assembly, real_modes, damped_modes, right_hand_side, steps, norm, meshes);
 criterion_main!(engine);

@@ -189,7 +189,12 @@ def torsion() -> Iterable[str]:
     )
 
 
-def pair(teeth: tuple[int, int], module: float, torque: float = 0.0) -> gb.RotorSystem:
+def pair(
+    teeth: tuple[int, int],
+    module: float,
+    torque: float = 0.0,
+    stiffness: float | gb.Stiffness = 2e8,
+) -> gb.RotorSystem:
     """Describe two gears on rigid shafts; every centre has 2e8 N/m of bearings."""
     names = ("a", "b")
     rigid = gb.Material(1e15, 7850.0, poisson_ratio=0.3)
@@ -202,7 +207,7 @@ def pair(teeth: tuple[int, int], module: float, torque: float = 0.0) -> gb.Rotor
             gb.Gear(name, f"shaft {name}", 0.05, z, module=module, face_width=0.03)
             for name, z in zip(names, teeth, strict=True)
         ],
-        meshes=[gb.Mesh(*names, stiffness=2e8)],
+        meshes=[gb.Mesh(*names, stiffness=stiffness)],
         bearings=[
             gb.Bearing(f"shaft {name}", x, stiffness=1e8) for name in names for x in (0.0, 0.1)
         ],
@@ -219,6 +224,11 @@ def mesh() -> Iterable[str]:
     }
     yield row(source, "contact ratio of 25/50 teeth", [1.68316], [ratio[25, 50]], 5)
     yield row(source, "contact ratio of 62/62 teeth", [1.7897799], [ratio[62, 62]], 7)
+
+    # From 30 mm of face to one, from metres to micrometres.
+    standard = pair((25, 50), 3e-3, stiffness=gb.Stiffness.iso6336()).static().mesh("a", "b")
+    quantity = "mesh stiffness of 25/50 teeth [N/(mm µm)]"
+    yield row("ISO 6336-1, method B", quantity, [20.64], [standard.stiffness / 0.03 / 1e9], 2)
 
     # A small torque moves the centres apart, its opposite moves them together.
     torque, distance, alpha = 10.0, 0.1125, math.radians(20.0)

@@ -111,7 +111,7 @@ def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.floa
             panel.set(title=f"{torque:g} N m: {1e6 * static:.1f} µm at rest")
             panel.set_xlabel("mesh frequency over resonance")
         panels[0].set_ylabel("deflection, rms about its mean [µm]")
-        panels[0].legend(loc="upper right")
+        panels[2].legend(*panels[0].get_legend_handles_labels(), loc="upper left")
     return drawing
 
 

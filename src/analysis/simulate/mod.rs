@@ -127,7 +127,7 @@ fn check_step<const S: usize>(
     }
     let (shaft, x, length) = basis.model.scene.shortest_element();
     Err(AnalysisError::Stability(format!(
-        "step: {step:e} s is above the stability limit of {limit:.4e} s: omega_max is {:.4e} rad/s (damping {:.3e} 1/s); the shortest element is {length:e} m long, on shaft \"{shaft}\" at {x} m",
+        "step: {step:e} s is above the stability limit of {limit:.4e} s: omega_max is {:.4e} rad/s (damping {:.3e} 1/s); the shortest element is {length:.3e} m long, on shaft \"{shaft}\" at {x} m",
         spectrum.omega_max, spectrum.damping
     )))
 }
