@@ -91,7 +91,7 @@ def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> NDArray[np.float64
 def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.float64]]]) -> Figure:
     """Draw the sweeps, a panel for each torque."""
     with mpl.rc_context(plots.STYLE):
-        drawing = Figure(figsize=(13.0, 4.6))
+        drawing = Figure(figsize=(13.0, 5.0), layout="constrained")
         panels = drawing.subplots(1, len(curves), sharey=True)
         for panel, (torque, (static, up, down)) in zip(panels, curves.items(), strict=True):
             for curve, name, colour, width in (
@@ -111,7 +111,7 @@ def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.floa
             panel.set(title=f"{torque:g} N m: {1e6 * static:.1f} µm at rest")
             panel.set_xlabel("mesh frequency over resonance")
         panels[0].set_ylabel("deflection, rms about its mean [µm]")
-        panels[2].legend(*panels[0].get_legend_handles_labels(), loc="upper left")
+        drawing.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return drawing
 
 

@@ -325,8 +325,8 @@ class Response:
         Returns
         -------
         tuple of Event
-            The events of all meshes that have backlash or a stiffness that varies, recorded or not,
-            in the order in which they were found.
+            In the order in which they were found: those of meshes that have backlash or a stiffness
+            that varies, recorded or not, and of other meshes what their recorded instants show.
         """
         return tuple(Event(*event) for event in self._data["events"])
 
