@@ -355,8 +355,8 @@ class RotorSystem:
             Relative tolerance of "rk45".
         initial : {"synchronous", "static", "rest"} or Response
             Where it starts: static equilibrium plus linear synchronous response, static equilibrium
-            alone, or q = q̇ = 0. A response (or its `final`) is continued from where it ended, to
-            the last bit.
+            alone, or q = q̇ = 0. Errors and run-out of the teeth are part of neither equilibrium.
+            A response (or its `final`) is continued from where it ended, to the last bit.
         output_step : float, optional
             Spacing of the recorded times [s], from the start to the end. None is fine enough for
             the fastest shaft.
