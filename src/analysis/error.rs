@@ -31,7 +31,7 @@ impl AnalysisError {
     pub fn overlap(driver: &str, driven: &str, when: &str, overlap: Overlap) -> Self {
         let Overlap { distance, base_circles } = overlap;
         Self::Contact(format!(
-            "mesh \"{driver}\"-\"{driven}\": the base circles overlap {when}: the centres are {distance} m apart, the base radii add up to {base_circles} m"
+            "mesh \"{driver}\"-\"{driven}\": the base circles overlap {when}: the centres are {distance:.9} m apart, the base radii add up to {base_circles:.9} m"
         ))
     }
 }

@@ -52,10 +52,7 @@ impl<const S: usize> RungeKutta<S> {
     /// The embedded error of the last step, in the system's norm.
     pub fn error(&mut self, system: &mut impl System, step: f64) -> f64 {
         self.error.fill(0.0);
-        let zero = std::mem::take(&mut self.error);
-        let mut error = zero;
-        accumulate(step, &self.tableau.error, &self.stages, &mut error);
-        self.error = error;
+        accumulate(step, &self.tableau.error, &self.stages, &mut self.error);
         system.norm(&self.error)
     }
 

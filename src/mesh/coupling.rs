@@ -61,14 +61,14 @@ pub struct Coupling {
     /// Run-out of driver and driven gear, where one has any: amplitude, m, and angle in the shaft, rad.
     run_out: Option<[(f64, f64); 2]>,
     /// The line of action of the centres at rest, for σ = −1 and +1.
-    at_rest: [LineOfAction; 2],
+    pub(super) at_rest: [LineOfAction; 2],
 }
 
 /// Displacements, or their rates, of a mesh: u_b − u_a and r_a θ_a + r_b θ_b.
 #[derive(Clone, Copy, Debug)]
-struct Relative {
-    apart: [f64; 2],
-    rolled: f64,
+pub(super) struct Relative {
+    pub apart: [f64; 2],
+    pub rolled: f64,
 }
 
 impl Coupling {
@@ -135,7 +135,7 @@ impl Coupling {
     }
 
     #[inline(always)]
-    fn relative(&self, q: &[f64]) -> Relative {
+    pub(super) fn relative(&self, q: &[f64]) -> Relative {
         let [ra, rb] = self.involute.base_radius;
         let [a, b] = self.coordinates.twist;
         let apart = match self.coordinates.translation {
@@ -158,7 +158,7 @@ impl Coupling {
 
     /// The line of action; in frozen geometry that at rest, with the deflection of small displacements.
     #[inline(always)]
-    fn line(&self, geometry: Geometry, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
+    pub(super) fn line(&self, geometry: Geometry, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
         match geometry {
             Geometry::Live => self.involute.line_of_action(sigma, apart),
             Geometry::Frozen => {
@@ -283,7 +283,15 @@ impl Coupling {
     }
 
     /// Where the tooth pairs are on the path of contact.
-    fn path(&self, geometry: Geometry, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
+    pub(super) fn path(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        back: bool,
+        line: &LineOfAction,
+        angle: f64,
+        q: &[f64],
+    ) -> Path {
         let turned = match self.phase {
             Phase::Twist => angle + q[self.coordinates.twist[0]],
             Phase::Prescribed => angle,
@@ -348,18 +356,6 @@ impl Coupling {
         }
     }
 
-    /// δ of small displacements `q`, along the line of action at rest.
-    pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
-        let relative = self.relative(q);
-        let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
-        sigma * relative.rolled - dot(normal, relative.apart)
-    }
-
-    /// n of the centres at rest.
-    pub fn normal_at_rest(&self, sigma: f64) -> [f64; 2] {
-        self.at_rest[usize::from(sigma > 0.0)].normal
-    }
-
     /// Adds the generalised forces of a contact to `out`.
     #[inline(always)]
     pub fn apply(&self, contact: &Contact, out: &mut [f64]) {
@@ -387,47 +383,6 @@ impl Coupling {
         let [a, b] = self.coordinates.twist;
         visit(a, sigma * ra);
         visit(b, sigma * rb);
-    }
-
-    /// The force of the mean stiffness at rest in displacements `q` on the drive flank, or on the back flank, and the
-    /// tangent of the generalised forces: `visit(row, column, ∂(F ∂δ/∂q)/∂q)`, k·ggᵀ, and in live geometry F ∂²δ/∂q².
-    /// Returns F and n.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles.
-    pub fn mean_tangent(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        flank: Flank,
-        q: &[f64],
-        mut visit: impl FnMut(usize, usize, f64),
-    ) -> Result<(f64, [f64; 2]), Overlap> {
-        let relative = self.relative(q);
-        let (sigma, clearance) = match flank {
-            Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
-            _ => (sigma, 0.0),
-        };
-        let line = self.line(geometry, sigma, relative.apart)?;
-        let force = self.stiffness * (sigma * relative.rolled + line.deflection - clearance);
-        self.gradient(sigma, line.normal, |row, left| {
-            self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
-        });
-        if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
-            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action turns as the centres move across it.
-            let curvature = -force / line.tangent;
-            for (row, sign) in [(a, -1.0), (b, 1.0)] {
-                for (column, other) in [(a, -1.0), (b, 1.0)] {
-                    for i in 0..2 {
-                        for j in 0..2 {
-                            let value = curvature * line.across[i] * line.across[j] * sign * other;
-                            visit(row + i, column + j, value);
-                        }
-                    }
-                }
-            }
-        }
-        Ok((force, line.normal))
     }
 
     /// What a response reports, for displacements `q` and velocities `v` under `law`.
@@ -459,34 +414,9 @@ impl Coupling {
             centres,
         })
     }
-
-    /// What is reported of an equilibrium under the mean stiffness, in displacements `q`.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles.
-    pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
-        let relative = self.relative(q);
-        let (drive, _) = self.mean_tangent(geometry, sigma, Flank::Drive, q, |_, _, _| {})?;
-        let (back, _) = self.mean_tangent(geometry, sigma, Flank::Back, q, |_, _, _| {})?;
-        let force = match self.backlash {
-            None => drive,
-            Some(_) if drive >= 0.0 => drive,
-            Some(_) => -back.max(0.0),
-        };
-        let centres = self.involute.centres(relative.apart)?;
-        let line = self.line(geometry, sigma, relative.apart)?;
-        let (first, last) = self.path(geometry, sigma, false, &line, 0.0, q).engaged();
-        Ok(MeshState {
-            deflection: drive / self.stiffness,
-            force,
-            stiffness: self.stiffness,
-            pairs_in_contact: (last - first + 1).max(0) as f64,
-            centres,
-        })
-    }
 }
 
 #[inline(always)]
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }

@@ -4,6 +4,7 @@ mod contact;
 mod coupling;
 mod error;
 mod involute;
+mod mean;
 pub mod stiffness;
 
 pub use contact::{Contact, Flank, Law, MeshState, Turning};

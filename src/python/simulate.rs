@@ -60,10 +60,12 @@ pub fn simulate<'py>(
     let outcome = py.detach(|| simulate::simulate(&owner.basis, options, &plan, &mut watch));
     match outcome {
         Ok(response) => {
-            if let Some(progress) = &progress {
-                progress.call1(py, (1.0,))?;
+            let response = response_dict(owner, py, &plan, response)?;
+            if let Some(Err(error)) = progress.map(|progress| progress.call1(py, (1.0,))) {
+                error.value(py).setattr("partial", response)?;
+                return Err(error);
             }
-            response_dict(owner, py, &plan, response)
+            Ok(response)
         }
         Err(stopped) => {
             let error = match (stopped.error, raised) {

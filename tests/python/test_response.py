@@ -457,3 +457,13 @@ def test_static_answers_by_name():
         static.mesh("g2", "g1")
     with pytest.raises(gb.ChannelError, match="no bearing at"):
         static.bearing_force("input", 0.1)
+
+
+def test_a_report_that_fails_at_the_very_end_loses_nothing():
+    def stop(fraction: float) -> None:
+        if fraction == 1.0:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough") as caught:
+        train().simulate(1e-3, 100.0, output_step=1e-4, progress=stop)
+    assert caught.value.response.time[-1] == pytest.approx(1e-3)

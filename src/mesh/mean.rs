@@ -1,0 +1,85 @@
+//! The mesh under its mean stiffness: what modes, equilibrium and everything linear see of it.
+
+use super::contact::{Flank, MeshState};
+use super::coupling::{Coupling, Geometry, dot};
+use super::involute::Overlap;
+
+impl Coupling {
+    /// δ of small displacements `q`, along the line of action at rest.
+    pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
+        let relative = self.relative(q);
+        let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
+        sigma * relative.rolled - dot(normal, relative.apart)
+    }
+
+    /// n of the centres at rest.
+    pub fn normal_at_rest(&self, sigma: f64) -> [f64; 2] {
+        self.at_rest[usize::from(sigma > 0.0)].normal
+    }
+
+    /// The force of the mean stiffness at rest in displacements `q` on the drive flank, or on the back flank, and the
+    /// tangent of the generalised forces: `visit(row, column, ∂(F ∂δ/∂q)/∂q)`, k·ggᵀ, and in live geometry F ∂²δ/∂q².
+    /// Returns F and n.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn mean_tangent(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        flank: Flank,
+        q: &[f64],
+        mut visit: impl FnMut(usize, usize, f64),
+    ) -> Result<(f64, [f64; 2]), Overlap> {
+        let relative = self.relative(q);
+        let (sigma, clearance) = match flank {
+            Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
+            _ => (sigma, 0.0),
+        };
+        let line = self.line(geometry, sigma, relative.apart)?;
+        let force = self.stiffness * (sigma * relative.rolled + line.deflection - clearance);
+        self.gradient(sigma, line.normal, |row, left| {
+            self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
+        });
+        if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
+            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action turns as the centres move across it.
+            let curvature = -force / line.tangent;
+            for (row, sign) in [(a, -1.0), (b, 1.0)] {
+                for (column, other) in [(a, -1.0), (b, 1.0)] {
+                    for i in 0..2 {
+                        for j in 0..2 {
+                            let value = curvature * line.across[i] * line.across[j] * sign * other;
+                            visit(row + i, column + j, value);
+                        }
+                    }
+                }
+            }
+        }
+        Ok((force, line.normal))
+    }
+
+    /// What is reported of an equilibrium under the mean stiffness, in displacements `q`.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
+        let relative = self.relative(q);
+        let (drive, _) = self.mean_tangent(geometry, sigma, Flank::Drive, q, |_, _, _| {})?;
+        let (back, _) = self.mean_tangent(geometry, sigma, Flank::Back, q, |_, _, _| {})?;
+        let force = match self.backlash {
+            None => drive,
+            Some(_) if drive >= 0.0 => drive,
+            Some(_) => -back.max(0.0),
+        };
+        let centres = self.involute.centres(relative.apart)?;
+        let line = self.line(geometry, sigma, relative.apart)?;
+        let (first, last) = self.path(geometry, sigma, false, &line, 0.0, q).engaged();
+        Ok(MeshState {
+            deflection: drive / self.stiffness,
+            force,
+            stiffness: self.stiffness,
+            pairs_in_contact: (last - first + 1).max(0) as f64,
+            centres,
+        })
+    }
+}
