@@ -10,6 +10,8 @@ use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, run};
 use gearbow::mesh::Geometry;
 use gearbow::motion::Motion;
+use gearbow::scene::System;
+use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::DVector;
 
 /// Looks at one coordinate in the middle of every step.
@@ -35,12 +37,34 @@ impl Observer for Onlooker {
     }
 }
 
-/// What a run of about `steps` steps allocates, and how many it took.
-fn cost<const S: usize>(tableau: Tableau<S>, adaptive: bool, geometry: Geometry, steps: u32) -> (AllocationInfo, u64) {
+/// The train with every damping that there is.
+fn damped() -> System {
     let mut system = train();
     system.modal_damping = Some(0.01);
     system.rayleigh = Some([10.0, 1e-7]);
-    let basis = basis(&system);
+    system
+}
+
+/// The train with teeth that part and come and go one pair after the other.
+fn rattling() -> System {
+    let mut system = train();
+    for mesh in &mut system.meshes {
+        let square = StiffnessModel::of(StiffnessKind::Square);
+        mesh.stiffness = Some(Stiffness::Model(StiffnessModel { mean: Some(2e8), ..square }));
+        mesh.backlash = Some(1e-5);
+    }
+    system
+}
+
+/// What a run of about `steps` steps allocates, and what it did.
+fn cost<const S: usize>(
+    tableau: Tableau<S>,
+    adaptive: bool,
+    geometry: Geometry,
+    system: &System,
+    steps: u32,
+) -> (AllocationInfo, Statistics) {
+    let basis = basis(system);
     let n = basis.model.len();
     let mut motion = Motion::new(&basis, geometry, 100.0, 0.0, DVector::zeros(n)).unwrap();
     let longest = Spectrum::new(&basis, 100.0).unwrap().longest_step(&DORMAND_PRINCE);
@@ -62,7 +86,8 @@ fn cost<const S: usize>(tableau: Tableau<S>, adaptive: bool, geometry: Geometry,
     if adaptive {
         assert!(statistics.rejected > 0, "rejections are measured too");
     }
-    (info, statistics.steps)
+    assert!(statistics.steps >= u64::from(steps) - 1);
+    (info, statistics)
 }
 
 #[test]
@@ -71,14 +96,25 @@ fn steps_allocate_nothing() {
     assert_eq!(measure(|| drop(std::hint::black_box(vec![1.0; 3]))).count_total, 1);
     for geometry in [Geometry::Live, Geometry::Frozen] {
         for steps in [100, 200] {
-            let (rk4, taken) = cost(RK4, false, geometry, steps);
-            assert!(taken >= u64::from(steps) - 1);
+            let (rk4, _) = cost(RK4, false, geometry, &damped(), steps);
             assert_eq!((rk4.count_total, rk4.bytes_total), (0, 0));
-            let (rk45, taken) = cost(DORMAND_PRINCE, true, geometry, steps);
-            assert!(taken >= u64::from(steps));
+            let (rk45, _) = cost(DORMAND_PRINCE, true, geometry, &damped(), steps);
             assert_eq!((rk45.count_total, rk45.bytes_total), (0, 0));
         }
     }
+}
+
+#[test]
+fn changes_of_law_allocate_nothing() {
+    // A run that may see some makes room for them once, however long it is.
+    let [short, long] = [200, 400].map(|steps| {
+        let (rk4, few) = cost(RK4, false, Geometry::Live, &rattling(), steps);
+        let (rk45, many) = cost(DORMAND_PRINCE, true, Geometry::Live, &rattling(), steps);
+        ([rk4.count_total, rk45.count_total], [few.events, many.events])
+    });
+    assert_eq!(short.0, long.0);
+    assert!(short.0[0] < 10, "{short:?}");
+    assert!(short.1[0] > 0 && long.1[0] > short.1[0] && long.1[1] > short.1[1], "{short:?} {long:?}");
 }
 
 #[test]
