@@ -75,7 +75,7 @@ fn agrees_with_dense<const B: usize, const L: usize>(nodes: usize, seed: u64) ->
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+    #![proptest_config(common::cases(100))]
 
     #[test]
     fn bending_agrees_with_dense(nodes in 1_usize..20, seed: u64) {

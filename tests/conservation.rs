@@ -6,7 +6,9 @@ mod common;
 use common::{Noise, basis, everything, free_train, motion, train};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, run};
+use gearbow::integrate::{
+    Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run,
+};
 use gearbow::mesh::Geometry;
 use gearbow::modal::Basis;
 use gearbow::motion::Motion;
@@ -20,7 +22,7 @@ impl Observer for Nobody {
         None
     }
 
-    fn observe(&mut self, _: &Span<'_>, _: f64) -> Result<(), Halt> {
+    fn observe(&mut self, _: &mut impl Trajectory, _: f64) -> Result<(), Halt> {
         Ok(())
     }
 

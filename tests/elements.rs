@@ -1,6 +1,8 @@
 //! Identities of one shaft element, against closed forms that the element does not use.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod common;
+
 use std::f64::consts::PI;
 
 use gearbow::element::{Beam, Elastic, shear_coefficient};
@@ -172,7 +174,7 @@ fn a_tube_is_the_solid_shaft_less_its_core() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+    #![proptest_config(common::cases(200))]
 
     #[test]
     fn rigid_motion_is_free_and_weighs_what_it_should(

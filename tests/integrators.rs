@@ -78,7 +78,7 @@ fn interpolation_is_of_sixth_order_in_displacement_and_fifth_in_velocity() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+    #![proptest_config(common::cases(100))]
 
     #[test]
     fn interpolation_is_exact_for_a_quintic(
@@ -190,7 +190,7 @@ fn split<const S: usize>(tableau: Tableau<S>, control: Control, stops: &[f64]) -
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(50) })]
+    #![proptest_config(common::cases(50))]
 
     #[test]
     fn a_split_run_is_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {

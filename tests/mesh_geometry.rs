@@ -1,6 +1,8 @@
 //! The exact mesh deflection: against itself by differences, against its closed forms, and against published numbers.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod common;
+
 use std::f64::consts::PI;
 
 use gearbow::mesh::stiffness::Path;
@@ -125,7 +127,7 @@ where
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+    #![proptest_config(common::cases(300))]
 
     #[test]
     fn gradient_is_that_of_the_deflection(

@@ -4,14 +4,18 @@
 mod common;
 
 use allocation_counter::{AllocationInfo, measure};
-use common::{Noise, basis, train};
-use gearbow::analysis::Spectrum;
+use common::{Noise, basis, motion, train};
+use gearbow::analysis::simulate::{Initial, Method, Options, Plan, simulate};
+use gearbow::analysis::{Spectrum, equilibrium, synchronous};
+use gearbow::exponential::{self, Clock, Field, Output, Rule, Selection, Stepper, Table};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, run};
+use gearbow::integrate::{
+    Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run,
+};
 use gearbow::mesh::Geometry;
-use gearbow::motion::Motion;
+use gearbow::motion::{Course, Motion, Profile, Speed};
 use gearbow::scene::System;
-use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
+use gearbow::scene::description::{Engagement, Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::DVector;
 
 /// Looks at one coordinate in the middle of every step.
@@ -26,8 +30,10 @@ impl Observer for Onlooker {
         (self.next < self.end).then_some(self.next)
     }
 
-    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
-        self.seen += span.at(&span.weights(span.start + span.step / 2.0), 3).0;
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
+        let (mut q, mut v) = ([0.0; 4], [0.0; 4]);
+        motion.state((motion.begin() + motion.end()) / 2.0, &[3], &mut q, &mut v);
+        self.seen += q[3];
         self.next = end;
         Ok(())
     }
@@ -117,6 +123,55 @@ fn changes_of_law_allocate_nothing() {
     assert!(short.1[0] > 0 && long.1[0] > short.1[0] && long.1[1] > short.1[1], "{short:?} {long:?}");
 }
 
+/// How many times a run of a method allocates, and how many steps and events it has.
+fn whole_run(method: Method, system: &System, geometry: Geometry, duration: f64) -> (u64, u64, u64) {
+    let basis = basis(system);
+    let options = Options {
+        duration,
+        speed: 100.0.into(),
+        method,
+        step: None,
+        rtol: 1e-6,
+        stages: None,
+        modes: None,
+        initial: Initial::Rest,
+        times: Vec::new(),
+        geometry,
+        start: 0.0,
+    };
+    let plan = Plan::new(&basis.model, &[]).unwrap();
+    let run = || simulate(&basis, &options, &plan, &mut |_| true).unwrap().statistics;
+    run();
+    let mut statistics = Statistics::new();
+    let info = measure(|| statistics = run());
+    (info.count_total, statistics.steps, statistics.events)
+}
+
+#[test]
+fn further_steps_in_the_modes_allocate_nothing() {
+    // What a run makes room for does not depend on how long it is.
+    let mut sharp = rattling();
+    sharp.meshes.iter_mut().for_each(|mesh| mesh.backlash = None);
+    for mesh in &mut sharp.meshes {
+        if let Some(Stiffness::Model(model)) = &mut mesh.stiffness {
+            model.engagement = Some(Engagement::Named("sharp".to_owned()));
+        }
+    }
+    for (system, switches) in [(train(), false), (damped(), false), (sharp, true)] {
+        for geometry in [Geometry::Live, Geometry::Frozen] {
+            for method in [Method::Exponential, Method::ExactRk4] {
+                let [short, long] = [0.02, 0.04].map(|duration| whole_run(method, &system, geometry, duration));
+                assert_eq!(short.0, long.0, "{method:?} {geometry:?} {switches}");
+                assert!(long.1 > short.1 + 50, "{short:?} {long:?}");
+                assert!(!switches || short.2 > 0 && long.2 > short.2, "{short:?} {long:?}");
+            }
+        }
+    }
+    let [short, long] = [1e-3, 2e-3].map(|duration| whole_run(Method::Rk4, &damped(), Geometry::Live, duration));
+    assert_eq!(short.0, long.0);
+    assert!(long.1 > short.1 + 50);
+}
+
 #[test]
 fn derivative_norms_and_energy_allocate_nothing() {
     let basis = basis(&train());
@@ -131,4 +186,77 @@ fn derivative_norms_and_energy_allocate_nothing() {
         std::hint::black_box(motion.mesh_state(0, 0.1, &y[..n], &y[n..]).unwrap());
     });
     assert_eq!(info.count_total, 0);
+    let ramp = Profile::new(vec![0.0, 0.2], &[[100.0, 500.0, 0.0, 0.0]]).unwrap();
+    let course = Course { speed: Speed::Changing(ramp), ..Course::constant(200.0, 0.0) };
+    let mut motion = Motion::along(&basis, Geometry::Live, &course, DVector::zeros(n)).unwrap();
+    let mut laws = Vec::with_capacity(16);
+    let info = measure(|| {
+        motion.derivative(0.1, &y, &mut derivative).unwrap();
+        motion.laws_at(0.3, &y, &mut laws).unwrap();
+        motion.set_laws(&laws);
+    });
+    assert_eq!(info.count_total, 0, "a speed that changes");
+}
+
+/// What two runs of the exponential method allocate, the second three times as long as the first, after one in which all
+/// the steps that it needs were made.
+fn exponential(
+    system: &System,
+    geometry: Geometry,
+    rule: &Rule,
+    adaptive: bool,
+) -> ([AllocationInfo; 2], [Statistics; 3]) {
+    let (basis, speed) = (basis(system), 100.0);
+    let n = basis.model.len();
+    let linear = basis.linear(speed, None).unwrap();
+    let reference = equilibrium(&basis, geometry, speed).unwrap();
+    let amplitudes = synchronous(&basis, speed).unwrap();
+    let (field, ports) = Field::new(motion(&basis, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
+    let longest = if rule.explicit { 2e-6 } else { 2e-5 };
+    let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
+    let clock = Clock { longest, finest: event + 12, event };
+    let selection = Selection { displacements: vec![3], velocities: vec![3] };
+    let mut output = Output::new(&field, &linear, selection);
+    let table = Table::new(&linear, rule.clone(), &ports, longest, event, field.spins());
+    let mut stepper = Stepper::new(field, &linear, ports, table, event);
+    let control = if adaptive {
+        exponential::Control::Adaptive { rtol: 1e-6, floor: 1e-12 }
+    } else {
+        exponential::Control::Fixed
+    };
+    let mut noise = Noise::new(6);
+    let z = linear.state(&basis, &noise.vector(n, 1e-7), &noise.vector(n, 0.01));
+    let mut state = State::new(z.as_slice().to_vec());
+    let mut go = |steps: u32| {
+        let mut statistics = Statistics::new();
+        let end = state.elapsed + f64::from(steps) * longest;
+        let mut onlooker = Onlooker { end, next: state.elapsed, seen: 0.0 };
+        let info = measure(|| {
+            let method = (&mut stepper, &mut output);
+            exponential::run(method, (&clock, &control), &mut state, end, &mut onlooker, &mut statistics).unwrap();
+        });
+        (info, statistics)
+    };
+    let (_, first) = go(3000);
+    let (short, second) = go(500);
+    let (long, third) = go(1500);
+    ([short, long], [first, second, third])
+}
+
+#[test]
+fn steps_of_the_exponential_method_allocate_nothing() {
+    for system in [damped(), rattling()] {
+        for geometry in [Geometry::Live, Geometry::Frozen] {
+            for (rule, adaptive) in [(Rule::gauss(3), true), (Rule::gauss(2), false), (Rule::explicit(), false)] {
+                let ([short, long], [_, few, many]) = exponential(&system, geometry, &rule, adaptive);
+                // A run makes room for itself once, however long it is.
+                assert_eq!(short.count_total, long.count_total, "{rule:?} {few:?} {many:?}");
+                assert!(long.count_total < 100);
+                assert!(many.steps > few.steps + 900, "{few:?} {many:?}");
+                if system.meshes[0].backlash.is_some() {
+                    assert!(few.events > 0 && many.events > few.events, "{few:?} {many:?}");
+                }
+            }
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! Random valid descriptions: saved and loaded again they are the same, and they build.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod common;
+
 use gearbow::model::Model;
 use gearbow::scene::description::{
     Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft,
@@ -194,7 +196,7 @@ fn systems() -> impl Strategy<Value = System> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
+    #![proptest_config(common::cases(150))]
 
     #[test]
     fn what_is_valid_loads_saves_and_loads_again(system in systems()) {

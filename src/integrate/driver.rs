@@ -8,7 +8,7 @@ use super::controller::SHORTEST;
 use super::{Adaptive, Control, Halt, Observer, RungeKutta, Span, Statistics, System};
 
 /// Steps between two questions to the observer whether to go on.
-const PATIENCE: u64 = 64;
+pub const PATIENCE: u64 = 64;
 
 /// Where an integration stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,8 @@ pub struct State {
     pub count: u64,
     /// Elapsed time since the origin, s.
     pub elapsed: f64,
-    /// What the sum `elapsed` has lost to round-off.
+    /// What the sum `elapsed` has lost to round-off; where time counts in ticks, how long after this one the law that
+    /// holds came to hold.
     pub carry: f64,
     /// The step to try next, s; zero before the first.
     pub next_step: f64,
@@ -25,14 +26,25 @@ pub struct State {
     pub previous_error: f64,
     /// The laws that hold, as numbers of the system's own; empty before the first step.
     pub laws: Vec<i64>,
-    /// Displacements, then velocities.
+    /// Displacements, then velocities; coordinates of its own where a method has them.
     pub y: Vec<f64>,
+    /// What a method remembers of the step before.
+    pub memory: Vec<f64>,
 }
 
 impl State {
     /// The beginning of a run.
     pub fn new(y: Vec<f64>) -> Self {
-        Self { count: 0, elapsed: 0.0, carry: 0.0, next_step: 0.0, previous_error: 1.0, laws: Vec::new(), y }
+        Self {
+            count: 0,
+            elapsed: 0.0,
+            carry: 0.0,
+            next_step: 0.0,
+            previous_error: 1.0,
+            laws: Vec::new(),
+            y,
+            memory: Vec::new(),
+        }
     }
 }
 
@@ -57,7 +69,7 @@ fn adopt<const S: usize>(
     state.laws.clear();
     state.laws.extend_from_slice(found);
     system.set_laws(found);
-    observer.switched(state.elapsed, &state.y, found);
+    observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), found);
     statistics.evaluations += 1;
     statistics.events += 1;
     method.begin(system, state.elapsed, &state.y)
@@ -80,7 +92,6 @@ enum Change {
 /// interpolated motion, the step is taken again up to there, and the new law is adopted as it was found: the state at
 /// the instant itself may, by round-off, still be on either side.
 struct Events {
-    coordinates: Vec<usize>,
     found: Vec<i64>,
     trial: Vec<f64>,
 }
@@ -96,20 +107,20 @@ const PATIENCE_AT_ONCE: u32 = 8;
 
 impl Events {
     fn new(system: &mut impl System, state: &mut State) -> Result<Option<Self>, Halt> {
-        let Some(coordinates) = system.switching().map(<[usize]>::to_vec) else {
+        if system.switching().is_none() {
             return Ok(None);
-        };
+        }
         if state.laws.is_empty() {
             system.laws_at(state.elapsed, &state.y, &mut state.laws)?;
         }
         system.set_laws(&state.laws);
-        Ok(Some(Self { coordinates, found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
+        Ok(Some(Self { found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
     }
 
     /// The first change of law within a step; the new laws are left in `found`.
     fn locate<const S: usize>(
         &mut self,
-        system: &impl System,
+        system: &mut impl System,
         method: &RungeKutta<S>,
         state: &State,
         taken: &Taken,
@@ -146,9 +157,9 @@ impl Events {
     }
 
     /// Whether other laws hold at a part of a step; they are left in `found`.
-    fn changed(&mut self, system: &impl System, state: &State, span: &Span<'_>, part: f64) -> Result<bool, Halt> {
-        let elapsed = if part < 1.0 { span.start + part * span.step } else { span.end() };
-        span.state(&span.weights(elapsed), self.coordinates.iter().copied(), &mut self.trial);
+    fn changed(&mut self, system: &mut impl System, state: &State, span: &Span<'_>, part: f64) -> Result<bool, Halt> {
+        let elapsed = if part < 1.0 { span.start + part * span.step } else { span.start + span.step };
+        system.within(span, elapsed, &mut self.trial);
         system.laws_at(elapsed, &self.trial, &mut self.found)?;
         Ok(self.found != state.laws)
     }
@@ -180,7 +191,7 @@ pub fn run<const S: usize>(
 ) -> Result<(), Halted> {
     let at = |elapsed: f64| move |halt: Halt| Halted { halt, elapsed };
     let mut events = Events::new(system, state).map_err(at(state.elapsed))?;
-    observer.switched(state.elapsed, &state.y, &state.laws);
+    observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), &state.laws);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
     statistics.evaluations += 1;
     let (mut asked, mut adopted) = (0, 0);
@@ -225,7 +236,7 @@ pub fn run<const S: usize>(
             after: (method.end(), derivatives.1),
         };
         if observer.sees_every_step() || observer.next().is_some_and(|next| next <= after.0) {
-            observer.observe(&span, after.0).map_err(at(state.elapsed))?;
+            observer.observe(&mut system.trajectory(span), after.0).map_err(at(state.elapsed))?;
         }
         if after.0 > end {
             break;

@@ -3,6 +3,48 @@
 //! Displacement, velocity and acceleration are known at both ends, so the displacement is a quintic Hermite polynomial
 //! (error of order h⁶) and the velocity its derivative (h⁵), whatever method made the step.
 
+/// The motion over a step.
+pub trait Trajectory {
+    /// Elapsed time at the beginning.
+    fn begin(&self) -> f64;
+
+    /// Elapsed time at the end.
+    fn end(&self) -> f64;
+
+    /// Writes displacement and velocity of `coordinates` at an instant, each at its index.
+    fn state(&mut self, elapsed: f64, coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
+
+    /// Into how many parts it is divided so that each is a small part of every period that matters.
+    fn parts(&self) -> usize {
+        1
+    }
+
+    /// All displacements at the end, where they are at hand.
+    fn end_displacement(&self) -> Option<&[f64]>;
+}
+
+impl Trajectory for Span<'_> {
+    fn begin(&self) -> f64 {
+        self.start
+    }
+
+    fn end(&self) -> f64 {
+        self.start + self.step
+    }
+
+    fn state(&mut self, elapsed: f64, coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
+        let weights = self.weights(elapsed);
+        for index in coordinates {
+            (q[*index], v[*index]) = self.at(&weights, *index);
+        }
+    }
+
+    fn end_displacement(&self) -> Option<&[f64]> {
+        let (y, _) = self.after;
+        Some(&y[..y.len() / 2])
+    }
+}
+
 /// A step with its ends: states y (displacements, then velocities) and their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<'a> {
@@ -24,11 +66,6 @@ pub struct Weights {
 }
 
 impl Span<'_> {
-    /// Elapsed time at the end.
-    pub fn end(&self) -> f64 {
-        self.start + self.step
-    }
-
     /// Weights of the instant `elapsed`.
     pub fn weights(&self, elapsed: f64) -> Weights {
         let h = self.step;
@@ -56,8 +93,16 @@ impl Span<'_> {
         }
     }
 
-    /// The state of `coordinates`, into `y`.
-    pub fn state(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
+    /// Weights at `elapsed` of the cubic through the states at both ends and their derivatives: those of the beginning,
+    /// then those of the end.
+    pub fn cubic(&self, elapsed: f64) -> [f64; 4] {
+        let (h, s) = (self.step, (elapsed - self.start) / self.step);
+        let rise = s * s * (3.0 - 2.0 * s);
+        [1.0 - rise, h * s * (1.0 - s) * (1.0 - s), rise, -h * s * s * (1.0 - s)]
+    }
+
+    /// The state of `coordinates`, into `y`, displacements before velocities.
+    pub fn whole(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
         let half = y.len() / 2;
         for index in coordinates {
             (y[index], y[half + index]) = self.at(weights, index);

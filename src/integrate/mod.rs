@@ -12,8 +12,8 @@ mod system;
 pub mod tableau;
 
 pub use controller::{Adaptive, Control};
-pub use driver::{Halted, State, run};
-pub use interpolate::Span;
+pub use driver::{Halted, PATIENCE, State, run};
+pub use interpolate::{Span, Trajectory};
 pub use statistics::{Limit, Statistics};
 pub use step::RungeKutta;
 pub use system::{Halt, Observer, System};

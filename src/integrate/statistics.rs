@@ -9,6 +9,10 @@ pub enum Limit {
     Stability,
     /// The tolerance.
     Tolerance,
+    /// The longest step that resolves the cycle of what is prescribed.
+    Cycle,
+    /// Changes of law, which steps end at.
+    Events,
 }
 
 impl Limit {
@@ -18,6 +22,8 @@ impl Limit {
             Self::Step => "step",
             Self::Stability => "stability",
             Self::Tolerance => "tolerance",
+            Self::Cycle => "cycle",
+            Self::Events => "events",
         }
     }
 }
@@ -47,7 +53,8 @@ impl Statistics {
         Self { steps: 0, rejected: 0, evaluations: 0, events: 0, at_limit: 0, shortest: f64::INFINITY, longest: 0.0 }
     }
 
-    pub(super) fn accept(&mut self, step: f64, at_limit: bool) {
+    /// Counts a step.
+    pub fn accept(&mut self, step: f64, at_limit: bool) {
         self.steps += 1;
         self.at_limit += u64::from(at_limit);
         self.shortest = self.shortest.min(step);

@@ -1,6 +1,6 @@
 //! What an integrator asks of a system, and what may stop it.
 
-use super::Span;
+use super::{Span, Trajectory};
 use crate::mesh::Overlap;
 
 /// Why an integration stopped before its end.
@@ -19,7 +19,8 @@ pub enum Halt {
     Interrupted,
 }
 
-/// A first-order system ẏ = f(t, y) of second-order origin: y holds displacements, then velocities.
+/// A first-order system ẏ = f(t, y) of second-order origin: y holds displacements, then velocities, unless the system
+/// says otherwise.
 pub trait System {
     /// Length of y.
     fn len(&self) -> usize;
@@ -41,12 +42,30 @@ pub trait System {
         None
     }
 
+    /// Writes the state within a step into `y`, as far as laws depend on it.
+    fn within(&self, span: &Span<'_>, elapsed: f64, y: &mut [f64]) {
+        let switching = self.switching().unwrap_or_default();
+        span.whole(&span.weights(elapsed), switching.iter().copied(), y);
+    }
+
+    /// The motion over a step.
+    fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
+        span
+    }
+
+    /// Writes displacements and velocities of a state.
+    fn physical(&mut self, _elapsed: f64, y: &[f64], q: &mut [f64], v: &mut [f64]) {
+        let (displacements, velocities) = y.split_at(y.len() / 2);
+        q.copy_from_slice(displacements);
+        v.copy_from_slice(velocities);
+    }
+
     /// Writes the laws that hold at a state, of which only the [`Self::switching`] displacements and their velocities
     /// count, as numbers of the system's own.
     ///
     /// # Errors
     /// [`Halt`] where they are not defined.
-    fn laws_at(&self, _elapsed: f64, _y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+    fn laws_at(&mut self, _elapsed: f64, _y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
         laws.clear();
         Ok(())
     }
@@ -75,10 +94,10 @@ pub trait Observer {
     ///
     /// # Errors
     /// [`Halt`] where what it looks at is not defined.
-    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt>;
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt>;
 
-    /// Sees that the laws of the system have changed at a state.
-    fn switched(&mut self, _elapsed: f64, _y: &[f64], _laws: &[i64]) {}
+    /// Sees that the laws of the system have changed; `read` writes displacements and velocities at that instant.
+    fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _laws: &[i64]) {}
 
     /// Whether to go on, asked every few steps with the elapsed time.
     fn go_on(&mut self, elapsed: f64) -> bool;

@@ -115,6 +115,22 @@ impl Coupling {
         self.switches() || !self.teeth.is_constant()
     }
 
+    /// The same mesh on other coordinates.
+    #[must_use]
+    pub fn on(&self, coordinates: Coordinates) -> Self {
+        Self { coordinates, ..self.clone() }
+    }
+
+    /// Whether its teeth are moved by the twist, or by gears that run off their centres.
+    pub fn follows(&self) -> bool {
+        self.phase == Phase::Twist || self.run_out.is_some()
+    }
+
+    /// Whether a gear runs off its centre.
+    pub fn has_run_out(&self) -> bool {
+        self.run_out.is_some()
+    }
+
     /// How the centres of the base circles lie.
     ///
     /// # Errors
@@ -248,7 +264,7 @@ impl Coupling {
         let deflection = sigma * position.rolled + line.deflection - clearance;
         let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
 
-        let path = self.path(geometry, sigma, back, &line, turning[0].angle, q);
+        let path = self.path(sigma, back, &line, turning[0].angle, q);
         let Stored { energy, force: elastic, stiffness, travel, shortening } =
             self.teeth.stored(&path, law.engaged[usize::from(back)], deflection);
         let force = elastic + self.damping * rate;
@@ -283,29 +299,17 @@ impl Coupling {
     }
 
     /// Where the tooth pairs are on the path of contact.
-    pub(super) fn path(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        back: bool,
-        line: &LineOfAction,
-        angle: f64,
-        q: &[f64],
-    ) -> Path {
+    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
         let turned = match self.phase {
             Phase::Twist => angle + q[self.coordinates.twist[0]],
             Phase::Prescribed => angle,
         };
-        let tangent = match geometry {
-            Geometry::Live => line.tangent,
-            Geometry::Frozen => self.involute.tangent_at_rest(),
-        };
-        let pressure_angle = tangent.atan2(self.involute.base_circles());
+        let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
         let centres = self.involute.angle_at_rest() + line.turned;
         let pitch = self.involute.base_pitch;
         // Back flanks follow half a base pitch behind the drive flanks.
         let behind = if back { pitch / 2.0 } else { 0.0 };
-        let [low, high] = self.involute.path(tangent);
+        let [low, high] = self.involute.path(line.tangent);
         let position = self.involute.position(sigma, turned, centres, pressure_angle) + behind;
         Path { position, low, high, pitch }
     }
@@ -328,7 +332,7 @@ impl Coupling {
             }
             let sigma = if back { -sigma } else { sigma };
             let line = self.line(geometry, sigma, self.apart(turning, q))?;
-            Ok(self.path(geometry, sigma, back, &line, turning[0].angle, q).engaged())
+            Ok(self.path(sigma, back, &line, turning[0].angle, q).engaged())
         };
         if self.backlash.is_none() {
             return Ok(Law { flank: Flank::Drive, engaged: [engaged(false)?, (0, 0)] });
@@ -404,7 +408,7 @@ impl Coupling {
         let back = !law.flank.drives() && law.flank.holds_back();
         let flank_sigma = if back { -sigma } else { sigma };
         let line = self.line(geometry, flank_sigma, apart)?;
-        let (first, last) = self.path(geometry, flank_sigma, back, &line, turning[0].angle, q).engaged();
+        let (first, last) = self.path(flank_sigma, back, &line, turning[0].angle, q).engaged();
         let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
             deflection: contact.deflection,

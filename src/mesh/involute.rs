@@ -30,6 +30,8 @@ pub struct Involute {
     distance: f64,
     /// t₀ = C₀ sin α₀, the length of the line of action between the base circles at rest, m.
     tangent: f64,
+    /// α₀, rad.
+    pressure_angle: f64,
     /// ψ, rad, with its cosine and sine.
     angle: f64,
     direction: [f64; 2],
@@ -61,6 +63,8 @@ pub struct LineOfAction {
     pub tangent: f64,
     /// γ − ψ, rad.
     pub turned: f64,
+    /// α − α₀, rad.
+    pub steeper: f64,
 }
 
 /// The base circles overlap: there is no line of action.
@@ -79,13 +83,15 @@ impl Involute {
         let reach = |gear: &Gear| (gear.tip_radius.powi(2) - gear.base_radius.powi(2)).sqrt();
         let sum = a.base_radius + b.base_radius;
         let (sin, cos) = mesh.centre_line_angle.sin_cos();
+        let tangent = ((mesh.centre_distance - sum) * (mesh.centre_distance + sum)).sqrt();
         Self {
             base_radius: [a.base_radius, b.base_radius],
             tip_reach: [reach(a), reach(b)],
             base_pitch: a.base_pitch(),
             sum,
             distance: mesh.centre_distance,
-            tangent: ((mesh.centre_distance - sum) * (mesh.centre_distance + sum)).sqrt(),
+            tangent,
+            pressure_angle: tangent.atan2(sum),
             angle: mesh.centre_line_angle,
             direction: [cos, sin],
         }
@@ -133,7 +139,7 @@ impl Involute {
         let [cos, sin] = self.direction;
         let centres = [self.distance * cos + apart[0], self.distance * sin + apart[1]].map(|c| c / distance);
         let deflection = -sigma * self.sum * turned - (longer - self.sum * steeper);
-        Ok(LineOfAction { turned, ..self.line(sigma, deflection, centres, distance, tangent) })
+        Ok(LineOfAction { turned, steeper, ..self.line(sigma, deflection, centres, distance, tangent) })
     }
 
     /// The line of action for centres in the direction `centres`, `distance` apart.
@@ -147,6 +153,7 @@ impl Involute {
             across: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
             tangent,
             turned: 0.0,
+            steeper: 0.0,
         }
     }
 
@@ -184,6 +191,11 @@ impl Involute {
     #[inline(always)]
     pub fn position(&self, sigma: f64, turned: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
         self.base_radius[0] * (sigma * (turned - centres_angle) + pressure_angle)
+    }
+
+    /// α₀, rad.
+    pub fn pressure_angle_at_rest(&self) -> f64 {
+        self.pressure_angle
     }
 
     /// ψ, rad.

@@ -73,7 +73,7 @@ impl Coupling {
         };
         let centres = self.involute.centres(relative.apart)?;
         let line = self.line(geometry, sigma, relative.apart)?;
-        let (first, last) = self.path(geometry, sigma, false, &line, 0.0, q).engaged();
+        let (first, last) = self.path(sigma, false, &line, 0.0, q).engaged();
         Ok(MeshState {
             deflection: drive / self.stiffness,
             force,

@@ -52,14 +52,8 @@ impl Mode {
 pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
     let model = &basis.model;
     let real = basis.real_modes(speed)?;
-    let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
-    let supports = model.support_stiffness_matrix();
-    let skew = (&supports - supports.transpose()) / 2.0;
-    let (eigenvalues, coordinates) = if damping.amax() == 0.0 && skew.amax() == 0.0 {
-        undamped(real)
-    } else {
-        damped(real, &project(real, &damping), &project(real, &skew))?
-    };
+    let order = first_order(basis, speed)?;
+    let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
     let lateral = real::lateral_mask(model);
     let mass = model.mass_matrix();
     let to_physical = |coordinates: &DVector<Complex<f64>>| {
@@ -82,22 +76,40 @@ pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError>
     Ok(modes)
 }
 
-type Pairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
-
-fn undamped(real: &RealModes) -> Pairs {
-    let n = real.frequencies.len();
-    let axis = |i: usize| DVector::from_fn(n, |k, _| Complex::new(if k == i { 1.0 } else { 0.0 }, 0.0));
-    let eigenvalues = real.frequencies.iter().map(|frequency| Complex::new(0.0, *frequency)).collect();
-    (eigenvalues, (0..n).map(axis).collect())
+/// The first-order form over y = (x of elastic modes, η̇ of moving ones, η of null motions, η̇ of those that nothing
+/// couples to anything).
+#[derive(Clone, Debug)]
+pub(super) struct FirstOrder {
+    /// Modes with a frequency.
+    pub elastic: Vec<usize>,
+    /// These, and null motions whose velocity is coupled to theirs.
+    pub moving: Vec<usize>,
+    /// The matrix over the first two parts of y, which depend on nothing else.
+    pub matrix: DMatrix<f64>,
+    /// Whether there is neither damping nor gyroscopic coupling nor a bearing that is not symmetric.
+    pub undamped: bool,
+    /// Null motions, and those of them that nothing couples to anything.
+    null: Vec<usize>,
+    alone: Vec<usize>,
 }
 
-/// Eigenvalues with Im λ ≥ 0, and η normalised to unit length.
-fn damped(real: &RealModes, damping: &DMatrix<f64>, skew: &DMatrix<f64>) -> Result<Pairs, DecompositionError> {
+/// The first-order form at `speed` of the reference shaft.
+pub(super) fn first_order(basis: &Basis, speed: f64) -> Result<FirstOrder, DecompositionError> {
+    let model = &basis.model;
+    let real = basis.real_modes(speed)?;
     let n = real.frequencies.len();
+    let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
+    let supports = model.support_stiffness_matrix();
+    let skew = (&supports - supports.transpose()) / 2.0;
+    let undamped = damping.amax() == 0.0 && skew.amax() == 0.0;
+    let (damping, skew) = (project(real, &damping), project(real, &skew));
+
     let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
+    let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
     let negligible = UNCOUPLED * damping.amax();
     let coupled = |i: usize| damping.row(i).amax() > negligible || damping.column(i).amax() > negligible;
     let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
+    let alone = null.iter().copied().filter(|i| !coupled(*i)).collect();
     let (e, m) = (elastic.len(), moving.len());
 
     let mut matrix = DMatrix::zeros(e + m, e + m);
@@ -113,7 +125,79 @@ fn damped(real: &RealModes, damping: &DMatrix<f64>, skew: &DMatrix<f64>) -> Resu
             }
         }
     }
-    let eigen = eigen(&matrix)?;
+    Ok(FirstOrder { elastic, moving, matrix, undamped, null, alone })
+}
+
+impl FirstOrder {
+    /// The matrix over the whole of y.
+    pub fn whole(&self) -> DMatrix<f64> {
+        let block = self.matrix.nrows();
+        let size = block + self.null.len() + self.alone.len();
+        let mut matrix = DMatrix::zeros(size, size);
+        matrix.view_mut((0, 0), (block, block)).copy_from(&self.matrix);
+        for (index, mode) in self.null.iter().enumerate() {
+            matrix[(block + index, self.rate(*mode))] = 1.0;
+        }
+        matrix
+    }
+
+    /// Where η̇ of a mode stands in y.
+    fn rate(&self, mode: usize) -> usize {
+        let find = |list: &[usize]| list.iter().position(|i| *i == mode);
+        match find(&self.moving) {
+            Some(row) => self.elastic.len() + row,
+            None => self.matrix.nrows() + self.null.len() + find(&self.alone).unwrap_or_default(),
+        }
+    }
+
+    /// Calls `visit(mode, where η stands, its scale, where η̇ stands)` for every mode: η is its scale times y.
+    fn for_each(&self, real: &RealModes, mut visit: impl FnMut(usize, usize, f64, usize)) {
+        for (index, mode) in self.elastic.iter().enumerate() {
+            visit(*mode, index, 1.0 / real.frequencies[*mode], self.rate(*mode));
+        }
+        for (index, mode) in self.null.iter().enumerate() {
+            visit(*mode, self.matrix.nrows() + index, 1.0, self.rate(*mode));
+        }
+    }
+
+    /// Matrices of q and of q̇ over y.
+    pub fn physical(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
+        let n = real.frequencies.len();
+        let (mut displacement, mut velocity) = (DMatrix::zeros(n, 2 * n), DMatrix::zeros(n, 2 * n));
+        self.for_each(real, |mode, place, scale, rate| {
+            displacement.set_column(place, &(real.vectors.column(mode) * scale));
+            velocity.set_column(rate, &real.vectors.column(mode));
+        });
+        (displacement, velocity)
+    }
+
+    /// Matrices of y over M q and over M q̇.
+    pub fn measured(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
+        let n = real.frequencies.len();
+        let (mut displacement, mut velocity) = (DMatrix::zeros(2 * n, n), DMatrix::zeros(2 * n, n));
+        self.for_each(real, |mode, place, scale, rate| {
+            displacement.set_row(place, &(real.vectors.column(mode) / scale).transpose());
+            velocity.set_row(rate, &real.vectors.column(mode).transpose());
+        });
+        (displacement, velocity)
+    }
+}
+
+type Pairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
+
+fn undamped(real: &RealModes) -> Pairs {
+    let n = real.frequencies.len();
+    let axis = |i: usize| DVector::from_fn(n, |k, _| Complex::new(if k == i { 1.0 } else { 0.0 }, 0.0));
+    let eigenvalues = real.frequencies.iter().map(|frequency| Complex::new(0.0, *frequency)).collect();
+    (eigenvalues, (0..n).map(axis).collect())
+}
+
+/// Eigenvalues with Im λ ≥ 0, and η normalised to unit length.
+fn damped(real: &RealModes, order: &FirstOrder) -> Result<Pairs, DecompositionError> {
+    let n = real.frequencies.len();
+    let FirstOrder { elastic, moving, matrix, .. } = order;
+    let (e, m) = (elastic.len(), moving.len());
+    let eigen = eigen(matrix)?;
 
     // Null motions: one mode each for where they stand; their velocities are among the others where they couple.
     let mut eigenvalues = vec![Complex::new(0.0, 0.0); n - e];

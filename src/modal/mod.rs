@@ -1,9 +1,12 @@
 //! Modes: undamped, the basis of everything linear, and damped at speed, with the names of their whirl.
 
 mod complex;
+mod linear;
+mod pairs;
 mod real;
 mod whirl;
 
 pub use complex::{Mode, modes};
+pub use linear::{Form, LANES, Linear, Pair, WORST};
 pub use real::{Basis, RealModes};
 pub use whirl::Whirl;

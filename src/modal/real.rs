@@ -8,16 +8,19 @@
 //! ones. Its vectors are good, so ω² is taken from them once more as a Rayleigh quotient, whose error is of second
 //! order, with the elastic energy summed from the strains of the elements.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Linear;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::{Kind, Model};
 use crate::scene::Node;
 
 /// Rigid motions resisted by less than this part of the stiffest are not resisted: round-off leaves 1e-15.
 const NULL: f64 = 1e-13;
+/// Squares of frequencies that differ by less than this part are equal: round-off tells no more of them apart.
+const EQUAL: f64 = 1e-12;
 
 /// Undamped modes.
 #[derive(Clone, Debug)]
@@ -38,8 +41,11 @@ impl RealModes {
         let mass = model.mass_matrix();
         let null = null_motions(model, &connections, &mass)?;
         let stiffness = model.shaft_stiffness_matrix() + connections;
-        let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
         let known = null.ncols();
+        let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
+        let vectors = aligned(model, vectors, known, |shape| {
+            model.elastic_form(shape, |mesh| model.sigma(mesh, speed)) / model.kinetic_form(shape)
+        });
         let frequency = |column: usize| {
             let shape = vectors.column(column);
             let form = model.elastic_form(shape.as_slice(), |mesh| model.sigma(mesh, speed));
@@ -78,12 +84,19 @@ pub struct Basis {
     /// The model.
     pub model: Model,
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 2],
+    /// The linear motions that were asked for last, at a speed and with so many modes.
+    linear: Mutex<Vec<Remembered>>,
 }
+
+type Remembered = ((f64, Option<usize>), Arc<Linear>);
+
+/// A study asks for a handful of speeds again and again.
+const REMEMBERED: usize = 8;
 
 impl Basis {
     /// The basis of a model.
     pub fn new(model: Model) -> Self {
-        Self { model, modes: [const { OnceLock::new() }; 2] }
+        Self { model, modes: [const { OnceLock::new() }; 2], linear: Mutex::new(Vec::new()) }
     }
 
     /// Undamped modes, with the flanks that carry at `speed`.
@@ -93,6 +106,26 @@ impl Basis {
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
         let cell = &self.modes[usize::from(speed < 0.0)];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+    }
+
+    /// The linear motion at `speed` of the reference shaft; of so many modes only, where given.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn linear(&self, speed: f64, modes: Option<usize>) -> Result<Arc<Linear>, DecompositionError> {
+        // A panic elsewhere leaves the list as it was.
+        let known = || self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().iter().find(|(key, _)| *key == (speed, modes)).map(|(_, linear)| Arc::clone(linear));
+        if let Some(linear) = found {
+            return Ok(linear);
+        }
+        let linear = Arc::new(Linear::new(self, speed, modes)?);
+        let mut list = known();
+        if list.len() >= REMEMBERED {
+            list.remove(0);
+        }
+        list.push(((speed, modes), Arc::clone(&linear)));
+        Ok(linear)
     }
 
     /// Damping C of shafts, bearings and meshes, with the modal damping.
@@ -118,6 +151,36 @@ impl Basis {
         }
         Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model, ratio)))
     }
+}
+
+/// The same modes, those of equal frequency turned to lie in one plane of one shaft each as far as they can: an
+/// eigensolver mixes them, and what does not couple would look as if it did. `square` gives ω².
+fn aligned(model: &Model, mut vectors: DMatrix<f64>, known: usize, square: impl Fn(&[f64]) -> f64) -> DMatrix<f64> {
+    let squares: Vec<f64> = vectors.column_iter().map(|column| square(column.as_slice())).collect();
+    // Every shaft and plane has a weight of its own.
+    let mut weights = DVector::zeros(model.len());
+    for dof in model.numbering.dofs() {
+        let plane = if matches!(dof.kind, Kind::V | Kind::Gamma) { 0.0 } else { 0.37 };
+        weights[dof.index] = 1.0 + dof.node.shaft as f64 + plane;
+    }
+    let mut first = known;
+    while first < vectors.ncols() {
+        let equal = |column: &usize| (squares[*column] - squares[first]).abs() <= EQUAL * squares[first];
+        let count = (first..vectors.ncols()).take_while(equal).count().max(1);
+        if count > 1 {
+            let cluster = vectors.columns(first, count).into_owned();
+            let weighted = DMatrix::from_fn(model.len(), count, |row, column| weights[row] * cluster[(row, column)]);
+            let mut moved = DMatrix::zeros(model.len(), count);
+            for (from, mut to) in weighted.column_iter().zip(moved.column_iter_mut()) {
+                model.multiply_mass(&from.iter().copied().collect::<Vec<_>>(), to.as_mut_slice());
+            }
+            let form = cluster.transpose() * moved;
+            let turn = ((&form + form.transpose()) / 2.0).symmetric_eigen().eigenvectors;
+            vectors.columns_mut(first, count).copy_from(&(cluster * turn));
+        }
+        first += count;
+    }
+    vectors
 }
 
 /// Orthonormal motions (in M) that neither the shafts nor the `connections` resist, one a column.

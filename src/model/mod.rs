@@ -123,6 +123,20 @@ impl Model {
         ratio.signum() * if speed < 0.0 { -1.0 } else { 1.0 }
     }
 
+    /// The fastest speed of a shaft over that of the reference shaft.
+    pub fn fastest_turn(&self) -> f64 {
+        self.scene.speed_ratios.iter().map(|ratio| ratio.abs()).fold(0.0, f64::max)
+    }
+
+    /// The fastest tooth frequency over the speed of the reference shaft; zero without a mesh.
+    pub fn fastest_teeth(&self) -> f64 {
+        let teeth = self.scene.meshes.iter().map(|mesh| {
+            let gear = &self.scene.gears[mesh.driver];
+            f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
+        });
+        teeth.fold(0.0, f64::max)
+    }
+
     fn assemble_constant_load(&self) -> DVector<f64> {
         let mut load = DVector::zeros(self.len());
         for torque in &self.scene.torques {
@@ -142,6 +156,26 @@ impl Model {
             self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
         }
         load
+    }
+
+    /// K q of shafts and bearings.
+    pub fn static_force(&self, q: &DVector<f64>) -> DVector<f64> {
+        let (q, mut force) = (q.as_slice(), DVector::zeros(self.len()));
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                chain.subtract_elastic::<2>(&q[chain.start..], &mut force.as_mut_slice()[chain.start..]);
+            }
+            if let Some(chain) = &shaft.twist {
+                chain.subtract_elastic::<1>(&q[chain.start..], &mut force.as_mut_slice()[chain.start..]);
+            }
+        }
+        for support in &self.supports {
+            let (i, k) = (support.index, &support.stiffness);
+            for row in 0..2 {
+                force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1];
+            }
+        }
+        -force
     }
 
     /// `out += M x`.

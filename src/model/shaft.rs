@@ -70,9 +70,14 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// Amplitude at a constant spin.
-    pub fn amplitude(&self, spin: f64) -> Complex64 {
-        self.bow + self.unbalance * (spin * spin)
+    /// Amplitude at a spin Ω that changes at the rate Ω̇.
+    pub fn amplitude(&self, spin: f64, rate: f64) -> Complex64 {
+        self.bow + self.of_unbalance(spin, rate)
+    }
+
+    /// The part of it that unbalance has.
+    pub fn of_unbalance(&self, spin: f64, rate: f64) -> Complex64 {
+        self.unbalance * Complex64::new(spin * spin, -rate)
     }
 }
 

@@ -59,7 +59,7 @@ impl<'m> Motion<'m> {
         Ok(sum)
     }
 
-    /// Power of the [`SOURCES`], W: torque and gravity; the drive that holds the speed of bowed shafts; unbalance; what
+    /// Power of the [`SOURCES`], W: torque and gravity; the drive that turns bowed shafts; unbalance; what
     /// the teeth prescribe (error, run-out, stiffness); damping, with the cross-coupling of bearings.
     ///
     /// # Errors
@@ -74,7 +74,7 @@ impl<'m> Motion<'m> {
         let mut unbent = std::mem::take(&mut self.scratch);
         self.unbend(elapsed, q, &mut unbent);
         for (index, shaft) in model.shafts.iter().enumerate() {
-            let (spin, turn) = (self.spins[index], self.turn(index, elapsed));
+            let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
                 let mut force = vec![0.0; 4 * chain.nodes];
                 chain.subtract_elastic::<2>(&unbent[chain.start..], &mut force);
@@ -84,7 +84,7 @@ impl<'m> Motion<'m> {
                 }
             }
             for excitation in &shaft.excitations {
-                let force = excitation.unbalance * (spin * spin) * turn;
+                let force = excitation.of_unbalance(spin, rate) * turn;
                 unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
             }
         }

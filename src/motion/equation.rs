@@ -2,15 +2,20 @@
 //!
 //! The two bending planes of a shaft are the lanes of one complex chain, its twist is a chain of its own; every chain
 //! is multiplied and solved in time proportional to its nodes. What a scene leaves out (spin, damping, bow) is skipped.
+//!
+//! Where Ω changes, every shaft has its true angle, spin and acceleration at each evaluation. The torque that
+//! accelerates a section is taken to act where its inertia is: along its own axis, so there is no term Ω̇G q, and
+//! against its own inertia, so twist, which is measured from the prescribed spin, does not feel it.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::phase;
+use super::course::{Changing, Course};
 use crate::integrate::{Halt, System};
 use crate::mesh::{Coupling, Geometry, Law, Turning};
 use crate::modal::Basis;
 use crate::model::{Model, ShaftModel};
+use crate::scene;
 
 /// A force on a coordinate pair that turns with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -22,19 +27,22 @@ struct TurningForce {
 /// What turns with one shaft.
 #[derive(Clone, Debug)]
 struct Excited {
+    shaft: usize,
     spin: f64,
     at_origin: Complex64,
     forces: Vec<TurningForce>,
 }
 
-/// The equation of motion of a model at one speed.
+/// The equation of motion of a model at a given speed.
 #[derive(Clone, Debug)]
 pub struct Motion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
-    /// Signed spin of each shaft, rad/s.
-    pub(super) spins: Vec<f64>,
+    /// Signed spin of each shaft, rad/s, where it is constant.
+    spins: Vec<f64>,
+    /// The speed where it is not.
+    changing: Option<Changing>,
     /// e^{iϑ} of each shaft at the origin of the elapsed time.
     pub(super) at_origin: Vec<Complex64>,
     /// arg of that.
@@ -44,6 +52,8 @@ pub struct Motion<'m> {
     /// The coordinates of the meshes that change their law.
     switching: Vec<usize>,
     excited: Vec<Excited>,
+    /// The damping that is a ratio of every mode: a matrix over all displacements. At constant speed runs are in the
+    /// modes, which carry it as a number each.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     equilibrium: DVector<f64>,
     /// Room for one vector of displacements.
@@ -51,8 +61,8 @@ pub struct Motion<'m> {
 }
 
 impl<'m> Motion<'m> {
-    /// The motion at `speed` of the reference shaft, from the time `origin`; tolerances are relative to the deviation
-    /// from `equilibrium`.
+    /// The motion at a constant `speed` of the reference shaft, from the time `origin`; tolerances are relative to the
+    /// deviation from `equilibrium`.
     pub fn new(
         basis: &'m Basis,
         geometry: Geometry,
@@ -60,26 +70,34 @@ impl<'m> Motion<'m> {
         origin: f64,
         equilibrium: DVector<f64>,
     ) -> Result<Self, crate::linalg::DecompositionError> {
-        let model = &basis.model;
+        Self::along(basis, geometry, &Course::constant(speed, origin), equilibrium)
+    }
+
+    /// The motion while the reference shaft turns as `course` says.
+    pub fn along(
+        basis: &'m Basis,
+        geometry: Geometry,
+        course: &Course,
+        equilibrium: DVector<f64>,
+    ) -> Result<Self, crate::linalg::DecompositionError> {
+        let (model, speed) = (&basis.model, course.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
-        let at_origin: Vec<_> = spins.iter().map(|spin| phase(*spin, origin)).collect();
-        let excited = |((shaft, spin), at_origin): ((&ShaftModel, &f64), &Complex64)| Excited {
-            spin: *spin,
-            at_origin: *at_origin,
+        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| course.turn_at_origin(shaft.ratio)).collect();
+        let excited = |(index, shaft): (usize, &ShaftModel)| Excited {
+            shaft: index,
+            spin: spins[index],
+            at_origin: at_origin[index],
             forces: shaft
                 .excitations
                 .iter()
-                .map(|excitation| TurningForce { index: excitation.index, amplitude: excitation.amplitude(*spin) })
+                .map(|excitation| TurningForce {
+                    index: excitation.index,
+                    amplitude: excitation.amplitude(spins[index], 0.0),
+                })
                 .collect(),
         };
-        let excited: Vec<_> = model
-            .shafts
-            .iter()
-            .zip(&spins)
-            .zip(&at_origin)
-            .map(excited)
-            .filter(|excited| !excited.forces.is_empty())
-            .collect();
+        let excited = model.shafts.iter().enumerate().map(excited);
+        let excited: Vec<_> = excited.filter(|excited| course.is_constant() && !excited.forces.is_empty()).collect();
         let modal_damping = basis.modal_damping_matrix(speed)?;
         let angles: Vec<f64> = at_origin.iter().map(|turn| turn.arg()).collect();
         Ok(Self {
@@ -87,6 +105,7 @@ impl<'m> Motion<'m> {
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
+            changing: course.changing(),
             angles,
             at_origin,
             laws: vec![Law::ALWAYS; model.meshes.len()],
@@ -105,22 +124,111 @@ impl<'m> Motion<'m> {
 
     /// e^{iϑ} of a shaft.
     pub fn turn(&self, shaft: usize, elapsed: f64) -> Complex64 {
-        self.at_origin[shaft] * Complex64::from_polar(1.0, self.spins[shaft] * elapsed)
+        self.at_origin[shaft] * Complex64::from_polar(1.0, self.turned(shaft, elapsed).0)
+    }
+
+    /// Angle of a shaft since the origin, and its spin.
+    #[inline(always)]
+    fn turned(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
+        match &self.changing {
+            None => (self.spins[shaft] * elapsed, self.spins[shaft]),
+            Some(changing) => {
+                let (ratio, now) = (self.model.shafts[shaft].ratio, changing.at(elapsed));
+                (ratio * now.angle, ratio * now.speed)
+            }
+        }
+    }
+
+    /// Spin of a shaft and its rate.
+    pub(super) fn spin_at(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
+        match &self.changing {
+            None => (self.spins[shaft], 0.0),
+            Some(changing) => {
+                let (ratio, now) = (self.model.shafts[shaft].ratio, changing.at(elapsed));
+                (ratio * now.speed, ratio * now.acceleration)
+            }
+        }
+    }
+
+    /// Signed spin of a shaft, rad/s.
+    pub fn spin(&self, shaft: usize) -> f64 {
+        self.spins[shaft]
+    }
+
+    /// σ of a mesh.
+    pub fn sigma_of(&self, mesh: usize) -> f64 {
+        self.sigma[mesh]
+    }
+
+    /// Whether the instants at which laws change depend on the motion.
+    pub fn moves_laws(&self) -> bool {
+        let moves = |mesh: &Coupling| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();
+        self.model.meshes.iter().any(|mesh| mesh.switches() && moves(mesh))
+    }
+
+    /// The fastest that teeth swing on their stiffness, the gears being all that moves, rad/s.
+    pub fn fastest_swing(&self) -> f64 {
+        let scene = &self.model.scene;
+        let square = |(mesh, pair): (&Coupling, &scene::Mesh)| {
+            let bending = if mesh.coordinates.translation.is_some() { 1.0 } else { 0.0 };
+            let mobility = |gear: usize| {
+                let gear = &scene.gears[gear];
+                gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
+            };
+            mesh.stiffest * (mobility(pair.driver) + mobility(pair.driven))
+        };
+        self.model.meshes.iter().zip(&scene.meshes).map(square).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Whether the flanks of a mesh may part.
+    pub fn parts(&self) -> bool {
+        self.model.meshes.iter().any(|mesh| mesh.backlash.is_some())
+    }
+
+    /// Shafts that excite.
+    pub fn sources(&self) -> impl Iterator<Item = usize> + '_ {
+        self.excited.iter().map(|excited| excited.shaft)
+    }
+
+    /// What a shaft excites at ϑ = 0 and at ϑ = π/2, as entries (index, force): weights of cos ϑ and sin ϑ.
+    pub fn turning_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
+        let forces = self.excited.iter().filter(|excited| excited.shaft == shaft).flat_map(|excited| &excited.forces);
+        let (mut cosine, mut sine) = (Vec::new(), Vec::new());
+        for TurningForce { index, amplitude } in forces {
+            cosine.extend([(*index, amplitude.re), (*index + 1, amplitude.im)]);
+            sine.extend([(*index, -amplitude.im), (*index + 1, amplitude.re)]);
+        }
+        [cosine, sine]
     }
 
     /// How the shafts of a mesh stand.
     #[inline(always)]
     pub fn turning(&self, mesh: usize, elapsed: f64) -> [Turning; 2] {
         self.model.meshes[mesh].shafts.map(|shaft| {
-            let spin = self.spins[shaft];
-            Turning { angle: self.angles[shaft] + spin * elapsed, spin }
+            let (turned, spin) = self.turned(shaft, elapsed);
+            Turning { angle: self.angles[shaft] + turned, spin }
         })
+    }
+
+    /// The forces that turn with shafts whose speed changes.
+    fn add_changing(&self, elapsed: f64, force: &mut [f64]) {
+        for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
+            let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
+            for excitation in &shaft.excitations {
+                let turned = excitation.amplitude(spin, rate) * turn;
+                force[excitation.index] += turned.re;
+                force[excitation.index + 1] += turned.im;
+            }
+        }
     }
 
     /// The external forces and the mesh forces, into `force`.
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
         force.copy_from_slice(self.model.constant_load.as_slice());
+        if self.changing.is_some() {
+            self.add_changing(elapsed, force);
+        }
         for excited in &self.excited {
             let turn = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
             for TurningForce { index, amplitude } in &excited.forces {
@@ -194,17 +302,19 @@ impl System for Motion<'_> {
         let (rate, acceleration) = derivative.split_at_mut(n);
         rate.copy_from_slice(v);
         self.loads(elapsed, q, v, acceleration)?;
+        let speed = self.changing.as_ref().map(|changing| changing.at(elapsed).speed);
         for (shaft, spin) in self.model.shafts.iter().zip(&self.spins) {
-            accelerate(shaft, *spin, q, v, acceleration);
+            let spin = speed.map_or(*spin, |speed| shaft.ratio * speed);
+            accelerate(shaft, spin, q, v, acceleration);
         }
         Ok(())
     }
 
     fn switching(&self) -> Option<&[usize]> {
-        (!self.switching.is_empty()).then_some(&self.switching)
+        (self.changing.is_some() || !self.switching.is_empty()).then_some(&self.switching)
     }
 
-    fn laws_at(&self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+    fn laws_at(&mut self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
         let (q, v) = y.split_at(self.model.len());
         laws.clear();
         for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
@@ -216,12 +326,16 @@ impl System for Motion<'_> {
             };
             laws.extend(law.code());
         }
+        laws.extend(self.changing.as_ref().map(|changing| changing.piece_at(elapsed)));
         Ok(())
     }
 
     fn set_laws(&mut self, laws: &[i64]) {
         for (law, code) in self.laws.iter_mut().zip(laws.chunks_exact(Law::CODE)) {
             *law = Law::from_code(code);
+        }
+        if let (Some(changing), Some(piece)) = (&mut self.changing, laws.last()) {
+            changing.hold(*piece);
         }
     }
 

@@ -4,6 +4,7 @@ mod convert;
 mod errors;
 mod model;
 mod simulate;
+mod speed;
 
 use pyo3::pymodule;
 
@@ -12,6 +13,8 @@ use pyo3::pymodule;
 mod _core {
     #[pymodule_export]
     use super::model::PyModel;
+    #[pymodule_export]
+    use super::speed::check_speed;
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -206,20 +206,24 @@ impl PyModel {
         Ok(dict)
     }
 
-    fn default_output_step(&self, duration: f64, speed: f64) -> f64 {
-        simulate::default_output_step(self.model(), duration, speed)
+    fn default_output_step(&self, duration: f64, speed: &Bound<'_, PyAny>, start: f64) -> PyResult<f64> {
+        let fastest = super::speed::speed(speed)?.fastest(start, start + duration);
+        Ok(simulate::default_output_step(self.model(), duration, fastest))
     }
 
-    #[pyo3(signature = (duration, speed, *, method, step, rtol, initial, times, record, geometry, start, progress))]
+    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
         duration: f64,
-        speed: f64,
+        speed: &Bound<'py, PyAny>,
         method: &str,
+        linear: Option<&str>,
         step: Option<f64>,
         rtol: f64,
+        stages: Option<usize>,
+        modes: Option<usize>,
         initial: &Bound<'py, PyAny>,
         times: PyReadonlyArray1<'py, f64>,
         record: Vec<simulate::Recorded>,
@@ -229,10 +233,12 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyDict>> {
         let options = analysis::simulate::Options {
             duration,
-            speed,
-            method: analysis::simulate::Method::named(method)?,
+            speed: super::speed::speed(speed)?,
+            method: simulate::method(method, linear)?,
             step,
             rtol,
+            stages,
+            modes,
             initial: simulate::initial(initial)?,
             times: times.as_array().to_vec(),
             geometry: self::geometry(geometry)?,

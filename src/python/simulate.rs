@@ -6,13 +6,31 @@ use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
 use super::model::{self, PyModel};
+use super::speed;
 use crate::analysis::AnalysisError;
-use crate::analysis::simulate::{self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response};
+use crate::analysis::simulate::{
+    self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response, round_below,
+};
 use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
-use crate::motion::{Energies, SOURCES};
+use crate::motion::{Anchor, Energies, SOURCES, Twofold};
 use crate::scene::{Node, SceneError};
+
+/// The method of a name; "rk4" may leave the linear part to the modes.
+pub fn method(name: &str, linear: Option<&str>) -> Result<Method, SceneError> {
+    match (Method::named(name)?, linear) {
+        (method, None) => Ok(method),
+        (Method::Rk4, Some("exact")) => Ok(Method::ExactRk4),
+        (Method::Rk4, Some("integrated")) => Ok(Method::Rk4),
+        (Method::Rk4, Some(linear)) => {
+            Err(SceneError::new("linear", format!("must be \"exact\" or \"integrated\", got \"{linear}\"")))
+        }
+        (method, Some(_)) => {
+            Err(SceneError::new("linear", format!("is a choice of \"rk4\" alone, not of \"{}\"", method.name())))
+        }
+    }
+}
 
 /// One entry of `record`.
 #[derive(FromPyObject)]
@@ -120,6 +138,7 @@ fn response_dict<'py>(
     statistics.set_item("step_min", if count.steps > 0 { count.shortest } else { 0.0 })?;
     statistics.set_item("step_max", count.longest)?;
     statistics.set_item("omega_max", response.spectrum.omega_max)?;
+    statistics.set_item("condition", response.condition.unwrap_or(f64::NAN))?;
     statistics.set_item("limited_by", response.limited_by.name())?;
     dict.set_item("statistics", statistics)?;
     Ok(dict)
@@ -148,7 +167,8 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("method", last.method.name())?;
     dict.set_item("time", last.time)?;
     dict.set_item("origin", last.origin)?;
-    dict.set_item("speed", last.speed)?;
+    dict.set_item("speed", speed::plain(py, &last.speed)?)?;
+    dict.set_item("anchor", [last.anchor.time, last.anchor.angle.high, last.anchor.angle.low])?;
     dict.set_item("geometry", if last.geometry == Geometry::Live { "live" } else { "frozen" })?;
     dict.set_item("setting", last.setting)?;
     dict.set_item("count", last.state.count)?;
@@ -157,6 +177,7 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("next_step", last.state.next_step)?;
     dict.set_item("previous_error", last.state.previous_error)?;
     dict.set_item("laws", PyArray1::from_slice(py, &last.state.laws))?;
+    dict.set_item("memory", PyArray1::from_slice(py, &last.state.memory))?;
     dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
     Ok(dict)
 }
@@ -183,11 +204,18 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
     if let Some(index) = y.iter().position(|value| !value.is_finite()) {
         return Err(SceneError::new(format!("initial.state[{index}]"), "must be finite").into());
     }
-    Ok(Initial::Continue(Final {
+    let three = SceneError::new("initial.anchor", "must be a time and an angle in two parts, all finite");
+    let Some([time, high, low]) =
+        item("anchor")?.extract::<[f64; 3]>().ok().filter(|all| all.iter().all(|x| x.is_finite()))
+    else {
+        return Err(three.into());
+    };
+    Ok(Initial::Continue(Box::new(Final {
         method: Method::named(&item("method")?.extract::<String>()?)?,
         time: number("time")?,
         origin: number("origin")?,
-        speed: number("speed")?,
+        speed: speed::speed(&item("speed")?)?,
+        anchor: Anchor { time, angle: Twofold { high, low } },
         geometry: model::geometry(&item("geometry")?.extract::<String>()?)?,
         setting: number("setting")?,
         state: State {
@@ -198,8 +226,13 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
             previous_error: number("previous_error")?,
             laws: item("laws")?.cast::<PyArray1<i64>>()?.to_vec()?,
             y,
+            // What a method remembers; without it the run begins anew from the state.
+            memory: match given.get_item("memory") {
+                Ok(memory) => memory.cast::<PyArray1<f64>>()?.to_vec()?,
+                Err(_) => Vec::new(),
+            },
         },
-    }))
+    })))
 }
 
 /// Names of the gears of meshes.
@@ -237,15 +270,10 @@ pub fn bearing_nodes(model: &Model) -> Vec<Node> {
     nodes
 }
 
-/// A twentieth of the shortest period among shafts and teeth, and no coarser than a thousandth of the run.
+/// A twentieth of the shortest period among shafts and teeth, and no coarser than a thousandth of the run, as a round
+/// number.
 pub fn default_output_step(model: &Model, duration: f64, speed: f64) -> f64 {
-    let scene = &model.scene;
-    let turns = scene.speed_ratios.iter().map(|ratio| ratio.abs());
-    let teeth = scene.meshes.iter().map(|mesh| {
-        let gear = &scene.gears[mesh.driver];
-        f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs()
-    });
-    let fastest = turns.chain(teeth).fold(0.0, f64::max) * speed.abs();
+    let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
     let period = if fastest > 0.0 { 2.0 * std::f64::consts::PI / fastest } else { f64::INFINITY };
-    (period / 20.0).min(duration / 1000.0)
+    round_below((period / 20.0).min(duration / 1000.0))
 }

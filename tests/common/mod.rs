@@ -11,6 +11,16 @@ use gearbow::scene::description::{Bow, BowShape, Coefficient, Complex, Gravity};
 use gearbow::scene::{Scene, System};
 use nalgebra::DVector;
 use num_complex::Complex64;
+use proptest::test_runner::{Config, RngSeed};
+
+/// `count` random cases, the same in every run; where GEARBOW_CASES is a number, so many times as many, and new ones.
+pub fn cases(count: u32) -> Config {
+    let config = Config { failure_persistence: None, ..Config::with_cases(count) };
+    match std::env::var("GEARBOW_CASES").ok().and_then(|times| times.parse::<u32>().ok()) {
+        Some(times) => Config { cases: count * times, ..config },
+        None => Config { rng_seed: RngSeed::Fixed(1), ..config },
+    }
+}
 
 /// A double-stage train: three shafts on six bearings, two meshes, bow on two shafts, torque in balance.
 pub const TRAIN: &str = r#"

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use gearbow::integrate::tableau::Tableau;
-use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System, run};
+use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System, Trajectory, run};
 
 /// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
 #[derive(Clone, Debug)]
@@ -81,12 +81,14 @@ impl Observer for Witness {
         (last < end).then_some(last)
     }
 
-    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
-        assert!((span.end() - end).abs() <= 1e-12 * end);
-        self.seen.push((span.start, span.step, self.evaluations.get()));
-        let middle = span.start + 0.4 * span.step;
-        let (q, v) = span.at(&span.weights(middle), 0);
-        self.middles.push([middle, q, v]);
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
+        assert!((motion.end() - end).abs() <= 1e-12 * end);
+        let step = motion.end() - motion.begin();
+        self.seen.push((motion.begin(), step, self.evaluations.get()));
+        let middle = motion.begin() + 0.4 * step;
+        let (mut q, mut v) = ([0.0], [0.0]);
+        motion.state(middle, &[0], &mut q, &mut v);
+        self.middles.push([middle, q[0], v[0]]);
         Ok(())
     }
 

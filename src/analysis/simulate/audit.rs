@@ -1,7 +1,7 @@
 //! The energy audit: works are integrated over the interpolated motion of every step, by the three-point Gauss rule,
 //! whose error is of higher order than that of the motion.
 
-use crate::integrate::{Halt, Span, System};
+use crate::integrate::{Halt, System, Trajectory};
 use crate::mesh::Law;
 use crate::motion::Motion;
 
@@ -19,29 +19,40 @@ pub(super) struct Audit {
     works: [f64; 6],
     /// Elapsed time up to which they count.
     until: f64,
-    state: Vec<f64>,
+    coordinates: Vec<usize>,
+    q: Vec<f64>,
+    v: Vec<f64>,
     /// The laws of the steps that are counted; none before the first.
     laws: Option<Vec<i64>>,
 }
 
 impl Audit {
-    /// An audit that begins at `start` (elapsed time) for states of length `len`.
+    /// An audit that begins at `start` (elapsed time) for states of `len` displacements.
     pub fn new(start: f64, len: usize) -> Self {
-        Self { works: [0.0; 6], until: start, state: vec![0.0; len], laws: None }
+        Self {
+            works: [0.0; 6],
+            until: start,
+            coordinates: (0..len).collect(),
+            q: vec![0.0; len],
+            v: vec![0.0; len],
+            laws: None,
+        }
     }
 
     /// Counts what is done within a step, up to `end`; returns the works until then.
-    pub fn count(&mut self, motion: &mut Motion, span: &Span<'_>, end: f64) -> Result<[f64; 6], Halt> {
-        let begin = self.until.max(span.start);
+    pub fn count(&mut self, motion: &mut Motion, step: &mut impl Trajectory, end: f64) -> Result<[f64; 6], Halt> {
+        let begin = self.until.max(step.begin());
         if end > begin {
-            for (node, weight) in GAUSS {
-                let elapsed = begin + node * (end - begin);
-                span.state(&span.weights(elapsed), 0..self.state.len() / 2, &mut self.state);
-                let (q, v) = self.state.split_at(self.state.len() / 2);
-                let powers = motion.powers(elapsed, q, v);
-                let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
-                for (work, power) in self.works.iter_mut().zip(powers) {
-                    *work += weight * (end - begin) * power;
+            let part = (end - begin) / step.parts() as f64;
+            for from in (0..step.parts()).map(|i| begin + i as f64 * part) {
+                for (node, weight) in GAUSS {
+                    let elapsed = from + node * part;
+                    step.state(elapsed, &self.coordinates, &mut self.q, &mut self.v);
+                    let powers = motion.powers(elapsed, &self.q, &self.v);
+                    let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+                    for (work, power) in self.works.iter_mut().zip(powers) {
+                        *work += weight * part * power;
+                    }
                 }
             }
             self.until = end;
@@ -51,8 +62,15 @@ impl Audit {
 
     /// Sets the laws of the steps to come. Pairs that come into contact in a jump bring energy with them, which is work
     /// of the teeth; flanks that part while their damping still holds them drop what they store, which is damping.
-    pub fn switch(&mut self, motion: &mut Motion, elapsed: f64, y: &[f64], laws: &[i64]) {
-        let (q, v) = y.split_at(y.len() / 2);
+    pub fn switch(
+        &mut self,
+        motion: &mut Motion,
+        elapsed: f64,
+        read: &mut dyn FnMut(&mut [f64], &mut [f64]),
+        laws: &[i64],
+    ) {
+        read(&mut self.q, &mut self.v);
+        let (q, v) = (&self.q, &self.v);
         let before = motion.mesh_energy(elapsed, q, v);
         motion.set_laws(laws);
         let Some(old) = self.laws.replace(laws.to_vec()) else {

@@ -1,6 +1,6 @@
 //! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
 
-use crate::integrate::Span;
+use crate::integrate::Trajectory;
 use crate::mesh::{Centres, Coupling, Flank, Law};
 use crate::motion::Motion;
 
@@ -100,12 +100,14 @@ impl Events {
     }
 
     /// Sees the end of a step, for meshes whose teeth are modelled.
-    pub fn step(&mut self, motion: &Motion, span: &Span<'_>) {
-        let n = motion.model().len();
+    pub fn step(&mut self, motion: &Motion, step: &impl Trajectory) {
+        let Some(q) = step.end_displacement() else {
+            return;
+        };
         for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
             // Centres that overlap stop the run elsewhere.
-            if let Ok(apart) = mesh.centres(&motion.turning(index, span.end()), &span.after.0[..n]) {
-                self.see(motion, index, span.end(), &apart);
+            if let Ok(apart) = mesh.centres(&motion.turning(index, step.end()), q) {
+                self.see(motion, index, step.end(), &apart);
             }
         }
     }

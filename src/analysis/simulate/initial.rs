@@ -1,23 +1,26 @@
 //! The state that a run begins with.
 
-use nalgebra::DVector;
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::synchronous::{motion, synchronous};
-use super::super::{AnalysisError, equilibrium};
-use super::{Initial, Options};
-use crate::integrate::State;
+use super::super::synchronous::{motion, with_flanks};
+use super::super::{AnalysisError, Spectrum, equilibrium};
+use super::{Final, Initial, Options, explain};
+use crate::integrate::tableau::DORMAND_PRINCE;
+use crate::integrate::{Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run};
 use crate::mesh::Geometry;
 use crate::modal::Basis;
-use crate::motion::phase;
-use crate::scene::SceneError;
+use crate::model::Kind;
+use crate::motion::{Anchor, Course, Motion};
+use crate::scene::{SceneError, Shaft};
 
 /// A tolerance is relative to no less than this part of the energy norm of the equilibrium: what round-off leaves of it.
 const FLOOR: f64 = 1e-9;
 
 /// Where and how a run begins.
+#[derive(Clone, Debug)]
 pub(super) struct Start {
-    /// Time that elapsed time counts from, s.
-    pub origin: f64,
+    /// How the reference shaft turns; elapsed time counts from its origin.
+    pub course: Course,
     /// The equilibrium that deviations are measured from.
     pub equilibrium: DVector<f64>,
     /// The smallest energy norm that a tolerance is relative to.
@@ -27,44 +30,106 @@ pub(super) struct Start {
 }
 
 /// The beginning that the options ask for.
-pub(super) fn start(basis: &Basis, options: &Options) -> Result<Start, AnalysisError> {
+pub(super) fn start(
+    basis: &Basis,
+    options: &Options,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Start, AnalysisError> {
     let model = &basis.model;
     let n = model.len();
-    let found = equilibrium(basis, options.geometry, options.speed);
+    let fastest = options.fastest();
+    let found = equilibrium(basis, options.geometry, fastest);
     let zero = || DVector::zeros(n);
-    let (displacement, state, origin) = match &options.initial {
+    let course = |origin: f64, anchor: Anchor| Course { speed: options.speed.clone(), anchor, origin, fastest };
+    let absolute = course(options.start, Anchor::default());
+    let (displacement, state, course) = match &options.initial {
         // From rest a scene may move that has no equilibrium; tolerances are then relative to the motion itself.
-        Initial::Rest => (found.unwrap_or_else(|_| zero()), State::new(vec![0.0; 2 * n]), options.start),
+        Initial::Rest => (found.unwrap_or_else(|_| zero()), State::new(vec![0.0; 2 * n]), absolute),
         Initial::Continue(last) => {
             if last.state.y.len() != 2 * n {
                 let message = format!("has {} degrees of freedom, this system has {n}", last.state.y.len() / 2);
                 return Err(SceneError::new("initial", message).into());
             }
             let displacement = found.unwrap_or_else(|_| zero());
-            if options.resumes(last) {
-                (displacement, last.state.clone(), last.origin)
+            if options.speed != last.speed {
+                let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
+                (displacement, State::new(arrive(basis, last, watch)?), course(last.time, anchor))
+            } else if options.resumes(last) {
+                (displacement, last.state.clone(), course(last.origin, last.anchor))
             } else {
                 let at = last.origin + last.state.elapsed;
-                (displacement, State::new(last.state.y.clone()), at)
+                (displacement, State::new(last.state.y.clone()), course(at, last.anchor))
             }
         }
         Initial::Static => {
             let found = found?;
             let y = [found.as_slice(), zero().as_slice()].concat();
-            (found, State::new(y), options.start)
+            (found, State::new(y), absolute)
         }
         Initial::Synchronous => {
             let found = found?;
-            let amplitudes = synchronous(basis, options.speed)?;
-            let turns: Vec<_> =
-                model.shafts.iter().map(|shaft| phase(shaft.ratio * options.speed, options.start)).collect();
-            let (q, v) = motion(basis, options.speed, &amplitudes, &turns);
+            let speed = options.speed.at(options.start);
+            let amplitudes = with_flanks(basis, speed, fastest)?;
+            check_size(basis, &amplitudes)?;
+            let turns: Vec<_> = model.shafts.iter().map(|shaft| absolute.turn_at_origin(shaft.ratio)).collect();
+            let (q, v) = motion(basis, speed, &amplitudes, &turns);
             let y = [(&found + q).as_slice(), v.as_slice()].concat();
-            (found, State::new(y), options.start)
+            (found, State::new(y), absolute)
         }
     };
-    let mut norm = crate::motion::Motion::new(basis, Geometry::Frozen, options.speed, origin, zero())?;
+    let mut norm = Motion::along(basis, Geometry::Frozen, &course, zero())?;
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
-    let floor = FLOOR * crate::integrate::System::norm(&mut norm, &whole);
-    Ok(Start { origin, equilibrium: displacement, floor: floor.max(f64::MIN_POSITIVE), state })
+    let floor = FLOOR * norm.norm(&whole);
+    Ok(Start { course, equilibrium: displacement, floor: floor.max(f64::MIN_POSITIVE), state })
+}
+
+/// A linear synchronous motion as long as the shafts is that of a critical speed which nothing damps.
+fn check_size(basis: &Basis, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
+    let model = &basis.model;
+    let longest = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
+    let translations = model.numbering.dofs().iter().filter(|dof| matches!(dof.kind, Kind::V | Kind::W));
+    let largest = translations.map(|dof| amplitudes.row(dof.index).map(|value| value.norm()).max()).fold(0.0, f64::max);
+    if largest < longest {
+        return Ok(());
+    }
+    let message = format!(
+        "the synchronous motion would be {largest:.1e} m at this speed, a critical one that nothing damps; take \"static\" or \"rest\""
+    );
+    Err(SceneError::new("initial", message))
+}
+
+/// The state of a run at its end, for one that goes on at another speed from there: what a run leaves is the state at
+/// its last whole step.
+fn arrive(basis: &Basis, last: &Final, watch: &mut dyn FnMut(f64) -> bool) -> Result<Vec<f64>, AnalysisError> {
+    let n = basis.model.len();
+    let rest = (last.time - last.origin) - last.state.elapsed;
+    let mut state = State::new(last.state.y.clone());
+    if rest > 0.0 {
+        let course = last.course(last.origin + last.state.elapsed);
+        let steps = (rest * Spectrum::new(basis, course.fastest)?.radius()).ceil().max(1.0);
+        let control = Control::Fixed(rest / steps);
+        let mut motion = Motion::along(basis, last.geometry, &course, DVector::zeros(n))?;
+        let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
+        let end = steps * (rest / steps);
+        run(&mut motion, &mut method, &control, &mut state, end, &mut Underway(watch), &mut Statistics::new())
+            .map_err(|halted| explain(basis, &halted, course.origin))?;
+    }
+    Ok(state.y)
+}
+
+/// Asks whether to go on, and sees nothing.
+struct Underway<'a>(&'a mut dyn FnMut(f64) -> bool);
+
+impl Observer for Underway<'_> {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn observe(&mut self, _motion: &mut impl Trajectory, _end: f64) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    fn go_on(&mut self, _elapsed: f64) -> bool {
+        (self.0)(0.0)
+    }
 }

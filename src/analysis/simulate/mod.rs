@@ -1,7 +1,9 @@
 //! The motion in time: initial state, method, what is recorded, and what stopped a run.
 
 mod audit;
+mod coordinates;
 mod events;
+mod exponential;
 mod initial;
 mod options;
 mod record;
@@ -10,15 +12,21 @@ mod request;
 use std::time::{Duration, Instant};
 
 pub use events::{Event, Kind};
+pub use exponential::round_below;
 pub use options::{Final, Initial, Method, Options};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use request::{Plan, Point, Request};
 
 use super::{AnalysisError, Spectrum};
+use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use crate::integrate::{Adaptive, Control, Halt, Halted, Observer, RungeKutta, Span, Statistics, run};
+use crate::integrate::{
+    Adaptive, Control, Halt, Halted, Limit, Observer, RungeKutta, State, Statistics, System, Trajectory, run,
+};
 use crate::modal::Basis;
-use crate::motion::Motion;
+use crate::motion::{Motion, Speed};
+use crate::scene::SceneError;
+use coordinates::{Coordinates, enter, leave};
 use record::Recorder;
 
 /// How often a run asks whether to go on.
@@ -36,7 +44,9 @@ pub struct Response {
     /// The fastest motion of the scene.
     pub spectrum: Spectrum,
     /// What set the length of most steps.
-    pub limited_by: crate::integrate::Limit,
+    pub limited_by: Limit,
+    /// Condition number of the modes, where they carried the motion.
+    pub condition: Option<f64>,
 }
 
 /// A run that stopped early, with what it had computed.
@@ -65,12 +75,12 @@ pub fn simulate(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, Stopped> {
     options.check()?;
-    let spectrum = Spectrum::new(basis, options.speed)?;
-    let start = initial::start(basis, options)?;
-    let origin = start.origin;
-    let equilibrium = start.equilibrium;
-    let mut motion = Motion::new(basis, options.geometry, options.speed, origin, equilibrium)?;
-    let mut state = start.state;
+    let spectrum = Spectrum::new(basis, options.fastest())?;
+    let start = initial::start(basis, options, watch)?;
+    let origin = start.course.origin;
+    let equilibrium = start.equilibrium.clone();
+    let mut motion = Motion::along(basis, options.geometry, &start.course, equilibrium)?;
+    let mut state = start.state.clone();
     let end = options.start + options.duration - origin;
     let mut observer = Watcher {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, options.start - origin),
@@ -78,30 +88,80 @@ pub fn simulate(
         span: (options.start - origin, end),
         asked: Instant::now() - HEARTBEAT,
     };
-    let mut statistics = Statistics::new();
-    let outcome = match options.method {
-        Method::Rk4 => {
-            let control = Control::Fixed(fixed_step(basis, options, &spectrum)?);
-            let mut method = RungeKutta::new(RK4, 2 * basis.model.len());
-            run(&mut motion, &mut method, &control, &mut state, end, &mut observer, &mut statistics)
-        }
-        Method::Rk45 => {
-            let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
-            let control = Control::Adaptive(Adaptive { rtol: options.rtol, floor: start.floor, longest });
-            let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * basis.model.len());
-            run(&mut motion, &mut method, &control, &mut state, end, &mut observer, &mut statistics)
-        }
+    let (mut statistics, mut condition) = (Statistics::new(), None);
+    // Where the speed changes, the modes do too, and modal damping is a matrix over all displacements.
+    let modal = basis.model.scene.modal_damping > 0.0 && matches!(options.speed, Speed::Constant(_));
+    let exact = matches!(options.method, Method::Exponential | Method::ExactRk4);
+    let run = Run { basis, options, spectrum: &spectrum, floor: start.floor, end };
+    let outcome = if exact || modal {
+        let selection = plan.selection(&basis.model);
+        let coordinates = Coordinates::new(basis, options, motion, &start, selection)?;
+        condition = Some(coordinates.linear.condition);
+        let ended = if exact {
+            exponential::run(basis, options, coordinates, &start, end, &mut observer, &mut statistics)?
+        } else {
+            let Coordinates { linear, field, ports, output } = coordinates;
+            let mut state = enter(basis, options, &linear, &field, &start);
+            let mut system = InModes::new(field, &linear, ports, output);
+            let outcome = run.runge_kutta(&mut system, &mut state, &mut observer, &mut statistics)?;
+            (leave(state, &linear, system.field()), outcome)
+        };
+        state = ended.0;
+        ended.1
+    } else {
+        run.runge_kutta(&mut motion, &mut state, &mut observer, &mut statistics)?
     };
+    // What was stopped goes on from where it stands.
+    let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
     let response = Response {
         record: observer.recorder.finish(),
-        last: options.last(origin, state),
-        limited_by: limited_by(options.method, &statistics),
+        last: options.last(&start.course, reached, state),
+        limited_by: limited_by(options, &statistics),
         statistics,
         spectrum,
+        condition,
     };
     match outcome {
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(basis, &halted, origin), response: Some(Box::new(response)) }),
+    }
+}
+
+/// What a Runge–Kutta run needs to know.
+struct Run<'a> {
+    basis: &'a Basis,
+    options: &'a Options,
+    spectrum: &'a Spectrum,
+    floor: f64,
+    end: f64,
+}
+
+impl Run<'_> {
+    fn runge_kutta(
+        &self,
+        system: &mut impl System,
+        state: &mut State,
+        observer: &mut impl Observer,
+        statistics: &mut Statistics,
+    ) -> Result<Result<(), Halted>, AnalysisError> {
+        let Self { basis, options, spectrum, floor, end } = *self;
+        let len = system.len();
+        if options.method == Method::Rk4 {
+            let step = fixed_step(basis, options, spectrum)?;
+            let begun = state.count as f64 * step;
+            if state.elapsed < begun || state.elapsed >= begun + step {
+                let message =
+                    format!("stands within no step of {step:e} s: the system has changed; give the step of that run");
+                return Err(SceneError::new("initial", message).into());
+            }
+            let control = Control::Fixed(step);
+            let mut method = RungeKutta::new(RK4, len);
+            return Ok(run(system, &mut method, &control, state, end, observer, statistics));
+        }
+        let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
+        let control = Control::Adaptive(Adaptive { rtol: options.rtol, floor, longest });
+        let mut method = RungeKutta::new(DORMAND_PRINCE, len);
+        Ok(run(system, &mut method, &control, state, end, observer, statistics))
     }
 }
 
@@ -132,12 +192,15 @@ fn check_step<const S: usize>(
     )))
 }
 
-fn limited_by(method: Method, statistics: &Statistics) -> crate::integrate::Limit {
-    use crate::integrate::Limit;
-    match method {
-        Method::Rk4 => Limit::Step,
-        Method::Rk45 if 2 * statistics.at_limit >= statistics.steps => Limit::Stability,
-        Method::Rk45 => Limit::Tolerance,
+fn limited_by(options: &Options, statistics: &Statistics) -> Limit {
+    let at_limit = 2 * statistics.at_limit >= statistics.steps;
+    match options.method {
+        Method::Rk4 | Method::ExactRk4 => Limit::Step,
+        Method::Exponential if options.step.is_some() => Limit::Step,
+        Method::Exponential if at_limit => Limit::Cycle,
+        Method::Exponential if statistics.events > 0 && 8 * statistics.events >= statistics.steps => Limit::Events,
+        Method::Rk45 if at_limit => Limit::Stability,
+        Method::Exponential | Method::Rk45 => Limit::Tolerance,
     }
 }
 
@@ -170,12 +233,12 @@ impl Observer for Watcher<'_, '_> {
         self.recorder.sees_every_step()
     }
 
-    fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
-        self.recorder.observe(span, end)
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
+        self.recorder.observe(motion, end)
     }
 
-    fn switched(&mut self, elapsed: f64, y: &[f64], laws: &[i64]) {
-        self.recorder.switched(elapsed, y, laws);
+    fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), laws: &[i64]) {
+        self.recorder.switched(elapsed, read, laws);
     }
 
     fn go_on(&mut self, elapsed: f64) -> bool {

@@ -1,7 +1,9 @@
 //! What a run is asked to do, and the state that it leaves.
 
+use crate::exponential::MOST_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
+use crate::motion::{Anchor, Course, Speed};
 use crate::scene::{Path, SceneError};
 
 /// The integration method.
@@ -11,6 +13,10 @@ pub enum Method {
     Rk4,
     /// Dormand–Prince 5(4) with error control.
     Rk45,
+    /// Exact where the motion is linear, the classical Runge–Kutta method where it is not: ETDRK4.
+    ExactRk4,
+    /// Exact where the motion is linear, Gauss collocation of the mesh forces.
+    Exponential,
 }
 
 impl Method {
@@ -22,7 +28,12 @@ impl Method {
         match name {
             "rk4" => Ok(Self::Rk4),
             "rk45" => Ok(Self::Rk45),
-            _ => Err(SceneError::new("method", format!("must be \"rk4\" or \"rk45\", got \"{name}\""))),
+            "exponential" => Ok(Self::Exponential),
+            "etdrk4" => Ok(Self::ExactRk4),
+            _ => {
+                let message = format!("must be \"exponential\", \"rk4\" or \"rk45\", got \"{name}\"");
+                Err(SceneError::new("method", message))
+            }
         }
     }
 
@@ -31,6 +42,8 @@ impl Method {
         match self {
             Self::Rk4 => "rk4",
             Self::Rk45 => "rk45",
+            Self::Exponential => "exponential",
+            Self::ExactRk4 => "etdrk4",
         }
     }
 }
@@ -44,8 +57,8 @@ pub enum Initial {
     Static,
     /// q = q̇ = 0.
     Rest,
-    /// Where another run ended.
-    Continue(Final),
+    /// Where another run ended, at its speed or at another one.
+    Continue(Box<Final>),
 }
 
 /// The state a run leaves, to continue from.
@@ -57,8 +70,10 @@ pub struct Final {
     pub time: f64,
     /// Time at which the run began, or the run that it continued, s.
     pub origin: f64,
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
+    /// Speed of the reference shaft.
+    pub speed: Speed,
+    /// A known angle of the reference shaft.
+    pub anchor: Anchor,
     /// Whether the line of action followed the centres.
     pub geometry: Geometry,
     /// The fixed step, or the tolerance.
@@ -72,14 +87,18 @@ pub struct Final {
 pub struct Options {
     /// How long, s.
     pub duration: f64,
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
+    /// Speed of the reference shaft.
+    pub speed: Speed,
     /// Method.
     pub method: Method,
     /// Fixed step, s; one that resolves the fastest motion if not given.
     pub step: Option<f64>,
     /// Tolerance of an adaptive method.
     pub rtol: f64,
+    /// Gauss nodes of the exponential method; 3 if not given.
+    pub stages: Option<usize>,
+    /// Modes that the exponential method keeps; all if not given.
+    pub modes: Option<usize>,
     /// Where it begins.
     pub initial: Initial,
     /// Times at which to record, ascending, s.
@@ -94,13 +113,24 @@ impl Options {
     /// Checks what does not depend on the scene.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let duration = Path::root("duration").non_negative(self.duration)?;
-        Path::root("speed").finite(self.speed)?;
         let start = Path::root("start").finite(self.start)?;
+        self.speed.check(start, start + duration)?;
         if let Some(step) = self.step {
             Path::root("step").positive(step)?;
-            if self.method != Method::Rk4 {
+            if self.method == Method::Rk45 {
                 let message = format!("\"{}\" chooses its own steps; give rtol", self.method.name());
                 return Err(SceneError::new("step", message));
+            }
+        }
+        let exponential = matches!(self.method, Method::Exponential | Method::ExactRk4);
+        for (name, given, most) in [("stages", self.stages, MOST_STAGES), ("modes", self.modes, usize::MAX)] {
+            let Some(count) = given else { continue };
+            if !exponential {
+                return Err(SceneError::new(name, format!("\"{}\" has none; see \"exponential\"", self.method.name())));
+            }
+            if count == 0 || count > most {
+                let range = if most < usize::MAX { format!("1 to {most}") } else { "at least 1".to_owned() };
+                return Err(SceneError::new(name, format!("must be {range}, got {count}")));
             }
         }
         if !(self.rtol > 0.0 && self.rtol < 1.0) {
@@ -123,39 +153,58 @@ impl Options {
         Ok(())
     }
 
+    /// Whether loads are found one after the other, not together.
+    pub(super) fn is_explicit(&self) -> bool {
+        self.method == Method::ExactRk4
+    }
+
     /// What makes a run of this method the same run.
     fn setting(&self) -> f64 {
         match self.method {
-            Method::Rk4 => self.step.unwrap_or(0.0),
+            Method::Rk4 | Method::ExactRk4 => self.step.unwrap_or(0.0),
             Method::Rk45 => self.rtol,
+            Method::Exponential => self.step.unwrap_or(-self.rtol),
         }
     }
 
-    /// The state that a run with these options leaves.
-    pub(super) fn last(&self, origin: f64, state: State) -> Final {
+    /// The largest speed, with the sign that it has in the run: see [`Speed::fastest`].
+    pub fn fastest(&self) -> f64 {
+        self.speed.fastest(self.start, self.start + self.duration)
+    }
+
+    /// The state that a run with these options leaves at `time`.
+    pub(super) fn last(&self, course: &Course, time: f64, state: State) -> Final {
         Final {
             method: self.method,
-            time: self.start + self.duration,
-            origin,
-            speed: self.speed,
+            time,
+            origin: course.origin,
+            speed: self.speed.clone(),
+            anchor: course.anchor,
             geometry: self.geometry,
             setting: self.setting(),
             state,
         }
     }
 
-    /// Whether the run goes on exactly as the one that left `last`.
+    /// Whether the run, at the same speed, goes on exactly as the one that left `last`.
     pub(super) fn resumes(&self, last: &Final) -> bool {
         self.method == last.method && self.setting() == last.setting
     }
 }
 
 impl Final {
+    /// How the reference shaft turned, from the time `origin` on.
+    pub(super) fn course(&self, origin: f64) -> Course {
+        let fastest = self.speed.fastest(origin, self.time);
+        Course { speed: self.speed.clone(), anchor: self.anchor, origin, fastest }
+    }
+
     fn check(&self, options: &Options) -> Result<(), SceneError> {
         let initial = |message: String| SceneError::new("initial", message);
-        if self.speed != options.speed {
-            let message = format!("ended at {} rad/s and cannot continue at {} rad/s", self.speed, options.speed);
-            return Err(initial(message));
+        let (speed, next) = (self.speed.at(self.time), options.fastest());
+        if speed * next < 0.0 {
+            let change = "the teeth would change their flanks";
+            return Err(initial(format!("ended at {speed} rad/s and cannot continue at {next} rad/s: {change}")));
         }
         if self.geometry != options.geometry {
             return Err(initial("ran with the other geometry, live or frozen".to_owned()));

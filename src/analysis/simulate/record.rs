@@ -3,7 +3,7 @@
 use super::Plan;
 use super::audit::Audit;
 use super::events::{Event, Events};
-use crate::integrate::{Halt, Span, System};
+use crate::integrate::{Halt, System, Trajectory};
 use crate::mesh::MeshState;
 use crate::motion::{Energies, Motion};
 
@@ -72,7 +72,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             coordinates: plan.coordinates(model),
             displacement: vec![0.0; model.len()],
             velocity: vec![0.0; model.len()],
-            audit: plan.energy.then(|| Audit::new(start, 2 * model.len())),
+            audit: plan.energy.then(|| Audit::new(start, model.len())),
             events: Events::new(&motion, origin),
             every_step: plan.energy || Events::watches(&motion),
             motion,
@@ -89,23 +89,20 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// Records all that is due within a step.
-    pub fn observe(&mut self, span: &Span<'_>, end: f64) -> Result<(), Halt> {
+    pub fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
         while let Some(elapsed) = self.next().filter(|elapsed| *elapsed <= end) {
-            let weights = span.weights(elapsed);
-            for index in &self.coordinates {
-                (self.displacement[*index], self.velocity[*index]) = span.at(&weights, *index);
-            }
+            motion.state(elapsed, &self.coordinates, &mut self.displacement, &mut self.velocity);
             let works = match &mut self.audit {
-                Some(audit) => audit.count(&mut self.motion, span, elapsed)?,
+                Some(audit) => audit.count(&mut self.motion, motion, elapsed)?,
                 None => [0.0; 6],
             };
             self.sample(elapsed, works)?;
             self.record.time.push(self.times[self.record.time.len()]);
         }
         if let Some(audit) = &mut self.audit {
-            audit.count(&mut self.motion, span, end)?;
+            audit.count(&mut self.motion, motion, end)?;
         }
-        self.events.step(&self.motion, span);
+        self.events.step(&self.motion, motion);
         Ok(())
     }
 
@@ -115,9 +112,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// Takes over the laws of the steps to come.
-    pub fn switched(&mut self, elapsed: f64, y: &[f64], laws: &[i64]) {
+    pub fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), laws: &[i64]) {
         match &mut self.audit {
-            Some(audit) => audit.switch(&mut self.motion, elapsed, y, laws),
+            Some(audit) => audit.switch(&mut self.motion, elapsed, read, laws),
             None => self.motion.set_laws(laws),
         }
         self.events.switched(elapsed, laws);

@@ -1,5 +1,6 @@
 //! What to record: names resolved to coordinates. Nothing else is ever looked at.
 
+use crate::exponential::Selection;
 use crate::model::Model;
 use crate::scene::{Node, Path, SceneError};
 
@@ -132,6 +133,18 @@ impl Plan {
         coordinates.sort_unstable();
         coordinates.dedup();
         coordinates
+    }
+}
+
+impl Plan {
+    /// The displacements and velocities that recording needs.
+    pub(super) fn selection(&self, model: &Model) -> Selection {
+        let displacements = self.coordinates(model);
+        let moving = Self { points: Vec::new(), ..self.clone() };
+        Selection {
+            velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
+            displacements,
+        }
     }
 }
 

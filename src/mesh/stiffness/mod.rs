@@ -132,6 +132,11 @@ impl Stiffness {
         matches!(self, Self::Pairs { engagement: Engagement::Sharp, .. })
     }
 
+    /// Whether the tips are relieved: pairs then touch one after the other as the deflection grows.
+    pub fn is_relieved(&self) -> bool {
+        matches!(self, Self::Pairs { relief: Some(_), .. })
+    }
+
     /// Whether it is the same always.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Mean(_))

@@ -1,0 +1,105 @@
+//! Runs in the coordinates of the modes at speed: states to and from them.
+
+use std::sync::Arc;
+
+use nalgebra::{Complex, DMatrix};
+
+use super::super::AnalysisError;
+use super::super::synchronous::synchronous_of;
+use super::initial::Start;
+use super::{Initial, Options};
+use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
+use crate::integrate::State;
+use crate::modal::{Basis, Form, Linear};
+use crate::motion::{Motion, Speed};
+use crate::scene::SceneError;
+
+/// What a run in the coordinates of the modes is made of.
+pub(super) struct Coordinates<'m> {
+    pub linear: Arc<Linear>,
+    pub field: Field<'m>,
+    pub ports: Ports,
+    pub output: Output,
+}
+
+impl<'m> Coordinates<'m> {
+    /// The coordinates of a motion, for a run that looks at a selection of it.
+    pub fn new(
+        basis: &'m Basis,
+        options: &Options,
+        motion: Motion<'m>,
+        start: &Start,
+        selection: Selection,
+    ) -> Result<Self, AnalysisError> {
+        let Speed::Constant(speed) = options.speed else {
+            let message = format!(
+                "{} needs a constant speed, whose modes carry the motion; take \"rk45\" or \"rk4\"",
+                if options.is_explicit() { "linear=\"exact\"" } else { "\"exponential\"" }
+            );
+            return Err(SceneError::new("method", message).into());
+        };
+        let linear = basis.linear(speed, options.modes)?;
+        if let (Some(_), Form::Dense(_)) = (options.modes, &linear.form) {
+            let message =
+                format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
+            return Err(SceneError::new("modes", message).into());
+        }
+        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(basis.model.len(), basis.model.shafts.len());
+        for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
+            // The synchronous motion takes all modes, whatever the vibration keeps.
+            let known = match options.modes {
+                None => linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft)),
+                Some(_) => None,
+            };
+            let amplitude = known.map_or_else(|| synchronous_of(basis, speed, speed, shaft), Ok)?;
+            amplitudes.set_column(shaft, &amplitude);
+        }
+        let field = Field::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
+        let (field, ports) = field.map_err(|(mesh, overlap)| {
+            let [driver, driven] = basis.model.gear_names(mesh);
+            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
+        })?;
+        let output = Output::new(&field, &linear, selection);
+        Ok(Self { linear, field, ports, output })
+    }
+}
+
+/// The state that a run begins with, in coordinates of the modes.
+pub(super) fn enter(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>, start: &Start) -> State {
+    let mut state = start.state.clone();
+    let own = linear.len();
+    // The coordinates that a run left are taken up if they stand for the state beside them, to the last bit.
+    let resumes = matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last))
+        && state.memory.len() >= own
+        && physical(linear, field, state.elapsed, &state.memory[..own]) == state.y;
+    if resumes {
+        let memory = state.memory.split_off(own);
+        state.y = std::mem::replace(&mut state.memory, memory);
+    } else {
+        let (q, v) = field.carried(state.elapsed);
+        let half = q.len();
+        let less = |given: &[f64], carried: &[f64]| -> Vec<f64> {
+            given.iter().zip(carried).map(|(given, carried)| given - carried).collect()
+        };
+        let (q, v) = (less(&state.y[..half], q.as_slice()), less(&state.y[half..], v.as_slice()));
+        let y = linear.state(basis, &q, &v).as_slice().to_vec();
+        // Steps count anew from here.
+        state = State { elapsed: state.elapsed, ..State::new(y) };
+    }
+    state
+}
+
+/// A state in displacements and velocities, the coordinates of the modes in its memory.
+pub(super) fn leave(mut state: State, linear: &Linear, field: &Field<'_>) -> State {
+    let y = physical(linear, field, state.elapsed, &state.y);
+    let z = std::mem::replace(&mut state.y, y);
+    state.memory = [z, state.memory].concat();
+    state
+}
+
+/// Displacements and velocities of a state z.
+fn physical(linear: &Linear, field: &Field<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
+    let (q, v) = linear.motion(z);
+    let (carried_q, carried_v) = field.carried(elapsed);
+    [(q + carried_q).as_slice(), (v + carried_v).as_slice()].concat()
+}

@@ -1,0 +1,112 @@
+//! Runs of the exponential method: its clock and its tables.
+
+use super::super::AnalysisError;
+use super::Options;
+use super::coordinates::{Coordinates, enter, leave};
+use super::initial::Start;
+use crate::exponential::{Clock, Control, Field, HELD_BACK, Rule, Stepper, Table, run as integrate};
+use crate::integrate::{Halted, Observer, State, Statistics};
+use crate::modal::{Basis, Form, Linear, WORST};
+use crate::scene::SceneError;
+
+/// Steps in a cycle of the teeth, of a revolution, or of the slowest mode, at least.
+const STEPS_A_CYCLE: f64 = 8.0;
+/// Steps in a revolution where bow and unbalance act as loads.
+const STEPS_A_RESONANT_TURN: f64 = 64.0;
+/// The radians that the fastest mode turns in the shortest step that events use, at most.
+const TICK: f64 = 0.8;
+/// How often the longest step is halved for an event, at least and at most.
+const EVENT: [f64; 2] = [4.0, 30.0];
+/// Fixed steps meet events to this part of the motion.
+const EXACT: f64 = 1e-12;
+/// How often it can be halved further, for accuracy.
+const FURTHER: usize = 12;
+/// Steps in a period of teeth that may part on their stiffness alone: none may part and meet again unseen.
+const STEPS_A_BOUNCE: f64 = 8.0;
+/// Steps of ETDRK4 are this part of the longest, unless one is asked for.
+const EXPLICIT: f64 = 0.1;
+/// Gauss nodes of a step.
+const STAGES: usize = 3;
+
+/// Runs from `start` to `end` (elapsed time); the state that it leaves, and why it stopped early, if it did.
+pub(super) fn run(
+    basis: &Basis,
+    options: &Options,
+    coordinates: Coordinates<'_>,
+    start: &Start,
+    end: f64,
+    observer: &mut impl Observer,
+    statistics: &mut Statistics,
+) -> Result<(State, Result<(), Halted>), AnalysisError> {
+    let Coordinates { linear, field, ports, mut output } = coordinates;
+    if options.is_explicit() && linear.condition > WORST {
+        let message = format!(
+            "\"exact\" needs modes that are not parallel, and their condition number is {:.1e}; take method=\"exponential\"",
+            linear.condition
+        );
+        return Err(SceneError::new("linear", message).into());
+    }
+    let clock = clock(basis, options, &linear, &field)?;
+    let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
+    let table = Table::new(&linear, rule, &ports, clock.longest, clock.event, field.spins());
+    let mut state = enter(basis, options, &linear, &field, start);
+    let mut stepper = Stepper::new(field, &linear, ports, table, clock.event);
+    let control = match options.step {
+        None if !options.is_explicit() => Control::Adaptive { rtol: options.rtol, floor: start.floor },
+        _ => Control::Fixed,
+    };
+    let outcome = integrate((&mut stepper, &mut output), (&clock, &control), &mut state, end, observer, statistics);
+    Ok((leave(state, &linear, &stepper.field), outcome))
+}
+
+/// The clock of a run: the step that was asked for, or a round number that resolves what is prescribed.
+fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -> Result<Clock, AnalysisError> {
+    let longest = match options.step {
+        Some(step) => step,
+        None => {
+            let model = &basis.model;
+            let slowest = basis.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
+            let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
+            let turning = model.fastest_turn() * options.fastest().abs() * resonant;
+            let teeth = model.fastest_teeth() * options.fastest().abs();
+            let parts = field.motion.parts();
+            let bounce = if parts { field.motion.fastest_swing() } else { 0.0 } * STEPS_A_BOUNCE / STEPS_A_CYCLE;
+            let fastest = turning.max(teeth).max(slowest.unwrap_or(1.0)).max(bounce);
+            let part = if options.is_explicit() { EXPLICIT } else { 1.0 };
+            round_below(part * 2.0 * std::f64::consts::PI / (STEPS_A_CYCLE * fastest))
+        }
+    };
+    let [least, most] = EVENT;
+    // What an event leaves of its jump over the rest τ of a short step is some (ω τ)³/20 of it, ω that of the teeth.
+    let tolerance = if options.step.is_some() { EXACT } else { options.rtol };
+    let swing = field.motion.fastest_swing() / (2.0 * tolerance).cbrt();
+    let event = (longest * (linear.radius / TICK).max(swing)).log2().ceil().clamp(least, most) as usize;
+    let further = if matches!(linear.form, Form::Dense(_)) { HELD_BACK } else { FURTHER };
+    Ok(Clock { longest, finest: event + further, event })
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `value`: steps then meet the times that people ask
+/// for. Zero stays zero.
+pub fn round_below(value: f64) -> f64 {
+    if value <= 0.0 {
+        return value;
+    }
+    let power = value.log10().floor();
+    // 10⁻ⁿ as a quotient: a power with a negative exponent is a bit off.
+    let scaled = |digit: f64| {
+        if power < 0.0 { digit / 10.0_f64.powi(-power as i32) } else { digit * 10.0_f64.powi(power as i32) }
+    };
+    [5.0, 2.0, 1.0].into_iter().map(scaled).find(|candidate| *candidate <= value).unwrap_or_else(|| scaled(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::round_below;
+
+    #[test]
+    fn steps_are_round() {
+        for (given, round) in [(3.14e-4, 2e-4), (9.9e-3, 5e-3), (1e-6, 1e-6), (7.0, 5.0), (1.2, 1.0), (25.0, 20.0)] {
+            assert_eq!(round_below(given), round);
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! The error of a step, from what the polynomial of its loads misses.
+
+use super::step::Stepper;
+use super::table::form;
+
+/// Of a load that is not resolved, this part counts: the mean of |π|, and some more.
+const UNRESOLVED: f64 = 0.5;
+
+impl Stepper<'_> {
+    /// Energy norm of the error of the last step. What the polynomial of its loads misses at either end tells the size
+    /// and, by how much they differ, the pace of what it misses within.
+    pub(super) fn error(&mut self, level: usize) -> f64 {
+        if self.field.mesh_loads() == 0 {
+            return 0.0;
+        }
+        let (loads, rule) = (self.field.loads(), &self.table.rule);
+        let meshes = self.missed.len();
+        // π is odd or even about the middle.
+        let even = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
+        for k in 0..meshes {
+            let polynomial = |side: f64| -> f64 {
+                let nodes = self.loads.chunks_exact(loads).enumerate();
+                nodes.map(|(j, load)| rule.weight(j, side) * load[k]).sum()
+            };
+            let (begin, end) = (self.begin_load[k] - polynomial(0.0), self.end_load[k] - polynomial(1.0));
+            self.missed[k] = (end + even * begin) / 2.0;
+            self.changed[k] = end - even * begin;
+        }
+        let (size, change) = (self.bare(&self.missed), self.bare(&self.changed));
+        self.pace = if change > 0.0 { change / size } else { 0.0 };
+        self.foretold(level, 1.0)
+    }
+
+    /// The error that the last one foretells for a step twice as long.
+    pub(super) fn error_of_longer(&self, level: usize) -> f64 {
+        self.foretold(level - 1, 2.0)
+    }
+
+    /// The error of a step of `level` that is so many times as long as the last one.
+    ///
+    /// Of a load that the modes do not outpace, the nodes miss what is orthogonal to all polynomials below s: next to
+    /// nothing. One that changes faster than the step resolves, as at a kink, is missed by its whole size.
+    fn foretold(&self, level: usize, longer: f64) -> f64 {
+        let (table, stages) = (&self.table.levels[level], self.table.rule.stages() as i32);
+        let unresolved = (longer * self.pace).min(1.0).powi(stages);
+        let missed = self.bare(&self.missed).max(self.bare(&self.changed) / 2.0);
+        (table.error(&self.missed) + UNRESOLVED * table.step * unresolved * missed) * longer.powi(stages)
+    }
+
+    /// Energy norm that loads add to a state in a second.
+    fn bare(&self, loads: &[f64]) -> f64 {
+        form(&self.table.gram, loads).max(0.0).sqrt()
+    }
+}

@@ -1,0 +1,325 @@
+//! What acts on the linear motion: the meshes through their interfaces, and what is prescribed.
+//!
+//! Motion is counted from a reference, the static equilibrium where there is one, and from the synchronous motion that
+//! bow and unbalance make of the linear motion alone, which is exact. At a critical speed without damping there is no
+//! such motion; bow and unbalance of that shaft then act as loads, like the meshes.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::table::Ports;
+use crate::integrate::Halt;
+use crate::mesh::Overlap;
+use crate::modal::Linear;
+use crate::motion::{Interface, Motion};
+
+/// Digits that a synchronous motion near resonance may lose against what is left: five.
+const RESONANT: f64 = 1e-5;
+/// A load at the reference below this part of what acts there is round-off.
+const BALANCED: f64 = 1e-11;
+
+/// A load that does not depend on the motion.
+#[derive(Clone, Copy, Debug)]
+enum Prescribed {
+    /// Always one.
+    Constant,
+    /// cos ϑ of a source.
+    Cosine(usize),
+    /// sin ϑ of a source.
+    Sine(usize),
+}
+
+/// A shaft that excites.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    shaft: usize,
+    spin: f64,
+    at_origin: Complex64,
+}
+
+/// What acts on the linear motion.
+#[derive(Clone, Debug)]
+pub struct Field<'m> {
+    /// The motion of which it is the non-linear part.
+    pub motion: Motion<'m>,
+    /// The displacements that motion is counted from.
+    pub reference: DVector<f64>,
+    interfaces: Vec<Interface>,
+    /// Scalars of all meshes.
+    scalars: usize,
+    /// Whether the rates of the scalars follow them.
+    rates: bool,
+    sources: Vec<Source>,
+    /// Synchronous amplitudes of all displacements, a column for each source.
+    amplitudes: DMatrix<Complex<f64>>,
+    /// The same of the scalars and rates: row after row, source after source.
+    seen: Vec<Complex64>,
+    prescribed: Vec<Prescribed>,
+    /// Energy norm of the synchronous motion.
+    pub synchronous_size: f64,
+}
+
+impl<'m> Field<'m> {
+    /// The field of a motion counted from `reference`, with the rows and columns through which it acts on `linear`;
+    /// `synchronous` holds amplitudes of the displacements for shaft after shaft as the source, which are not looked at
+    /// for a shaft that [`is_resonant`].
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles of the mesh named, at the reference.
+    pub fn new(
+        motion: Motion<'m>,
+        linear: &Linear,
+        reference: DVector<f64>,
+        synchronous: &DMatrix<Complex<f64>>,
+    ) -> Result<(Self, Ports), (usize, Overlap)> {
+        let model = motion.model();
+        let interface = |mesh| Interface::new(&motion, mesh, &reference).map_err(|overlap| (mesh, overlap));
+        let interfaces = (0..model.meshes.len()).map(interface).collect::<Result<Vec<_>, _>>()?;
+        let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(|interface| interface.rows(&motion)).collect();
+        let rates = interfaces.iter().any(Interface::has_rates);
+        let kinds: &[bool] = if rates { &[false, true] } else { &[false] };
+        let rows: Vec<Vec<f64>> =
+            kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
+        let mut columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
+        let meshes = columns.len();
+
+        let mut prescribed = Vec::new();
+        let constant = constant_load(&motion, &interfaces, &entries, &reference);
+        if !constant.is_empty() {
+            prescribed.push(Prescribed::Constant);
+            columns.push(linear.column(&constant));
+        }
+        let sources: Vec<Source> = motion
+            .sources()
+            .map(|shaft| Source { shaft, spin: motion.spin(shaft), at_origin: motion.turn(shaft, 0.0) })
+            .collect();
+        let mut amplitudes = DMatrix::zeros(model.len(), sources.len());
+        for (index, source) in sources.iter().enumerate() {
+            if is_resonant(linear, source.spin) {
+                prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
+                let [cosine, sine] = motion.turning_forces(source.shaft);
+                columns.extend([linear.column(&cosine), linear.column(&sine)]);
+            } else {
+                amplitudes.set_column(index, &synchronous.column(source.shaft));
+            }
+        }
+        let mut seen = Vec::new();
+        for rate in kinds {
+            for entry in &entries {
+                for (index, source) in sources.iter().enumerate() {
+                    let value: Complex64 = entry.iter().map(|(i, factor)| amplitudes[(*i, index)] * *factor).sum();
+                    seen.push(if *rate { value * Complex64::new(0.0, source.spin) } else { value });
+                }
+            }
+        }
+        let mut field = Self {
+            scalars: entries.len(),
+            motion,
+            reference,
+            interfaces,
+            rates,
+            sources,
+            amplitudes,
+            seen,
+            prescribed,
+            synchronous_size: 0.0,
+        };
+        field.synchronous_size = field.size_of_synchronous();
+        Ok((field, Ports { rows, columns, meshes }))
+    }
+
+    /// Number of scalars and rates that it sees.
+    pub fn seen(&self) -> usize {
+        self.scalars * if self.rates { 2 } else { 1 }
+    }
+
+    /// Number of loads.
+    pub fn loads(&self) -> usize {
+        self.scalars + self.prescribed.len()
+    }
+
+    /// Number of meshes.
+    pub fn meshes(&self) -> usize {
+        self.interfaces.len()
+    }
+
+    /// Number of loads of the meshes.
+    pub fn mesh_loads(&self) -> usize {
+        self.scalars
+    }
+
+    /// Spins of what turns, rad/s.
+    pub fn spins(&self) -> Vec<f64> {
+        self.sources.iter().map(|source| source.spin).collect()
+    }
+
+    /// Whether a shaft's bow and unbalance act as loads.
+    pub fn is_resonant(&self) -> bool {
+        self.prescribed.iter().any(|load| !matches!(load, Prescribed::Constant))
+    }
+
+    /// e^{iϑ} of every source.
+    pub fn turns(&self, elapsed: f64, turns: &mut [Complex64]) {
+        for (turn, source) in turns.iter_mut().zip(&self.sources) {
+            *turn = source.at_origin * Complex64::from_polar(1.0, source.spin * elapsed);
+        }
+    }
+
+    /// Adds what the synchronous motion contributes to the scalars and rates `u`.
+    pub fn add_synchronous(&self, turns: &[Complex64], u: &mut [f64]) {
+        if turns.is_empty() {
+            return;
+        }
+        for (u, amplitudes) in u.iter_mut().zip(self.seen.chunks_exact(turns.len())) {
+            *u += amplitudes.iter().zip(turns).map(|(a, turn)| a.re * turn.re - a.im * turn.im).sum::<f64>();
+        }
+    }
+
+    /// Whether the loads of every mesh are a straight line over its one scalar.
+    pub fn is_affine(&self) -> bool {
+        self.interfaces.iter().all(Interface::is_affine)
+    }
+
+    /// The same at an instant whose turns are not at hand.
+    pub fn add_synchronous_at(&self, elapsed: f64, u: &mut [f64]) {
+        for (index, source) in self.sources.iter().enumerate() {
+            let turn = source.at_origin * Complex64::from_polar(1.0, source.spin * elapsed);
+            for (u, amplitudes) in u.iter_mut().zip(self.seen.chunks_exact(self.sources.len())) {
+                *u += (amplitudes[index] * turn).re;
+            }
+        }
+    }
+
+    /// The loads at scalars and rates `u`, of which each mesh takes its own, and the slope of each mesh along its δ.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    #[inline(always)]
+    pub fn load(
+        &self,
+        elapsed: f64,
+        turns: &[Complex64],
+        u: &[f64],
+        loads: &mut [f64],
+        slopes: &mut [f64],
+    ) -> Result<(), Halt> {
+        let (scalars, rates) = u.split_at(self.scalars);
+        let mut from = 0;
+        for (interface, slope) in self.interfaces.iter().zip(slopes) {
+            let to = from + interface.scalars();
+            let rates = rates.get(from..to).unwrap_or_default();
+            *slope = interface.load(&self.motion, elapsed, &scalars[from..to], rates, &mut loads[from..to])?;
+            from = to;
+        }
+        for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
+            *load = match prescribed {
+                Prescribed::Constant => 1.0,
+                Prescribed::Cosine(source) => turns[*source].re,
+                Prescribed::Sine(source) => turns[*source].im,
+            };
+        }
+        Ok(())
+    }
+
+    /// Writes the laws that hold at scalars and rates `u`.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn laws(&self, elapsed: f64, u: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+        laws.clear();
+        let (scalars, rates) = u.split_at(self.scalars);
+        let mut from = 0;
+        for interface in &self.interfaces {
+            let to = from + interface.scalars();
+            let rates = rates.get(from..to).unwrap_or_default();
+            laws.extend(interface.law(&self.motion, elapsed, &scalars[from..to], rates)?.code());
+            from = to;
+        }
+        Ok(())
+    }
+
+    /// Displacements and velocities of the reference and the synchronous motion.
+    pub fn carried(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
+        let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
+        let mut turns = vec![Complex64::ZERO; self.sources.len()];
+        self.turns(elapsed, &mut turns);
+        for (index, (source, turn)) in self.sources.iter().zip(&turns).enumerate() {
+            for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
+                let turned = amplitude * turn;
+                q[i] += turned.re;
+                v[i] -= source.spin * turned.im;
+            }
+        }
+        (q, v)
+    }
+
+    /// Synchronous amplitudes of one displacement, or of its rate, source after source.
+    pub fn amplitudes(&self, index: usize, rate: bool) -> impl Iterator<Item = Complex64> + '_ {
+        self.sources.iter().enumerate().map(move |(source, turning)| {
+            let amplitude = self.amplitudes[(index, source)];
+            if rate { amplitude * Complex64::new(0.0, turning.spin) } else { amplitude }
+        })
+    }
+
+    /// Number of sources.
+    pub fn sources(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root of the mean square over their angles.
+    fn size_of_synchronous(&self) -> f64 {
+        let model = self.motion.model();
+        let mut sum = 0.0;
+        for (index, source) in self.sources.iter().enumerate() {
+            for part in [|value: &Complex<f64>| value.re, |value: &Complex<f64>| value.im] {
+                let vector: Vec<f64> = self.amplitudes.column(index).iter().map(part).collect();
+                let elastic = model.elastic_form(&vector, |mesh| self.motion.sigma_of(mesh));
+                sum += (elastic + source.spin * source.spin * model.kinetic_form(&vector)) / 2.0;
+            }
+        }
+        sum.max(0.0).sqrt()
+    }
+}
+
+/// Whether a shaft of this spin runs at a critical speed that nothing damps: it has no synchronous motion.
+pub fn is_resonant(linear: &Linear, spin: f64) -> bool {
+    linear.nearest(spin) < RESONANT * spin.abs()
+}
+
+/// What acts at the reference and is not held there, as entries (index, value).
+fn constant_load(
+    motion: &Motion,
+    interfaces: &[Interface],
+    entries: &[Vec<(usize, f64)>],
+    reference: &DVector<f64>,
+) -> Vec<(usize, f64)> {
+    let model = motion.model();
+    let load = &model.constant_load;
+    let mut residual = load.clone();
+    let mut scale = load.map(f64::abs);
+    let mut add = |index: usize, value: f64| {
+        residual[index] += value;
+        scale[index] += value.abs();
+    };
+    for (row, value) in model.static_force(reference).iter().enumerate() {
+        add(row, -value);
+    }
+    let held = interfaces.iter().flat_map(Interface::held);
+    for (entry, held) in entries.iter().zip(held) {
+        for (index, factor) in entry {
+            add(*index, factor * held);
+        }
+    }
+    // Coordinates are of two kinds, forces and moments; each is measured against all of its kind.
+    let largest = |lateral: bool| {
+        let dofs = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral() == lateral);
+        dofs.map(|dof| scale[dof.index]).fold(0.0, f64::max)
+    };
+    let sizes = [largest(false), largest(true)];
+    let acts = model
+        .numbering
+        .dofs()
+        .iter()
+        .any(|dof| residual[dof.index].abs() > BALANCED * sizes[usize::from(dof.kind.is_lateral())]);
+    if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }
+}

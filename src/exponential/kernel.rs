@@ -1,0 +1,133 @@
+//! The two loops over all modes: scalars from a state, and a state from scalars.
+//!
+//! Sums go over fixed lanes in plain arithmetic, so their bits are the same whatever instructions a machine has; the
+//! compiler makes of them what that machine is best at (`pulp` chooses at run time).
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::modal::LANES;
+
+/// Half the lanes: two registers of AVX2.
+const WIDTH: usize = LANES / 2;
+
+/// `out[i] = rows[i]·z`, rows one after the other.
+pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
+    arch.dispatch(Scalars { rows, z, out });
+}
+
+struct Scalars<'a> {
+    rows: &'a [f64],
+    z: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Scalars<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut rows = self.rows.chunks_exact(self.z.len().max(1));
+        let mut out = self.out.chunks_exact_mut(4);
+        // Four rows at a time read the state once.
+        for out in &mut out {
+            let four = [rows.next(), rows.next(), rows.next(), rows.next()].map(Option::unwrap_or_default);
+            out.copy_from_slice(&products(four, self.z));
+        }
+        for (out, row) in out.into_remainder().iter_mut().zip(rows) {
+            [*out] = products([row], self.z);
+        }
+    }
+}
+
+#[inline(always)]
+fn products<const N: usize>(rows: [&[f64]; N], z: &[f64]) -> [f64; N] {
+    let mut sums = [[0.0; WIDTH]; N];
+    let rows = rows.map(|row| row.as_chunks::<WIDTH>().0);
+    for (chunk, z) in z.as_chunks::<WIDTH>().0.iter().enumerate() {
+        for (sum, row) in sums.iter_mut().zip(&rows) {
+            let Some(row) = row.get(chunk) else { continue };
+            for lane in 0..WIDTH {
+                sum[lane] += row[lane] * z[lane];
+            }
+        }
+    }
+    sums.map(|sum| {
+        let [a, b, c, d, e, f, g, h] = sum;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    })
+}
+
+/// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
+pub fn advance(arch: Arch, transition: &[Vec<f64>; 4], columns: &[f64], p: &[f64], z: &[f64], out: &mut [f64]) {
+    arch.dispatch(Advance { transition, columns, p, z, out });
+}
+
+struct Advance<'a> {
+    transition: &'a [Vec<f64>; 4],
+    columns: &'a [f64],
+    p: &'a [f64],
+    z: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let slots = self.z.len() / 2;
+        let [a, b, c, d] = self.transition.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let (x, y) = self.z.split_at(slots);
+        let (x, y) = (x.as_chunks::<WIDTH>().0, y.as_chunks::<WIDTH>().0);
+        let (out_x, out_y) = self.out.split_at_mut(slots);
+        let (out_x, out_y) = (out_x.as_chunks_mut::<WIDTH>().0, out_y.as_chunks_mut::<WIDTH>().0);
+        let columns = self.columns.as_chunks::<WIDTH>().0;
+        let half = slots / WIDTH;
+        for (i, (out_x, out_y)) in out_x.iter_mut().zip(out_y).enumerate() {
+            let (mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH]);
+            for lane in 0..WIDTH {
+                first[lane] = a[i][lane] * x[i][lane] + b[i][lane] * y[i][lane];
+                second[lane] = c[i][lane] * x[i][lane] + d[i][lane] * y[i][lane];
+            }
+            for (p, column) in self.p.iter().zip(columns.chunks_exact(2 * half)) {
+                let (by_x, by_y) = (&column[i], &column[half + i]);
+                for lane in 0..WIDTH {
+                    first[lane] += by_x[lane] * p;
+                    second[lane] += by_y[lane] * p;
+                }
+            }
+            *out_x = first;
+            *out_y = second;
+        }
+    }
+}
+
+/// `out += Σ columns[k] p[k]`.
+pub fn accumulate(arch: Arch, columns: &[f64], p: &[f64], out: &mut [f64]) {
+    arch.dispatch(Accumulate { columns, p, out });
+}
+
+struct Accumulate<'a> {
+    columns: &'a [f64],
+    p: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Accumulate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let chunks = self.out.len() / WIDTH;
+        let columns = self.columns.as_chunks::<WIDTH>().0;
+        for (i, out) in self.out.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
+            let mut sum = *out;
+            for (p, column) in self.p.iter().zip(columns.chunks_exact(chunks)) {
+                for lane in 0..WIDTH {
+                    sum[lane] += column[i][lane] * p;
+                }
+            }
+            *out = sum;
+        }
+    }
+}

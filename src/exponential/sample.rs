@@ -1,0 +1,121 @@
+//! The motion within a step: the loads are known as a polynomial, so it is made of shorter steps of the table.
+
+use super::step::Stepper;
+
+/// Terms of the series over less than the shortest step that events use, in which no mode
+/// turns by more than a radian.
+const TERMS: usize = 16;
+/// Less than this part of the shortest step that events use is nothing.
+const NOTHING: f64 = 1e-9;
+
+/// Room for a state within a step.
+#[derive(Clone, Debug, Default)]
+pub struct Sample {
+    /// The state.
+    pub z: Vec<f64>,
+    other: Vec<f64>,
+    loads: Vec<f64>,
+    /// Derivatives of the loads over time, order after order.
+    derivatives: Vec<f64>,
+    term: Vec<f64>,
+}
+
+impl Sample {
+    /// Room for states of a stepper.
+    pub fn new(stepper: &Stepper<'_>) -> Self {
+        let len = stepper.linear.len();
+        let loads = stepper.field.loads();
+        Self {
+            z: vec![0.0; len],
+            other: vec![0.0; len],
+            loads: vec![0.0; stepper.loads.len()],
+            derivatives: vec![0.0; loads * stepper.table.rule.whole.len()],
+            term: vec![0.0; len],
+        }
+    }
+
+    /// The state after `within` seconds of the last step, which was one of `level` from `z`.
+    pub fn within(&mut self, stepper: &Stepper<'_>, level: usize, z: &[f64], within: f64) {
+        let levels = &stepper.table.levels;
+        let whole = levels[level].step;
+        let finest = level.max(stepper.event);
+        let tick = levels[finest].step;
+        let ticks = (within / tick + NOTHING).floor();
+        self.z.copy_from_slice(z);
+        let mut begun = 0.0;
+        let mut left = ticks as u64;
+        for (above, shorter) in levels[level..=finest].iter().enumerate() {
+            let length = 1_u64 << (finest - level - above);
+            if left >= length {
+                left -= length;
+                let part = shorter.step / whole;
+                self.interpolate(stepper, begun, part);
+                shorter.advance(stepper.arch, &self.loads, &self.z, &mut self.other);
+                std::mem::swap(&mut self.z, &mut self.other);
+                begun += part;
+            }
+        }
+        let rest = within - ticks * tick;
+        if rest > NOTHING * tick {
+            self.differentiate(stepper, begun, whole);
+            let mut z = std::mem::take(&mut self.z);
+            self.drift(stepper, rest, &mut z);
+            self.z = z;
+        }
+    }
+
+    /// The loads at the nodes of a part of the last step.
+    fn interpolate(&mut self, stepper: &Stepper<'_>, begun: f64, part: f64) {
+        let (rule, loads) = (&stepper.table.rule, stepper.field.loads());
+        for (i, node) in rule.nodes.iter().enumerate() {
+            stepper.weigh(&rule.through(begun + node * part), &mut self.loads[i * loads..(i + 1) * loads]);
+        }
+    }
+
+    /// The derivatives of the loads at a part of the last step of length `whole`.
+    fn differentiate(&mut self, stepper: &Stepper<'_>, begun: f64, whole: f64) {
+        let (rule, loads) = (&stepper.table.rule, stepper.field.loads());
+        self.derivatives.fill(0.0);
+        let points = rule.whole.len();
+        let sides = [&stepper.begin_load[..], &stepper.loads[..], &stepper.end_load[..]];
+        let values = sides.into_iter().flat_map(|side| side.chunks_exact(loads.max(1)));
+        for (j, values) in values.enumerate().take(points) {
+            for (order, slope) in rule.slopes(j, begun).enumerate() {
+                let factor = slope / whole.powi(order as i32);
+                for (derivative, value) in self.derivatives[order * loads..].iter_mut().zip(values) {
+                    *derivative += factor * value;
+                }
+            }
+        }
+    }
+
+    /// Goes on by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
+    fn drift(&mut self, stepper: &Stepper<'_>, rest: f64, z: &mut [f64]) {
+        let loads = stepper.field.loads().max(1);
+        self.term.copy_from_slice(z);
+        let (mut factor, mut size) = (1.0, 1.0);
+        for order in 0..TERMS {
+            // Terms that no mode can tell from nothing.
+            if size < f64::EPSILON / 8.0 {
+                break;
+            }
+            size *= (stepper.linear.radius * rest).abs() / (order + 1) as f64;
+            let by = rest / (order + 1) as f64;
+            factor *= by;
+            stepper.rate(&self.term, &mut self.other);
+            for (term, rate) in self.term.iter_mut().zip(&self.other) {
+                *term = by * rate;
+            }
+            if let Some(derivative) = self.derivatives.chunks_exact(loads).nth(order) {
+                for (p, column) in derivative.iter().zip(&stepper.ports.columns).filter(|(p, _)| **p != 0.0) {
+                    for (term, b) in self.term.iter_mut().zip(column) {
+                        *term += factor * b * p;
+                    }
+                }
+            }
+            for (z, term) in z.iter_mut().zip(&self.term) {
+                *z += term;
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Loads at the nodes that agree with the motion they cause.
+//!
+//! The stage equations p = P(u), u = u_free + H p have as many unknowns as nodes times loads, whatever the size of the
+//! scene. Loads that are straight lines make them linear; others are found by iteration, which contracts like h²Δk/m, and
+//! where it does not, by Newton.
+
+use super::step::{Stepper, turned};
+use super::table::form;
+use crate::integrate::{Halt, Statistics};
+
+/// Iterations before Newton takes over.
+const ITERATIONS: usize = 16;
+/// An iteration that shrinks by less than this is left to Newton.
+const SLOW: f64 = 0.4;
+/// Newton steps before a step is given up.
+const NEWTON: usize = 12;
+/// An iteration has also ended where round-off keeps it from shrinking further, in parts of the load.
+const ROUND_OFF: f64 = 1e-14;
+
+impl Stepper<'_> {
+    /// What the loads that stand cause, into `nodes`.
+    pub(super) fn respond(&mut self, level: usize) {
+        self.nodes.copy_from_slice(&self.free);
+        self.table.levels[level].respond(&self.loads, &mut self.nodes);
+    }
+
+    /// Evaluates the loads at node `i`, into `trial`.
+    fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
+        let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
+        let table = &self.table.levels[level];
+        turned(&self.turns, table, i, &mut self.node_turns);
+        let time = elapsed + self.table.rule.nodes[i] * table.step;
+        let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.trial[i * loads..(i + 1) * loads]);
+        self.field.load(time, &self.node_turns, u, load, &mut self.slopes[i * meshes..(i + 1) * meshes])
+    }
+
+    /// Evaluates the loads at all nodes, into `trial`.
+    fn sweep(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+        let stages = self.table.rule.stages();
+        for i in 0..stages {
+            self.evaluate(level, elapsed, i)?;
+        }
+        statistics.evaluations += stages as u64;
+        Ok(())
+    }
+
+    /// Evaluates node after node, each with the loads of those before it.
+    pub(super) fn follow(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+        let (stages, loads, seen) = (self.table.rule.stages(), self.field.loads(), self.field.seen());
+        for i in 0..stages {
+            for row in i * seen..(i + 1) * seen {
+                let response = &self.table.levels[level].response;
+                let response = &response[row * self.loads.len()..(row + 1) * self.loads.len()];
+                let before = response.iter().zip(&self.loads[..i * loads]).map(|(h, p)| h * p);
+                self.nodes[row] = self.free[row] + before.sum::<f64>();
+            }
+            self.evaluate(level, elapsed, i)?;
+            self.loads[i * loads..(i + 1) * loads].copy_from_slice(&self.trial[i * loads..(i + 1) * loads]);
+        }
+        statistics.evaluations += stages as u64;
+        Ok(())
+    }
+
+    /// Solves stage equations that are linear: p = P(u_free) + P′ H p. Whether that succeeded.
+    pub(super) fn solve_affine(
+        &mut self,
+        level: usize,
+        elapsed: f64,
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
+        self.nodes.copy_from_slice(&self.free);
+        self.sweep(level, elapsed, statistics)?;
+        let response = &self.table.levels[level].response;
+        self.loads.copy_from_slice(&self.trial);
+        self.newton.begin();
+        for row in 0..self.slopes.len() {
+            let (node, k) = (row / meshes, row % meshes);
+            let response = &response[row * self.loads.len()..(row + 1) * self.loads.len()];
+            self.newton.add_row(row, self.slopes[row], meshes, loads, response);
+            // What is prescribed acts through the slope too.
+            let others = response.iter().zip(&self.trial).enumerate().filter(|(at, _)| at % loads >= meshes);
+            let prescribed: f64 = others.map(|(_, (h, p))| h * p).sum();
+            self.newton.right[row] = self.trial[node * loads + k] + self.slopes[row] * prescribed;
+        }
+        if !self.newton.solve() {
+            return Ok(false);
+        }
+        for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.newton.right.chunks_exact(meshes.max(1))) {
+            loads[..meshes].copy_from_slice(solved);
+        }
+        self.respond(level);
+        Ok(true)
+    }
+
+    /// Solves the stage equations from the loads that stand; whether that succeeded.
+    pub(super) fn solve(
+        &mut self,
+        level: usize,
+        elapsed: f64,
+        tolerance: f64,
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        let step = self.table.levels[level].step;
+        let mut before = f64::INFINITY;
+        for iteration in 0..ITERATIONS {
+            self.respond(level);
+            self.sweep(level, elapsed, statistics)?;
+            let (change, size) = self.change(step);
+            std::mem::swap(&mut self.loads, &mut self.trial);
+            if !change.is_finite() {
+                return Ok(false);
+            }
+            let contraction = change / before;
+            // What is left after this iteration is the change times ρ/(1 − ρ).
+            let left =
+                if iteration > 0 && contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
+            if left <= tolerance || change <= ROUND_OFF * size {
+                return Ok(true);
+            }
+            if iteration > 1 && contraction > SLOW {
+                break;
+            }
+            before = change;
+        }
+        self.newton(level, elapsed, tolerance, statistics)
+    }
+
+    /// Energy norms of what the change from `loads` to `trial`, and `trial` itself, add to a state over a step.
+    pub(super) fn change(&mut self, step: f64) -> (f64, f64) {
+        let (loads, meshes) = (self.field.loads(), self.field.mesh_loads());
+        let (mut change, mut size): (f64, f64) = (0.0, 0.0);
+        for (old, new) in self.loads.chunks_exact(loads).zip(self.trial.chunks_exact(loads)) {
+            for ((missed, old), new) in self.missed.iter_mut().zip(old).zip(new) {
+                *missed = new - old;
+            }
+            let square = form(&self.table.gram, &self.missed);
+            if !square.is_finite() {
+                return (f64::INFINITY, size);
+            }
+            change = change.max(square);
+            size = size.max(form(&self.table.gram, &new[..meshes]));
+        }
+        (step * change.sqrt(), step * size.max(0.0).sqrt())
+    }
+
+    pub(super) fn newton(
+        &mut self,
+        level: usize,
+        elapsed: f64,
+        tolerance: f64,
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        let (meshes, loads, seen) = (self.field.mesh_loads(), self.field.loads(), self.field.seen());
+        for _ in 0..NEWTON {
+            self.respond(level);
+            self.sweep(level, elapsed, statistics)?;
+            let table = &self.table.levels[level];
+            let stages = self.table.rule.stages();
+            self.newton.begin();
+            for (i, node) in self.table.rule.nodes.iter().enumerate() {
+                turned(&self.turns, table, i, &mut self.node_turns);
+                let u = &mut self.nodes[i * seen..(i + 1) * seen];
+                let load = &self.trial[i * loads..(i + 1) * loads];
+                let time = elapsed + node * table.step;
+                for k in 0..seen {
+                    // A small part of it, and of what a mesh moves by: a nanometre, or so many radians.
+                    let small = 1e-7 * u[k].abs().max(1e-2);
+                    let stands = u[k];
+                    u[k] += small;
+                    let moved = u[k] - stands;
+                    let slopes = self.newton.slopes(loads);
+                    let outcome = self.field.load(time, &self.node_turns, u, slopes, &mut self.slopes);
+                    u[k] = stands;
+                    outcome?;
+                    for (slope, load) in slopes.iter_mut().zip(load) {
+                        *slope = (*slope - load) / moved;
+                    }
+                    let response =
+                        &table.response[(i * seen + k) * stages * loads..(i * seen + k + 1) * stages * loads];
+                    self.newton.add(i * meshes, meshes, loads, response);
+                }
+                statistics.evaluations += seen as u64;
+            }
+            // (1 − P′H) Δp = P(u) − p for the loads of the meshes; the others are what they are.
+            for (i, (old, new)) in self.loads.chunks_exact_mut(loads).zip(self.trial.chunks_exact(loads)).enumerate() {
+                for k in 0..meshes {
+                    self.newton.right[i * meshes + k] = new[k] - old[k];
+                }
+                old[meshes..].copy_from_slice(&new[meshes..]);
+            }
+            if !self.newton.solve() {
+                return Ok(false);
+            }
+            let step = table.step;
+            self.trial.copy_from_slice(&self.loads);
+            for (i, load) in self.loads.chunks_exact_mut(loads).enumerate() {
+                for (load, step) in load.iter_mut().zip(&self.newton.right[i * meshes..(i + 1) * meshes]) {
+                    *load += step;
+                }
+            }
+            let (change, size) = self.change(step);
+            if !change.is_finite() {
+                return Ok(false);
+            }
+            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * size {
+                self.respond(level);
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}

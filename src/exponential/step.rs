@@ -1,0 +1,272 @@
+//! One step: what a state does by itself, the loads at the nodes, and the state after it.
+
+use num_complex::Complex64;
+use pulp::Arch;
+
+use super::field::Field;
+use super::newton::Newton;
+use super::rule::MOST;
+use super::shift::Powers;
+use super::table::{Level, Ports, Table};
+use super::{Outcome, kernel};
+use crate::integrate::{Halt, Statistics};
+use crate::modal::{Form, Linear};
+
+/// The method with all that a step needs.
+#[derive(Clone, Debug)]
+pub struct Stepper<'m> {
+    /// What acts.
+    pub field: Field<'m>,
+    pub(super) linear: &'m Linear,
+    pub(super) ports: Ports,
+    pub(super) table: Table,
+    /// The level of the shortest step that events use.
+    pub(super) event: usize,
+    pub(super) arch: Arch,
+    bare_rows: Vec<f64>,
+    /// Columns Aᵐ b, for loads that jump.
+    pub(super) powers: Powers,
+    /// Accelerations of the scalars under each load.
+    mobility: Vec<f64>,
+    /// Loads at the nodes, node after node, of the last step.
+    pub(super) loads: Vec<f64>,
+    /// Scalars and rates at the nodes.
+    pub(super) nodes: Vec<f64>,
+    /// Scalars and rates, and loads, at the beginning and at the end.
+    pub(super) begin: Vec<f64>,
+    pub(super) end: Vec<f64>,
+    pub(super) begin_load: Vec<f64>,
+    pub(super) end_load: Vec<f64>,
+    /// The state at the end.
+    pub(super) after: Vec<f64>,
+    pub(super) free: Vec<f64>,
+    pub(super) trial: Vec<f64>,
+    pub(super) turns: Vec<Complex64>,
+    pub(super) node_turns: Vec<Complex64>,
+    pub(super) missed: Vec<f64>,
+    /// How much what is missed changes over a step, and that in parts of its size.
+    pub(super) changed: Vec<f64>,
+    pub(super) pace: f64,
+    pub(super) slopes: Vec<f64>,
+    affine: bool,
+    pub(super) newton: Newton,
+}
+
+impl<'m> Stepper<'m> {
+    /// A stepper of a field, with a table of steps.
+    pub fn new(field: Field<'m>, linear: &'m Linear, ports: Ports, table: Table, event: usize) -> Self {
+        let (stages, seen, loads) = (table.rule.stages(), field.seen(), field.loads());
+        Self {
+            arch: Arch::new(),
+            bare_rows: ports.rows.concat(),
+            powers: Powers::new(linear, &ports),
+            mobility: mobility(linear, &ports, field.mesh_loads()),
+            loads: vec![0.0; stages * loads],
+            nodes: vec![0.0; stages * seen],
+            begin: vec![0.0; seen],
+            end: vec![0.0; seen],
+            begin_load: vec![0.0; loads],
+            end_load: vec![0.0; loads],
+            after: vec![0.0; linear.len()],
+            free: vec![0.0; stages * seen],
+            trial: vec![0.0; stages * loads],
+            turns: vec![Complex64::ZERO; field.sources()],
+            node_turns: vec![Complex64::ZERO; field.sources()],
+            missed: vec![0.0; field.mesh_loads()],
+            changed: vec![0.0; field.mesh_loads()],
+            pace: 0.0,
+            newton: Newton::new(stages * field.mesh_loads()),
+            slopes: vec![0.0; stages * field.meshes()],
+            affine: field.is_affine(),
+            field,
+            linear,
+            ports,
+            table,
+            event,
+        }
+    }
+
+    /// Energy norm of the motion that a state stands for, about the reference.
+    pub(super) fn size(&self, z: &[f64]) -> f64 {
+        let mut square = [0.0];
+        kernel::scalars(self.arch, z, z, &mut square);
+        (square[0] + self.field.synchronous_size.powi(2)).sqrt()
+    }
+
+    /// `out = A z`.
+    pub(super) fn rate(&self, z: &[f64], out: &mut [f64]) {
+        match &self.linear.form {
+            Form::Pairs(_) => kernel::advance(self.arch, &self.linear.blocks, &[], &[], z, out),
+            Form::Dense(_) => self.linear.multiply(z, out),
+        }
+    }
+
+    /// Scalars and rates of a state.
+    pub(super) fn scalars_of(&self, elapsed: f64, z: &[f64], u: &mut [f64]) {
+        kernel::scalars(self.arch, &self.bare_rows, z, u);
+        self.field.add_synchronous_at(elapsed, u);
+    }
+
+    /// Scalars, rates and loads of the state that a step begins with.
+    pub(super) fn look(&mut self, elapsed: f64, z: &[f64], statistics: &mut Statistics) -> Result<(), Halt> {
+        kernel::scalars(self.arch, &self.bare_rows, z, &mut self.begin);
+        self.field.turns(elapsed, &mut self.turns);
+        self.field.add_synchronous(&self.turns, &mut self.begin);
+        self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.slopes)?;
+        statistics.evaluations += 1;
+        Ok(())
+    }
+
+    /// Takes the end of the last step as the beginning of the next.
+    pub(super) fn commit(&mut self, z: &mut Vec<f64>) {
+        std::mem::swap(z, &mut self.after);
+        std::mem::swap(&mut self.begin, &mut self.end);
+        std::mem::swap(&mut self.begin_load, &mut self.end_load);
+    }
+
+    /// Guesses the loads at the nodes: those of the beginning, or, where `memory` holds the loads at the nodes of the
+    /// step before this one and its length, the polynomial through them all.
+    pub(super) fn guess(&mut self, level: usize, memory: &[f64]) {
+        if !self.remembers() {
+            return;
+        }
+        let (loads, rule) = (self.field.loads(), &self.table.rule);
+        let step = self.table.levels[level].step;
+        for load in self.loads.chunks_exact_mut(loads) {
+            load.copy_from_slice(&self.begin_load);
+        }
+        let Some((length, memory)) = memory.split_last() else {
+            return;
+        };
+        for (i, node) in rule.nodes.iter().enumerate() {
+            let tau = 1.0 + node * step / length;
+            // Through the nodes c_j and the end: l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
+            let of_end = rule.missing(tau);
+            let load = &mut self.loads[i * loads..(i + 1) * loads];
+            load.iter_mut().for_each(|load| *load *= of_end);
+            for (j, (at, before)) in rule.nodes.iter().zip(memory.chunks_exact(loads)).enumerate() {
+                let weight = rule.weight(j, tau) * (tau - 1.0) / (at - 1.0);
+                for (load, before) in load.iter_mut().zip(before) {
+                    *load += weight * before;
+                }
+            }
+        }
+    }
+
+    /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after it is left in `after`. The loads are found to
+    /// within `tolerance`, the energy norm of what they may leave.
+    ///
+    /// # Errors
+    /// [`Halt`] where the field is not defined.
+    pub(super) fn step(
+        &mut self,
+        level: usize,
+        (elapsed, end): (f64, f64),
+        z: &[f64],
+        tolerance: f64,
+        statistics: &mut Statistics,
+    ) -> Result<Outcome, Halt> {
+        if self.field.loads() > 0 {
+            let seen = self.field.seen();
+            let table = &self.table.levels[level];
+            kernel::scalars(self.arch, &table.rows, z, &mut self.free);
+            self.field.turns(elapsed, &mut self.turns);
+            for (i, free) in self.free.chunks_exact_mut(seen.max(1)).enumerate() {
+                turned(&self.turns, table, i, &mut self.node_turns);
+                self.field.add_synchronous(&self.node_turns, free);
+            }
+            if self.table.rule.explicit {
+                self.follow(level, elapsed, statistics)?;
+            } else if self.affine {
+                if !self.solve_affine(level, elapsed, statistics)? {
+                    return Ok(Outcome::Unsolved);
+                }
+            } else if !self.solve(level, elapsed, tolerance, statistics)? {
+                return Ok(Outcome::Unsolved);
+            }
+        }
+        let table = &self.table.levels[level];
+        table.advance(self.arch, &self.loads, z, &mut self.after);
+        kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
+        self.field.turns(end, &mut self.turns);
+        self.field.add_synchronous(&self.turns, &mut self.end);
+        self.field.load(end, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
+        statistics.evaluations += 1;
+        Ok(Outcome::Solved)
+    }
+
+    /// Whether a step begins with what the one before it tells.
+    pub(super) fn remembers(&self) -> bool {
+        !self.affine && !self.table.rule.explicit && self.field.mesh_loads() > 0
+    }
+
+    /// Scalars and rates at a part of the last step, by the polynomial through its beginning, its nodes and its end.
+    pub(super) fn interpolate(&self, part: f64, point: &mut [f64]) {
+        let seen = point.len();
+        let weights = self.table.rule.through(part);
+        let (first, last) = (weights[0], weights[self.table.rule.stages() + 1]);
+        for (k, point) in point.iter_mut().enumerate() {
+            let inner = weights[1..].iter().zip(self.nodes.chunks_exact(seen)).map(|(weight, u)| weight * u[k]);
+            *point = first * self.begin[k] + inner.sum::<f64>() + last * self.end[k];
+        }
+    }
+
+    /// The loads at a part of the last step, by the polynomial through its beginning, its nodes and its end.
+    pub(super) fn loads_at(&self, part: f64, out: &mut [f64]) {
+        self.weigh(&self.table.rule.through(part), out);
+    }
+
+    /// Loads of the last step at its beginning, its nodes and its end, weighted and added up.
+    pub(super) fn weigh(&self, weights: &[f64; MOST + 2], out: &mut [f64]) {
+        let (first, last) = (weights[0], weights[self.table.rule.stages() + 1]);
+        for ((out, begin), end) in out.iter_mut().zip(&self.begin_load).zip(&self.end_load) {
+            *out = first * begin + last * end;
+        }
+        for (weight, node) in weights[1..].iter().zip(self.loads.chunks_exact(out.len().max(1))) {
+            for (out, load) in out.iter_mut().zip(node) {
+                *out += weight * load;
+            }
+        }
+    }
+
+    /// Adds to scalars and rates what loads that are larger by `jump` for the time `ahead` will undo: half the square of
+    /// that time, and the time itself, times the accelerations.
+    pub(super) fn depart(&self, jump: &[f64], ahead: f64, u: &mut [f64]) {
+        let (scalars, rates) = u.split_at_mut(self.field.mesh_loads());
+        for (k, (scalar, mobility)) in scalars.iter_mut().zip(self.mobility.chunks_exact(jump.len().max(1))).enumerate()
+        {
+            let acceleration: f64 = mobility.iter().zip(jump).map(|(mobility, jump)| mobility * jump).sum();
+            *scalar += ahead * ahead / 2.0 * acceleration;
+            if let Some(rate) = rates.get_mut(k) {
+                *rate += ahead * acceleration;
+            }
+        }
+    }
+
+    /// The loads at scalars and rates `u`, into `out`.
+    pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
+        self.field.turns(elapsed, &mut self.turns);
+        self.field.load(elapsed, &self.turns, u, out, &mut self.slopes)
+    }
+}
+
+/// w A b of every scalar and load: what a load accelerates it by.
+fn mobility(linear: &Linear, ports: &Ports, scalars: usize) -> Vec<f64> {
+    let mut rate = vec![0.0; linear.len()];
+    let mut mobility = vec![0.0; scalars * ports.columns.len()];
+    for (load, column) in ports.columns.iter().enumerate() {
+        linear.multiply(column, &mut rate);
+        for (scalar, row) in ports.rows.iter().take(scalars).enumerate() {
+            mobility[scalar * ports.columns.len() + load] = row.iter().zip(&rate).map(|(w, rate)| w * rate).sum();
+        }
+    }
+    mobility
+}
+
+/// e^{iϑ} at node `i`.
+pub(super) fn turned(turns: &[Complex64], table: &Level, i: usize, out: &mut [Complex64]) {
+    let by = &table.turns[i * turns.len()..(i + 1) * turns.len()];
+    for ((out, turn), by) in out.iter_mut().zip(turns).zip(by) {
+        *out = turn * by;
+    }
+}

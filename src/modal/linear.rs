@@ -1,0 +1,308 @@
+//! Everything linear at one speed as independent pairs of real coordinates, ż = A z.
+//!
+//! In undamped modes η, with x = ωη for each elastic one, the motion is ẏ = A y over y = (x, η̇) (see [`super::complex`]).
+//! An eigenvalue λ = a ± ib with the vector r ± is of A gives the pair of coordinates along r and s, which moves by
+//! [[a, b], [−b, a]]; a null motion is a pair of position and velocity, with the real eigenvalue that damps it or with
+//! none; what is left of the real eigenvalues stands two and two. Lengths are those of y, the energy norm, so that |z|
+//! is an energy norm as far as the modes are orthogonal.
+//!
+//! Modes that are nearly parallel, as at critical damping, cannot carry a motion to the last digits. How far they are
+//! from it is the condition number; beyond [`WORST`] the motion stays in y, and A is dense.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::complex::{FirstOrder, first_order};
+use super::pairs::Pairs;
+use super::{Basis, RealModes};
+use crate::linalg::DecompositionError;
+
+/// Slots are padded to a multiple of this, so that loops over them need no remainder.
+pub const LANES: usize = 16;
+/// The largest condition number of modes that carry a motion: they lose as many digits.
+pub const WORST: f64 = 1e8;
+
+/// How a pair of coordinates moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pair {
+    /// λ = a + ib: [[a, b], [−b, a]].
+    Oscillation(Complex64),
+    /// Two real eigenvalues.
+    Real([f64; 2]),
+    /// Position and velocity of a motion that nothing restores and that λ ≤ 0 damps, if anything: [[0, 1], [0, λ]].
+    Coasting(f64),
+}
+
+/// The linear motion.
+#[derive(Clone, Debug)]
+pub enum Form {
+    /// Pairs, as many as degrees of freedom.
+    Pairs(Vec<Pair>),
+    /// A itself.
+    Dense(DMatrix<f64>),
+}
+
+/// Everything linear at one speed. A state z holds the first coordinate of each slot, then the second of each.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// How z moves by itself.
+    pub form: Form,
+    /// Lists of a, b, c, d of the blocks [[a, b], [c, d]] of A, where it has them.
+    pub blocks: [Vec<f64>; 4],
+    /// Slots, padded: z has twice as many entries.
+    pub slots: usize,
+    /// κ of the modes, the largest of ‖left vector‖·‖right vector‖; one where they are orthogonal.
+    pub condition: f64,
+    /// The largest |λ|, rad/s.
+    pub radius: f64,
+    /// q = Q z.
+    displacement: DMatrix<f64>,
+    /// q̇ = V z.
+    velocity: DMatrix<f64>,
+    /// z of a displacement, by M q.
+    from_displacement: DMatrix<f64>,
+    /// z of a velocity, by M q̇; ż of a force.
+    from_velocity: DMatrix<f64>,
+}
+
+impl Linear {
+    /// The linear motion at `speed` of the reference shaft, with the mean mesh at rest; of `modes` pairs only, those of
+    /// the lowest frequency, where given.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn new(basis: &Basis, speed: f64, modes: Option<usize>) -> Result<Self, DecompositionError> {
+        let real = basis.real_modes(speed)?;
+        let order = first_order(basis, speed)?;
+        let pairs = Pairs::new(real, &order)?;
+        let (form, right, left, condition) = match pairs {
+            Some(pairs) if pairs.condition <= WORST => {
+                let Pairs { pairs, right, left, condition } = pairs;
+                let keep = lowest(&pairs, modes.unwrap_or(pairs.len()));
+                let n = pairs.len();
+                let both: Vec<usize> = keep.iter().copied().chain(keep.iter().map(|slot| n + slot)).collect();
+                let pairs = keep.iter().map(|slot| pairs[*slot]).collect();
+                (Form::Pairs(pairs), right.select_columns(&both), left.select_rows(&both), condition)
+            }
+            other => {
+                let size = 2 * real.frequencies.len();
+                let condition = other.map_or(f64::INFINITY, |pairs| pairs.condition);
+                let identity = DMatrix::identity(size, size);
+                (Form::Dense(order.whole()), identity.clone(), identity, condition)
+            }
+        };
+        Ok(Self::assemble(real, &order, form, &right, &left, condition))
+    }
+
+    fn assemble(
+        real: &RealModes,
+        order: &FirstOrder,
+        form: Form,
+        right: &DMatrix<f64>,
+        left: &DMatrix<f64>,
+        condition: f64,
+    ) -> Self {
+        let used = right.ncols() / 2;
+        let slots = used.next_multiple_of(LANES);
+        // The second coordinates begin at `slots`.
+        let place = |column: usize| if column < used { column } else { slots + column - used };
+        let spread = |columns: DMatrix<f64>| {
+            let mut padded = DMatrix::zeros(columns.nrows(), 2 * slots);
+            for (index, column) in columns.column_iter().enumerate() {
+                padded.set_column(place(index), &column);
+            }
+            padded
+        };
+        let (q, v) = order.physical(real);
+        let (to_q, to_v) = order.measured(real);
+        let radius = match &form {
+            Form::Pairs(pairs) => pairs.iter().map(Pair::radius).fold(0.0, f64::max),
+            Form::Dense(matrix) => matrix.norm(),
+        };
+        let form = match form {
+            Form::Dense(matrix) => {
+                let mut padded = DMatrix::zeros(2 * slots, 2 * slots);
+                for (column, values) in matrix.column_iter().enumerate() {
+                    for (row, value) in values.iter().enumerate() {
+                        padded[(place(row), place(column))] = *value;
+                    }
+                }
+                Form::Dense(padded)
+            }
+            Form::Pairs(mut pairs) => {
+                pairs.resize(slots, Pair::Real([0.0; 2]));
+                Form::Pairs(pairs)
+            }
+        };
+        let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
+        if let Form::Pairs(pairs) = &form {
+            for pair in pairs {
+                for (list, entry) in blocks.iter_mut().zip(pair.block().as_flattened()) {
+                    list.push(*entry);
+                }
+            }
+        }
+        Self {
+            form,
+            blocks,
+            slots,
+            condition,
+            radius,
+            displacement: spread(q * right),
+            velocity: spread(v * right),
+            from_displacement: spread((left * to_q).transpose()).transpose(),
+            from_velocity: spread((left * to_v).transpose()).transpose(),
+        }
+    }
+
+    /// Length of z.
+    pub fn len(&self) -> usize {
+        2 * self.slots
+    }
+
+    /// Whether there is nothing to move.
+    pub fn is_empty(&self) -> bool {
+        self.slots == 0
+    }
+
+    /// z of displacements q and velocities v.
+    pub fn state(&self, basis: &Basis, q: &[f64], v: &[f64]) -> DVector<f64> {
+        let weigh = |x: &[f64]| {
+            let mut out = vec![0.0; x.len()];
+            basis.model.multiply_mass(x, &mut out);
+            DVector::from_vec(out)
+        };
+        &self.from_displacement * weigh(q) + &self.from_velocity * weigh(v)
+    }
+
+    /// Displacements and velocities of z.
+    pub fn motion(&self, z: &[f64]) -> (DVector<f64>, DVector<f64>) {
+        let z = DVector::from_column_slice(z);
+        (&self.displacement * &z, &self.velocity * &z)
+    }
+
+    /// Amplitudes of the displacements under a force that turns with `spin`, given by its values at ϑ = 0 and ϑ = π/2 as
+    /// entries (index, value); none where no modes carry the motion, or nothing resists it.
+    pub fn synchronous(&self, spin: f64, force: &[Vec<(usize, f64)>; 2]) -> Option<DVector<Complex64>> {
+        let Form::Pairs(pairs) = &self.form else {
+            return None;
+        };
+        // The force is Re((b_c − i b_s) e^{iϑ}).
+        let [cosine, sine] = force.each_ref().map(|force| self.column(force));
+        let mut state = DVector::zeros(self.len());
+        for (slot, pair) in pairs.iter().enumerate() {
+            let [x, y] = [slot, self.slots + slot].map(|at| Complex64::new(cosine[at], -sine[at]));
+            if x == Complex64::ZERO && y == Complex64::ZERO {
+                continue;
+            }
+            // (iΩ − A)⁻¹ by Cramer's rule.
+            let [[a, b], [c, d]] = pair.block();
+            let (first, second) = (Complex64::new(-a, spin), Complex64::new(-d, spin));
+            let determinant = first * second - b * c;
+            if determinant == Complex64::ZERO {
+                return None;
+            }
+            state[slot] = (second * x + b * y) / determinant;
+            state[self.slots + slot] = (first * y + c * x) / determinant;
+        }
+        let parts = |part: fn(&Complex64) -> f64| &self.displacement * state.map(|value| part(&value));
+        let (re, im) = (parts(|value| value.re), parts(|value| value.im));
+        Some(DVector::from_fn(re.len(), |i, _| Complex64::new(re[i], im[i])))
+    }
+
+    /// The row w of a scalar Σ coefficient·q of its entries (index, coefficient), so that it is w·z; of its rate where `rate` says so.
+    pub fn row(&self, scalar: &[(usize, f64)], rate: bool) -> Vec<f64> {
+        let matrix = if rate { &self.velocity } else { &self.displacement };
+        let mut row = vec![0.0; self.len()];
+        for (index, coefficient) in scalar {
+            for (row, value) in row.iter_mut().zip(matrix.row(*index).iter()) {
+                *row += coefficient * value;
+            }
+        }
+        row
+    }
+
+    /// The column b of a force, entries (index, value), so that ż = A z + b.
+    pub fn column(&self, force: &[(usize, f64)]) -> Vec<f64> {
+        let mut column = vec![0.0; self.len()];
+        for (index, value) in force {
+            for (column, entry) in column.iter_mut().zip(self.from_velocity.column(*index).iter()) {
+                *column += value * entry;
+            }
+        }
+        column
+    }
+
+    /// `out = A z`.
+    pub fn multiply(&self, z: &[f64], out: &mut [f64]) {
+        let (x, y) = z.split_at(self.slots);
+        match &self.form {
+            Form::Pairs(_) => {
+                let (out_x, out_y) = out.split_at_mut(self.slots);
+                let [a, b, c, d] = &self.blocks;
+                for slot in 0..self.slots {
+                    out_x[slot] = a[slot] * x[slot] + b[slot] * y[slot];
+                    out_y[slot] = c[slot] * x[slot] + d[slot] * y[slot];
+                }
+            }
+            Form::Dense(matrix) => {
+                out.fill(0.0);
+                for (column, z) in matrix.column_iter().zip(z) {
+                    for (out, entry) in out.iter_mut().zip(column.iter()) {
+                        *out += entry * z;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The smallest |iΩ − λ| over the elastic modes, rad/s.
+    pub fn nearest(&self, spin: f64) -> f64 {
+        let at = Complex64::new(0.0, spin.abs());
+        match &self.form {
+            Form::Pairs(pairs) => {
+                let oscillations = pairs.iter().filter_map(|pair| match pair {
+                    Pair::Oscillation(value) => Some((at - value).norm()),
+                    _ => None,
+                });
+                oscillations.fold(f64::INFINITY, f64::min)
+            }
+            // Only modes tell; without them every speed may be a critical one.
+            Form::Dense(_) => 0.0,
+        }
+    }
+}
+
+impl Pair {
+    /// Its 2×2 matrix.
+    pub fn block(&self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Oscillation(value) => [[value.re, value.im], [-value.im, value.re]],
+            Self::Real([a, d]) => [[*a, 0.0], [0.0, *d]],
+            Self::Coasting(rate) => [[0.0, 1.0], [0.0, *rate]],
+        }
+    }
+
+    /// The largest |λ|, rad/s.
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Oscillation(value) => value.norm(),
+            Self::Real(values) => values[0].abs().max(values[1].abs()),
+            Self::Coasting(rate) => rate.abs(),
+        }
+    }
+
+    /// The frequency that it is kept by: those that do not oscillate come first, they are few.
+    fn frequency(&self) -> f64 {
+        if let Self::Oscillation(value) = self { value.norm() } else { 0.0 }
+    }
+}
+
+/// Indices of the `count` slots of lowest frequency, in the order in which they stand.
+fn lowest(pairs: &[Pair], count: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by(|a, b| pairs[*a].frequency().total_cmp(&pairs[*b].frequency()));
+    order.truncate(count);
+    order.sort_unstable();
+    order
+}

@@ -1,0 +1,138 @@
+//! How the reference shaft turns in a run: its speed, and an angle from which all others follow.
+
+use num_complex::Complex64;
+
+use super::phase;
+use super::phase::Twofold;
+use super::speed::{Profile, Speed};
+
+/// A known angle of the reference shaft; where nothing else is known, it is 0 at the time 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anchor {
+    /// Time, s.
+    pub time: f64,
+    /// Angle, rad, not reduced: the other shafts turn by r_s of it.
+    pub angle: Twofold,
+}
+
+/// How the reference shaft turns in a run.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// Its speed.
+    pub speed: Speed,
+    /// An angle that is known.
+    pub anchor: Anchor,
+    /// Time that elapsed time counts from, s.
+    pub origin: f64,
+    /// Its largest speed, rad/s, with the sign that it has in the run: see [`Speed::fastest`].
+    pub fastest: f64,
+}
+
+impl Course {
+    /// Constant speed; the shafts stand at r_s Ω t.
+    pub fn constant(speed: f64, origin: f64) -> Self {
+        Self { speed: Speed::Constant(speed), anchor: Anchor::default(), origin, fastest: speed }
+    }
+
+    /// Whether its speed does not change.
+    pub(super) fn is_constant(&self) -> bool {
+        matches!(self.speed, Speed::Constant(_))
+    }
+
+    /// Angle of the reference shaft at a time.
+    pub fn angle(&self, time: f64) -> Twofold {
+        self.anchor.angle.plus(self.speed.turned(self.anchor.time, time))
+    }
+
+    /// e^{iϑ} at the origin of a shaft with the speed ratio r_s.
+    pub fn turn_at_origin(&self, ratio: f64) -> Complex64 {
+        match &self.speed {
+            Speed::Constant(speed) => {
+                let known = self.anchor.angle.times(ratio.into()).turn();
+                known * phase(ratio * speed, self.origin - self.anchor.time)
+            }
+            Speed::Changing(_) => self.angle(self.origin).times(ratio.into()).turn(),
+        }
+    }
+
+    /// The speed over elapsed time, where it changes.
+    pub(super) fn changing(&self) -> Option<Changing> {
+        match &self.speed {
+            Speed::Constant(_) => None,
+            Speed::Changing(profile) => Some(Changing::new(profile, self.origin)),
+        }
+    }
+}
+
+/// A changing speed from the origin of a run on. Which piece holds is a law of the step, so that no step goes across a
+/// kink, and an evaluation looks for nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Changing {
+    stretches: Vec<Stretch>,
+    holds: usize,
+}
+
+/// A cubic of Ω over the elapsed time since its start.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    start: f64,
+    /// How long it holds, s.
+    length: f64,
+    /// Angle since the origin, rad.
+    angle: f64,
+    cubic: [f64; 4],
+}
+
+/// The reference shaft at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instant {
+    /// Angle since the origin, rad.
+    pub angle: f64,
+    /// Ω, rad/s.
+    pub speed: f64,
+    /// Ω̇, rad/s².
+    pub acceleration: f64,
+}
+
+impl Changing {
+    fn new(profile: &Profile, origin: f64) -> Self {
+        let stretches = profile.pieces().filter(|(_, end)| *end > origin).map(|(piece, end)| {
+            let begin = piece.begin.max(origin);
+            Stretch {
+                start: begin - origin,
+                length: end - begin,
+                angle: profile.turned(origin, begin).high,
+                cubic: piece.moved_to(begin),
+            }
+        });
+        Self { stretches: stretches.collect(), holds: 0 }
+    }
+
+    /// Which piece the motion is in.
+    pub fn piece_at(&self, elapsed: f64) -> i64 {
+        self.stretches.partition_point(|stretch| stretch.start <= elapsed).saturating_sub(1) as i64
+    }
+
+    /// Sets the piece of the steps to come.
+    pub fn hold(&mut self, piece: i64) {
+        self.holds = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
+    }
+
+    /// The reference shaft at an instant of the piece that holds. A step that is only tried may go beyond its end, where
+    /// the cubic of a short piece could go anywhere: Ω̇ stays what it was.
+    // Out of the way of constant speed, which is the common case.
+    #[inline(never)]
+    pub fn at(&self, elapsed: f64) -> Instant {
+        let stretch = &self.stretches[self.holds];
+        let since = elapsed - stretch.start;
+        let ([a, b, c, d], t) = (stretch.cubic, since.min(stretch.length));
+        let beyond = since - t;
+        let (speed, acceleration) = (a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d)));
+        let angle = stretch.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));
+        Instant {
+            angle: angle + beyond * (speed + acceleration * beyond / 2.0),
+            speed: speed + acceleration * beyond,
+            acceleration,
+        }
+    }
+}

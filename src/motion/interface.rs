@@ -1,0 +1,213 @@
+//! What a mesh sees of the motion and does to it, as a few scalars.
+//!
+//! The law of a mesh depends on six coordinates, but only through where the centres stand to each other and how far the
+//! gears have rolled: three scalars. In frozen geometry the deflection alone is enough; teeth that move with the twist,
+//! and gears off their centres, need either twist. What the linear motion already contains of a mesh, its mean
+//! stiffness and damping at rest, is taken off here, so that a load is what is left.
+
+use nalgebra::DVector;
+
+use super::Motion;
+use crate::integrate::Halt;
+use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap};
+use crate::scene::Phase;
+
+/// Through which scalars a mesh sees the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scalars {
+    /// δ along the line of action at rest.
+    Along,
+    /// u_b − u_a over (y, z), and r_a θ_a + r_b θ_b.
+    Plane,
+    /// u_b − u_a over (y, z), θ_a and θ_b.
+    Each,
+}
+
+/// The most scalars that a mesh has.
+const MOST: usize = 4;
+/// Coordinates of a mesh on its own: v and w of either gear, then θ of either.
+const OWN: usize = 6;
+
+/// The interface of one mesh with everything linear.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// The mesh on coordinates of its own.
+    coupling: Coupling,
+    scalars: Scalars,
+    geometry: Geometry,
+    sigma: f64,
+    /// Its scalars, and its generalised forces, at the displacements that deviations are measured from.
+    at: [f64; MOST],
+    held: [f64; MOST],
+    /// ∂δ/∂(scalars) along the line of action at rest.
+    gradient: [f64; MOST],
+}
+
+impl Interface {
+    /// The interface of mesh `mesh` of a motion; deviations are measured from `reference`.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles at the reference.
+    pub fn new(motion: &Motion, mesh: usize, reference: &DVector<f64>) -> Result<Self, Overlap> {
+        let global = &motion.model.meshes[mesh];
+        let (geometry, sigma) = (motion.geometry, motion.sigma[mesh]);
+        let follows_twist = global.phase == Phase::Twist && !global.teeth.is_constant();
+        // The line of action of the back flank is another one, unless there is no bending.
+        let frozen = geometry == Geometry::Frozen && global.backlash.is_none();
+        let flat = frozen || global.coordinates.translation.is_none();
+        let scalars = match (follows_twist || global.has_run_out(), flat) {
+            (true, _) => Scalars::Each,
+            (false, true) => Scalars::Along,
+            (false, false) => Scalars::Plane,
+        };
+        let translation = global.coordinates.translation.map(|_| [0, 2]);
+        let coupling = global.on(Coordinates { translation, twist: [4, 5] });
+        let [ra, rb] = coupling.involute.base_radius;
+        let [y, z] = coupling.normal_at_rest(sigma);
+        let gradient = match scalars {
+            Scalars::Along => [1.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [-y, -z, sigma, 0.0],
+            Scalars::Each => [-y, -z, sigma * ra, sigma * rb],
+        };
+        let mut interface =
+            Self { mesh, coupling, scalars, geometry, sigma, at: [0.0; MOST], held: [0.0; MOST], gradient };
+        for (at, row) in interface.at.iter_mut().zip(Self::rows_of(global, scalars, sigma)) {
+            *at = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
+        }
+        interface.held = interface.mean_force()?;
+        Ok(interface)
+    }
+
+    /// Number of scalars.
+    pub fn scalars(&self) -> usize {
+        match self.scalars {
+            Scalars::Along => 1,
+            Scalars::Plane => 3,
+            Scalars::Each => 4,
+        }
+    }
+
+    /// Whether its load depends on the rates of the scalars as well.
+    pub fn has_rates(&self) -> bool {
+        let parts = self.coupling.backlash.is_some() || self.scalars != Scalars::Along;
+        self.coupling.damping > 0.0 && parts || self.coupling.has_run_out()
+    }
+
+    /// Whether its load is a straight line over its one scalar, for a given law and time.
+    pub fn is_affine(&self) -> bool {
+        self.scalars == Scalars::Along && self.coupling.backlash.is_none() && !self.coupling.teeth.is_relieved()
+    }
+
+    /// Every scalar as entries (index, coefficient) over the displacements of the model; a load on it acts on the same
+    /// coordinates with the same coefficients.
+    pub fn rows(&self, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
+        Self::rows_of(&motion.model.meshes[self.mesh], self.scalars, self.sigma)
+    }
+
+    fn rows_of(coupling: &Coupling, scalars: Scalars, sigma: f64) -> Vec<Vec<(usize, f64)>> {
+        let [ra, rb] = coupling.involute.base_radius;
+        let Coordinates { translation, twist: [a, b] } = coupling.coordinates;
+        let apart = |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
+        match scalars {
+            Scalars::Along => {
+                let mut row = Vec::new();
+                coupling.gradient(sigma, coupling.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
+                vec![row]
+            }
+            Scalars::Plane => vec![apart(0), apart(1), vec![(a, ra), (b, rb)]],
+            Scalars::Each => vec![apart(0), apart(1), vec![(a, 1.0)], vec![(b, 1.0)]],
+        }
+    }
+
+    /// The coordinates of its own that have these scalars.
+    #[inline(always)]
+    fn own(&self, scalars: &[f64; MOST]) -> [f64; OWN] {
+        let [ra, _] = self.coupling.involute.base_radius;
+        match self.scalars {
+            Scalars::Along => [0.0, 0.0, 0.0, 0.0, self.sigma * scalars[0] / ra, 0.0],
+            Scalars::Plane => [0.0, 0.0, scalars[0], scalars[1], scalars[2] / ra, 0.0],
+            Scalars::Each => [0.0, 0.0, scalars[0], scalars[1], scalars[2], scalars[3]],
+        }
+    }
+
+    /// The generalised forces of a contact on the scalars.
+    #[inline(always)]
+    fn forces(&self, contact: &Contact) -> [f64; MOST] {
+        let [y, z] = contact.push;
+        match self.scalars {
+            Scalars::Along => [-contact.force, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, contact.moments[0] / self.coupling.involute.base_radius[0], 0.0],
+            Scalars::Each => [y, z, contact.moments[0], contact.moments[1]],
+        }
+    }
+
+    /// The generalised forces of the mean stiffness at the reference, on the flank that carries there.
+    fn mean_force(&self) -> Result<[f64; MOST], Overlap> {
+        let own = self.own(&self.at);
+        let pressed = |flank| self.coupling.mean_tangent(self.geometry, self.sigma, flank, &own, |_, _, _| {});
+        let drive = pressed(Flank::Drive)?;
+        let ((force, [y, z]), sigma) = match self.coupling.backlash {
+            Some(_) if drive.0 < 0.0 => (pressed(Flank::Back)?, -self.sigma),
+            _ => (drive, self.sigma),
+        };
+        let [ra, rb] = self.coupling.involute.base_radius;
+        Ok(match self.scalars {
+            Scalars::Along => [-force * sigma * self.sigma, 0.0, 0.0, 0.0],
+            Scalars::Plane => [force * y, force * z, -force * sigma, 0.0],
+            Scalars::Each => [force * y, force * z, -force * sigma * ra, -force * sigma * rb],
+        })
+    }
+
+    /// The generalised forces that it holds at the reference.
+    pub fn held(&self) -> &[f64] {
+        &self.held[..self.scalars()]
+    }
+
+    /// The load at deviations `u` of the scalars and their `rates` (empty where they do not matter), under the law that
+    /// holds; returns its slope along δ.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    #[inline(always)]
+    pub fn load(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<f64, Halt> {
+        let (q, v) = self.place(u, rates);
+        let law = &motion.laws[self.mesh];
+        let turning = motion.turning(self.mesh, elapsed);
+        let contact = self.coupling.contact(self.geometry, self.sigma, law, &turning, &q, &v);
+        let contact = contact.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?;
+        let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
+        let linear = self.coupling.stiffness * along(u) + self.coupling.damping * along(rates);
+        let forces = self.forces(&contact);
+        for (k, load) in load.iter_mut().enumerate() {
+            *load = (forces[k] - self.held[k]) + linear * self.gradient[k];
+        }
+        Ok(self.coupling.stiffness - contact.stiffness)
+    }
+
+    /// The law that holds at deviations `u` and their `rates`.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn law(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64]) -> Result<Law, Halt> {
+        if !self.coupling.switches() {
+            return Ok(Law::ALWAYS);
+        }
+        let (q, v) = self.place(u, rates);
+        let law = self.coupling.law(self.geometry, self.sigma, &motion.turning(self.mesh, elapsed), &q, &v);
+        law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
+    }
+
+    #[inline(always)]
+    fn place(&self, u: &[f64], rates: &[f64]) -> ([f64; OWN], [f64; OWN]) {
+        let (mut scalars, mut speeds) = (self.at, [0.0; MOST]);
+        for (scalar, u) in scalars.iter_mut().zip(u) {
+            *scalar += u;
+        }
+        for (speed, rate) in speeds.iter_mut().zip(rates) {
+            *speed = *rate;
+        }
+        (self.own(&scalars), self.own(&speeds))
+    }
+}

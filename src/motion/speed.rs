@@ -1,0 +1,231 @@
+//! The speed Ω of the reference shaft: constant, or a continuous chain of cubic pieces, held before and after it.
+//!
+//! Pieces are polynomials, so the angle ϑ = ∫Ω dt and the acceleration Ω̇ are exact.
+
+use super::phase::Twofold;
+use crate::scene::{Path, SceneError};
+
+/// A speed below this part of the largest is none: round-off, and what the sampling of a function leaves, turn no shaft
+/// backwards and make no jump.
+const NOTHING: f64 = 1e-9;
+
+/// Speed of the reference shaft, rad/s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Speed {
+    /// The same at all times.
+    Constant(f64),
+    /// One that changes.
+    Changing(Profile),
+}
+
+impl From<f64> for Speed {
+    fn from(speed: f64) -> Self {
+        Self::Constant(speed)
+    }
+}
+
+impl Speed {
+    /// Ω at a time.
+    pub fn at(&self, time: f64) -> f64 {
+        match self {
+            Self::Constant(speed) => *speed,
+            Self::Changing(profile) => profile.piece_at(time).at(time),
+        }
+    }
+
+    /// The largest |Ω| of all, with the sign that Ω has between two times; where nothing turns then, with that of other
+    /// times: it says which flanks of the teeth press. What follows from it is the same in every part of a run.
+    pub fn fastest(&self, start: f64, end: f64) -> f64 {
+        match self {
+            Self::Constant(speed) => *speed,
+            Self::Changing(profile) => {
+                let largest = profile.largest(profile.breaks[0], profile.end());
+                match profile.largest(start, end) {
+                    0.0 => largest,
+                    within => largest.abs().copysign(within),
+                }
+            }
+        }
+    }
+
+    /// The angle ∫Ω dt between two times, rad.
+    pub fn turned(&self, from: f64, to: f64) -> Twofold {
+        match self {
+            Self::Constant(speed) => Twofold::from(*speed).times(Twofold::sum(to, -from)),
+            Self::Changing(profile) => profile.turned(from, to),
+        }
+    }
+
+    /// Checks that it is finite and does not change its sign between two times.
+    ///
+    /// # Errors
+    /// [`SceneError`] that names the time.
+    pub fn check(&self, start: f64, end: f64) -> Result<(), SceneError> {
+        match self {
+            Self::Constant(speed) => Path::root("speed").finite(*speed).map(|_| ()),
+            Self::Changing(profile) => profile.keeps_its_sign(start, end),
+        }
+    }
+}
+
+/// A speed that changes: cubic after cubic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    breaks: Vec<f64>,
+    /// One before the first break, one between each two, one after the last.
+    pieces: Vec<Piece>,
+}
+
+impl Profile {
+    /// The pieces between `breaks`, s, with the coefficients of 1, τ, τ², τ³ over the time τ since the break.
+    ///
+    /// # Errors
+    /// [`SceneError`] for times that do not ascend, numbers that are not finite, a speed that jumps.
+    pub fn new(breaks: Vec<f64>, coefficients: &[[f64; 4]]) -> Result<Self, SceneError> {
+        let error = |message: String| SceneError::new("speed", message);
+        let (pieces, times) = (coefficients.len(), breaks.len());
+        if pieces == 0 || times != pieces + 1 {
+            return Err(error(format!("needs {} times for {pieces} pieces, got {times}", pieces + 1)));
+        }
+        if let Some((index, time)) = breaks.iter().enumerate().find(|(_, time)| !time.is_finite()) {
+            let time = time.to_string().to_lowercase();
+            return Err(error(format!("time {index} must be finite, got {time}")));
+        }
+        if let Some(pair) = breaks.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(error(format!("times must ascend, {} s follows {} s", pair[1], pair[0])));
+        }
+        let finite = |cubic: &[f64; 4]| cubic.iter().all(|value| value.is_finite());
+        if let Some((begin, _)) = breaks.iter().zip(coefficients).find(|(_, cubic)| !finite(cubic)) {
+            return Err(error(format!("must be finite, and is not from {begin} s on")));
+        }
+        let piece = |(about, cubic): (&f64, &[f64; 4])| Piece { begin: *about, about: *about, cubic: *cubic };
+        let mut pieces: Vec<_> = breaks.iter().zip(coefficients).map(piece).collect();
+        let held = |about: f64, speed: f64| Piece { begin: about, about, cubic: [speed, 0.0, 0.0, 0.0] };
+        let (first, last) = (breaks[0], breaks[coefficients.len()]);
+        let (before, after) = (held(first, pieces[0].at(first)), held(last, pieces[pieces.len() - 1].at(last)));
+        pieces.insert(0, Piece { begin: f64::NEG_INFINITY, ..before });
+        pieces.push(after);
+        let profile = Self { breaks, pieces };
+        let least = NOTHING * profile.largest(first, last).abs();
+        for (pair, time) in profile.pieces.windows(2).zip(&profile.breaks) {
+            let (left, right) = (pair[0].at(*time), pair[1].at(*time));
+            if (right - left).abs() > least {
+                return Err(error(format!("must not jump, goes from {left} to {right} rad/s at {time} s")));
+            }
+        }
+        Ok(profile)
+    }
+
+    /// Times between the pieces, and the coefficients of each.
+    pub fn parts(&self) -> (&[f64], impl Iterator<Item = &[f64; 4]>) {
+        (&self.breaks, self.pieces[1..self.breaks.len()].iter().map(|piece| &piece.cubic))
+    }
+
+    fn end(&self) -> f64 {
+        self.breaks[self.breaks.len() - 1]
+    }
+
+    /// The pieces, each with the time at which it ends.
+    pub(super) fn pieces(&self) -> impl Iterator<Item = (&Piece, f64)> {
+        self.pieces.iter().zip(self.breaks.iter().copied().chain([f64::INFINITY]))
+    }
+
+    fn piece_at(&self, time: f64) -> &Piece {
+        &self.pieces[self.breaks.partition_point(|begin| *begin <= time)]
+    }
+
+    pub(super) fn turned(&self, from: f64, to: f64) -> Twofold {
+        if from > to {
+            return self.turned(to, from).times(Twofold::from(-1.0));
+        }
+        let within = self.pieces().filter(|(piece, end)| piece.begin < to && *end > from);
+        let angle = |(piece, end): (&Piece, f64)| piece.turned(from.max(piece.begin), to.min(end));
+        within.map(angle).fold(Twofold::default(), Twofold::plus)
+    }
+
+    /// Ω at both ends, at every break and at every extreme between two times, in order.
+    fn extremes(&self, start: f64, end: f64) -> Vec<(f64, f64)> {
+        let mut found = Vec::new();
+        for (piece, until) in self.pieces().filter(|(piece, until)| piece.begin <= end && *until >= start) {
+            let (from, to) = (start.max(piece.begin), end.min(until));
+            let mut times = [from, to, to, to];
+            let [first, second] = piece.level();
+            for (time, level) in times[1..3].iter_mut().zip([first.min(second), first.max(second)]) {
+                if level > from && level < to {
+                    *time = level;
+                }
+            }
+            times.sort_by(f64::total_cmp);
+            found.extend(times.map(|time| (time, piece.at(time))));
+        }
+        found
+    }
+
+    fn largest(&self, start: f64, end: f64) -> f64 {
+        let speeds = self.extremes(start, end).into_iter().map(|(_, speed)| speed);
+        speeds.fold(0.0, |largest: f64, speed| if speed.abs() > largest.abs() { speed } else { largest })
+    }
+
+    fn keeps_its_sign(&self, start: f64, end: f64) -> Result<(), SceneError> {
+        let least = NOTHING * self.largest(start, end).abs();
+        let turning =
+            self.extremes(start, end).into_iter().filter(|(_, speed)| speed.abs() > least).collect::<Vec<_>>();
+        let Some(pair) = turning.windows(2).find(|pair| pair[0].1 * pair[1].1 < 0.0) else {
+            return Ok(());
+        };
+        let (mut before, mut after) = (pair[0].0, pair[1].0);
+        while (before + after) / 2.0 > before && (before + after) / 2.0 < after {
+            let middle = (before + after) / 2.0;
+            let same = self.piece_at(middle).at(middle) * pair[0].1 > 0.0;
+            *(if same { &mut before } else { &mut after }) = middle;
+        }
+        let message =
+            format!("changes its sign at {after} s, where the teeth would change their flanks: end the run there");
+        Err(SceneError::new("speed", message))
+    }
+}
+
+/// A cubic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    /// Time at which it begins.
+    pub begin: f64,
+    /// Time that τ counts from.
+    pub about: f64,
+    /// Coefficients of 1, τ, τ², τ³.
+    pub cubic: [f64; 4],
+}
+
+impl Piece {
+    /// Ω.
+    fn at(&self, time: f64) -> f64 {
+        let ([a, b, c, d], t) = (self.cubic, time - self.about);
+        a + t * (b + t * (c + t * d))
+    }
+
+    /// ∫Ω dt.
+    fn turned(&self, from: f64, to: f64) -> Twofold {
+        let [a, b, c, d] = self.cubic;
+        let since = |time: f64| {
+            let t = Twofold::sum(time, -self.about);
+            let cubic = t.times((d / 4.0).into()).plus(Twofold::quotient(c, 3.0));
+            t.times(t.times(t.times(cubic).plus((b / 2.0).into())).plus(a.into()))
+        };
+        since(to).plus(since(from).times(Twofold::from(-1.0)))
+    }
+
+    /// Times at which Ω̇ = 0, where there are any.
+    fn level(&self) -> [f64; 2] {
+        let [_, b, c, d] = self.cubic;
+        let root = (c * c - 3.0 * b * d).sqrt();
+        // That of the two whose terms do not cancel, and the other from the product of both.
+        let sum = -(c + root.copysign(c));
+        [self.about + sum / (3.0 * d), self.about + b / sum]
+    }
+
+    /// The coefficients about another time.
+    pub fn moved_to(&self, about: f64) -> [f64; 4] {
+        let ([a, b, c, d], t) = (self.cubic, about - self.about);
+        [a + t * (b + t * (c + t * d)), b + t * (2.0 * c + 3.0 * t * d), c + 3.0 * t * d, d]
+    }
+}

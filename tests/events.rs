@@ -1,0 +1,178 @@
+//! Changes of law within steps, on a ball that falls onto a spring: flights and strokes have closed forms.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::particles::{Witness, adaptive};
+use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
+use gearbow::integrate::{Control, Halt, RungeKutta, State, Statistics, System, run};
+use proptest::prelude::*;
+
+/// ω of the spring, and what it pushes with as soon as it is touched: the force jumps where the law changes.
+const STIFF: f64 = 40.0;
+const PUSH: f64 = 3.0;
+const GRAVITY: f64 = 1.0;
+
+/// A ball above a spring at q = 0: q̈ = −g, and +PUSH − ω²q under it. The law is 1 where the spring is touched.
+#[derive(Clone, Debug, Default)]
+struct Ball {
+    touched: bool,
+    evaluations: u64,
+}
+
+impl System for Ball {
+    fn len(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        self.evaluations += 1;
+        let spring = if self.touched { PUSH - STIFF * STIFF * y[0] } else { 0.0 };
+        derivative.copy_from_slice(&[y[1], spring - GRAVITY]);
+        Ok(())
+    }
+
+    fn switching(&self) -> Option<&[usize]> {
+        Some(&[0])
+    }
+
+    fn laws_at(&mut self, _: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+        laws.clear();
+        laws.push(i64::from(y[0] < 0.0));
+        Ok(())
+    }
+
+    fn set_laws(&mut self, laws: &[i64]) {
+        self.touched = laws == [1];
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        (STIFF * difference[0]).hypot(difference[1])
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        self.norm(y)
+    }
+}
+
+fn drop_from(height: f64) -> State {
+    State::new(vec![height, 0.0])
+}
+
+fn integrate<const S: usize>(tableau: Tableau<S>, control: Control, state: &mut State, end: f64) -> Statistics {
+    let (mut ball, mut statistics) = (Ball::default(), Statistics::new());
+    let mut method = RungeKutta::new(tableau, 2);
+    run(&mut ball, &mut method, &control, state, end, &mut Witness::default(), &mut statistics).unwrap();
+    assert_eq!(ball.evaluations, statistics.evaluations);
+    statistics
+}
+
+/// Fall from `height`, and stroke: how long each takes. The stroke swings about (PUSH − g)/ω² above the spring.
+fn durations(height: f64) -> [f64; 2] {
+    let speed = (2.0 * GRAVITY * height).sqrt();
+    let lift = (PUSH - GRAVITY) / STIFF;
+    [speed / GRAVITY, 2.0 * (speed / lift).atan() / STIFF]
+}
+
+/// State at `time`, exact.
+fn exact(height: f64, time: f64) -> [f64; 2] {
+    let [fall, stroke] = durations(height);
+    let since = (time + fall) % (2.0 * fall + stroke);
+    let speed = GRAVITY * fall;
+    if since <= 2.0 * fall {
+        return [speed * since - GRAVITY * since * since / 2.0, speed - GRAVITY * since];
+    }
+    let (sin, cos) = (STIFF * (since - 2.0 * fall)).sin_cos();
+    let middle = (PUSH - GRAVITY) / (STIFF * STIFF);
+    [middle * (1.0 - cos) - speed / STIFF * sin, middle * STIFF * sin - speed * cos]
+}
+
+/// Energy norm of what a run is off by after the third stroke; its time is one step grid's, whatever the step.
+fn error<const S: usize>(tableau: Tableau<S>, control: Control) -> (f64, Statistics) {
+    let mut state = drop_from(0.5);
+    let statistics = integrate(tableau, control, &mut state, 7.0);
+    let expected = exact(0.5, state.elapsed);
+    (Ball::default().norm(&[state.y[0] - expected[0], state.y[1] - expected[1]]), statistics)
+}
+
+#[test]
+fn a_jump_of_force_does_not_cost_the_order() {
+    let at = |k: i32| error(RK4, Control::Fixed(2.0_f64.powi(-k)));
+    let ((coarse, _), (fine, statistics)) = (at(9), at(10));
+    let order = (coarse / fine).log2();
+    // Flights are parabolas, which RK4 takes exactly. What a stroke loses of the energy, of fifth order, sets the
+    // flights after it and outweighs the phase, of fourth; a change that is not located leaves first order.
+    assert!(order > 4.0, "{order}: {coarse:e} {fine:e}");
+    // Three strokes, begun at 1, 3.1 and 5.2 s, of two changes each.
+    assert_eq!(statistics.events, 6);
+    let (found, statistics) = error(DORMAND_PRINCE, adaptive(1e-10, 0.1));
+    // 400 steps, each within the tolerance of a motion of size ω·0.5 = 20.
+    assert!(found < 400.0 * 1e-10 * 20.0, "{found:e}");
+    assert_eq!(statistics.events, 6);
+}
+
+#[test]
+fn a_change_is_found_to_round_off() {
+    // The witness sees every step: one of them ends at the first touch.
+    let mut state = drop_from(0.5);
+    let mut witness = Witness { end: Some(1.1), ..Witness::default() };
+    let mut method = RungeKutta::new(RK4, 2);
+    let control = Control::Fixed(0.03);
+    run(&mut Ball::default(), &mut method, &control, &mut state, 1.1, &mut witness, &mut Statistics::new()).unwrap();
+    let [fall, stroke] = durations(0.5);
+    let ends: Vec<f64> = witness.seen.iter().map(|(start, step, _)| start + step).collect();
+    let nearest = |time: f64| ends.iter().map(|end| (end - time).abs()).fold(f64::INFINITY, f64::min);
+    // A part of 1e-13 of the step, and round-off of the time itself; the stroke is taken with steps of one radian.
+    assert!(nearest(fall) < 1e-14, "{:e}", nearest(fall));
+    assert!(nearest(fall + stroke) < 1e-2, "{:e}", nearest(fall + stroke));
+}
+
+#[test]
+fn steps_go_on_as_before_a_change() {
+    // What is left of the grid's step comes next, so the grid stays where it was: 700 steps, six of them in two parts.
+    let mut state = drop_from(0.6);
+    let statistics = integrate(RK4, Control::Fixed(0.01), &mut state, 7.005);
+    assert_eq!((state.count, state.elapsed), (700, 700.0 * 0.01));
+    assert_eq!((statistics.steps, statistics.events), (706, 6));
+    // From half a metre the first touch is at 1 s, the end of a step: nothing is left of it.
+    let statistics = integrate(RK4, Control::Fixed(0.01), &mut drop_from(0.5), 7.005);
+    assert_eq!((statistics.steps, statistics.events), (705, 6));
+}
+
+#[test]
+fn a_ball_that_only_just_touches_does_not_stop_the_run() {
+    // It rests where the law changes, on a spring that pushes as soon as it is touched: there is no end to changes.
+    let mut state = State::new(vec![0.0, 0.0]);
+    let statistics = integrate(RK4, Control::Fixed(0.01), &mut state, 1.005);
+    assert_eq!(state.count, 100);
+    assert!(statistics.evaluations < 100_000, "{statistics:?}");
+    assert!(state.y[0].abs() < 1e-2 && state.y[1].abs() < 0.2, "{:?}", state.y);
+}
+
+proptest! {
+    #![proptest_config(common::cases(60))]
+
+    #[test]
+    fn a_split_run_is_the_whole_run(
+        mut stops in prop::collection::vec(0.0..8.0_f64, 0..6), height in 0.01..1.0_f64, exactly: bool,
+    ) {
+        // One of the stops may be the very instant of a change.
+        if exactly {
+            stops.push(durations(height)[0]);
+        }
+        stops.sort_by(f64::total_cmp);
+        fn parts<const S: usize>(tableau: Tableau<S>, control: Control, stops: &[f64], height: f64) -> [State; 2] {
+            let mut whole = drop_from(height);
+            let mut parts = whole.clone();
+            integrate(tableau, control, &mut whole, 8.0);
+            for stop in stops.iter().chain(&[8.0]) {
+                integrate(tableau, control, &mut parts, *stop);
+            }
+            [parts, whole]
+        }
+        let [parted, whole] = parts(RK4, Control::Fixed(0.0123), &stops, height);
+        prop_assert_eq!(parted, whole);
+        let [parted, whole] = parts(DORMAND_PRINCE, adaptive(1e-6, 0.1), &stops, height);
+        prop_assert_eq!(parted, whole);
+    }
+}

@@ -1,0 +1,335 @@
+//! The linear motion in its modes, the tables of its steps, and what is seen within a step.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::{Noise, basis, everything, largest, motion, train};
+use gearbow::analysis::{equilibrium, synchronous};
+use gearbow::exponential::{Clock, Control, Field, Output, Ports, Rule, Selection, Stepper, Table, run};
+use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
+use gearbow::mesh::Geometry;
+use gearbow::modal::{Basis, Form, Linear};
+use gearbow::scene::System;
+use gearbow::scene::description::{Coefficient, Stiffness, StiffnessKind, StiffnessModel};
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+const SPEED: f64 = 100.0;
+
+/// A small train with damping of every kind.
+fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) -> System {
+    let mut system = train();
+    system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(2));
+    let [k_y, k_z, c_y, c_z] = bearing;
+    for bearing in &mut system.bearings {
+        bearing.stiffness = Coefficient::Full([[k_y, cross[0]], [-cross[1], k_z]]);
+        bearing.damping = Some(Coefficient::Full([[c_y, 0.0], [0.0, c_z]]));
+    }
+    system.rayleigh = Some(rayleigh);
+    system.modal_damping = Some(modal);
+    system
+}
+
+/// Checks that z and back is the identity, and that ż = A z is the equation of motion.
+fn obeys(basis: &Basis, speed: f64, seed: u64) -> Result<(), TestCaseError> {
+    let model = &basis.model;
+    let n = model.len();
+    let linear = basis.linear(speed, None).unwrap();
+    let mut noise = Noise::new(seed);
+    let (q, v) = (noise.vector(n, 1e-6), noise.vector(n, 1e-2));
+    let z = linear.state(basis, &q, &v);
+    let (q_back, v_back) = linear.motion(z.as_slice());
+    let (q, v) = (DVector::from_vec(q), DVector::from_vec(v));
+    // Round-off of a product of eigenvectors, which loses as many digits as its condition has.
+    let loss = 1e-11 * linear.condition;
+    prop_assert!((&q_back - &q).amax() < loss * q.amax(), "{:e}", (&q_back - &q).amax());
+    prop_assert!((&v_back - &v).amax() < loss * v.amax(), "{:e}", (&v_back - &v).amax());
+
+    let mut rate = vec![0.0; linear.len()];
+    linear.multiply(z.as_slice(), &mut rate);
+    let (velocity, acceleration) = linear.motion(&rate);
+    let inertia = model.mass_matrix() * acceleration;
+    let elastic = model.stiffness_matrix(speed) * &q;
+    let viscous = (basis.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed) * &v;
+    let scale = elastic.amax().max(viscous.amax());
+    prop_assert!((inertia + elastic + viscous).amax() < loss * scale);
+    // What moves at ω moves by ω at most.
+    prop_assert!((velocity - &v).amax() < loss * (v.amax() + linear.radius * q.amax()));
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(common::cases(24))]
+
+    #[test]
+    fn modes_at_speed_are_the_equation_of_motion(
+        bearing in (1e6..1e9_f64, 1e6..1e9_f64, 0.0..1e5_f64, 0.0..1e5_f64),
+        cross in (0.0..1e6_f64, 0.0..1e6_f64),
+        rayleigh in (0.0..100.0_f64, 0.0..1e-6_f64),
+        modal in 0.0..0.2_f64,
+        speed in -500.0..500.0_f64,
+        seed in 0..1000_u64,
+    ) {
+        let bearing = [bearing.0, bearing.1, bearing.2, bearing.3];
+        let system = damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], modal);
+        obeys(&basis(&system), speed, seed)?;
+    }
+}
+
+#[test]
+fn rolling_that_hardly_slows_keeps_its_digits() {
+    // The train rolls freely; mass-proportional damping slows it at its own rate.
+    for rate in [1e-9, 1e-6, 1e-3, 0.17, 10.0, 1e3] {
+        let basis = basis(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
+        let linear = basis.linear(0.0, None).unwrap();
+        assert!(linear.condition < 10.0, "{rate}: {}", linear.condition);
+        for seed in 0..8 {
+            obeys(&basis, 0.0, seed).unwrap();
+        }
+    }
+}
+
+#[test]
+fn planes_that_do_not_couple_are_no_harder() {
+    // At rest the two planes of a shaft have the same eigenvalues.
+    for damping in [0.0, 10.0, 500.0, 501.0, 5e3, 1e5] {
+        let mut system = damped([1e8, 1e8, damping, damping], [0.0; 2], [0.0; 2], 0.0);
+        system.shafts.truncate(1);
+        system.gears.retain(|gear| gear.shaft == "input");
+        system.bearings.retain(|bearing| bearing.shaft == "input");
+        system.meshes.clear();
+        system.torques.clear();
+        let basis = basis(&system);
+        obeys(&basis, 0.0, 3).unwrap();
+        obeys(&basis, 1e-9, 4).unwrap();
+    }
+}
+
+/// What a field needs on top of its linear motion.
+fn field<'m>(basis: &'m Basis, geometry: Geometry, linear: &Linear) -> (Field<'m>, Ports) {
+    let reference = equilibrium(basis, geometry, SPEED).unwrap();
+    let amplitudes = synchronous(basis, SPEED).unwrap();
+    Field::new(motion(basis, geometry, SPEED, 0.0), linear, reference, &amplitudes).unwrap()
+}
+
+/// The same linear motion without its pairs.
+fn dense(linear: &Linear) -> Linear {
+    let [a, b, c, d] = &linear.blocks;
+    let slots = linear.slots;
+    let mut matrix = DMatrix::zeros(2 * slots, 2 * slots);
+    for slot in 0..slots {
+        (matrix[(slot, slot)], matrix[(slot, slots + slot)]) = (a[slot], b[slot]);
+        (matrix[(slots + slot, slot)], matrix[(slots + slot, slots + slot)]) = (c[slot], d[slot]);
+    }
+    let mut same = linear.clone();
+    same.form = Form::Dense(matrix);
+    same
+}
+
+/// The largest difference over the largest value.
+fn apart(first: &[f64], second: &[f64]) -> f64 {
+    assert_eq!(first.len(), second.len());
+    let difference: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
+    largest(&difference) / largest(first).max(f64::MIN_POSITIVE)
+}
+
+#[test]
+fn a_table_without_modes_is_that_of_the_modes() {
+    for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
+        let basis = basis(&system);
+        let linear = basis.linear(SPEED, None).unwrap();
+        let whole = dense(&linear);
+        for stages in 1..=4 {
+            let (field, ports) = field(&basis, geometry, &linear);
+            let longest = 1e-4;
+            let finest = (longest * linear.radius).log2().ceil() as usize + 1;
+            let make =
+                |linear: &Linear| Table::new(linear, Rule::gauss(stages), &ports, longest, finest, field.spins());
+            let (pairs, matrices) = (make(&linear), make(&whole));
+            let mut z = vec![0.0; linear.len()];
+            let noise =
+                linear.state(&basis, &Noise::new(5).vector(basis.model.len(), 1e-6), &vec![0.0; basis.model.len()]);
+            z.copy_from_slice(noise.as_slice());
+            let arch = pulp::Arch::new();
+            let p = vec![0.0; stages * field.loads()];
+            for (level, (a, b)) in pairs.levels.iter().zip(&matrices.levels).enumerate() {
+                let mut after = [vec![0.0; z.len()], vec![0.0; z.len()]];
+                a.advance(arch, &p, &z, &mut after[0]);
+                b.advance(arch, &p, &z, &mut after[1]);
+                // Doublings of a matrix exponential keep all digits but those of its angle, ω h. What the estimate of an
+                // error uses is the integral of a polynomial that all but vanishes.
+                let closeness = 1e-13 * (a.step * linear.radius).max(10.0);
+                for (what, gap, closeness) in [
+                    ("transition", apart(&after[0], &after[1]), closeness),
+                    ("columns", apart(&a.columns, &b.columns), closeness),
+                    ("rows", apart(&a.rows, &b.rows), closeness),
+                    ("response", apart(&a.response, &b.response), closeness),
+                    ("gram", apart(&a.gram, &b.gram), 1e-6),
+                ] {
+                    assert!(gap < closeness, "{stages} stages, level {level}, {what}: {gap:e}");
+                }
+                assert_eq!((a.step, &a.turns), (b.step, &b.turns));
+            }
+        }
+    }
+}
+
+/// Looks at the motion just inside the ends of every step, and at the ends.
+#[derive(Default)]
+struct Edges {
+    coordinates: Vec<usize>,
+    last: Option<Vec<f64>>,
+    inside: f64,
+    between: f64,
+    steps: u32,
+}
+
+impl Observer for Edges {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn sees_every_step(&self) -> bool {
+        true
+    }
+
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
+        let (begin, n) = (motion.begin(), self.coordinates.len());
+        let mut look = |at: f64| {
+            let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+            motion.state(at, &self.coordinates, &mut q, &mut v);
+            (q, v)
+        };
+        let near = 1e-7 * (end - begin);
+        for (inside, edge) in [(begin + near, begin), (end - near, end)] {
+            let ((q, _), (at, rate)) = (look(inside), look(edge));
+            let carried: Vec<f64> = at.iter().zip(&rate).map(|(at, rate)| at + rate * (inside - edge)).collect();
+            self.inside = self.inside.max(apart(&carried, &q));
+        }
+        let first = look(begin).0;
+        if let Some(last) = self.last.replace(look(end).0) {
+            self.between = self.between.max(apart(&last, &first));
+        }
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        true
+    }
+}
+
+/// Keeps the displacements, then the velocities, at the end of the last step.
+struct Last(Vec<f64>);
+
+impl Observer for Last {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn sees_every_step(&self) -> bool {
+        true
+    }
+
+    fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
+        let n = self.0.len() / 2;
+        let (q, v) = self.0.split_at_mut(n);
+        motion.state(end, &(0..n).collect::<Vec<_>>(), q, v);
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        true
+    }
+}
+
+/// The motion that a train settles to but for its meshes, disturbed.
+fn disturbed(basis: &Basis, geometry: Geometry) -> [DVector<f64>; 2] {
+    let (q, v) = field(basis, geometry, &basis.linear(SPEED, None).unwrap()).0.carried(0.0);
+    let noise = Noise::new(8).vector(q.len(), 1e-7);
+    [q + DVector::from_vec(noise), v]
+}
+
+/// Integrates a train, disturbed, in parts that end at `ends`, under `form` of its linear motion.
+fn integrate(
+    (basis, geometry): (&Basis, Geometry),
+    form: &Linear,
+    stages: usize,
+    ends: &[f64],
+    edges: &mut impl Observer,
+) -> State {
+    let n = basis.model.len();
+    let (field, ports) = field(basis, geometry, form);
+    let longest = 5e-5;
+    let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
+    let clock = Clock { longest, finest: event + 4, event };
+    let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
+    let mut output = Output::new(&field, form, selection);
+    let table = Table::new(form, Rule::gauss(stages), &ports, longest, event, field.spins());
+    let (carried, turning) = field.carried(0.0);
+    let [q, v] = disturbed(basis, geometry);
+    let z = form.state(basis, (q - carried).as_slice(), (v - turning).as_slice());
+    let mut state = State::new(z.as_slice().to_vec());
+    let mut stepper = Stepper::new(field, form, ports, table, event);
+    let control = Control::Adaptive { rtol: 1e-9, floor: 1e-12 };
+    let mut statistics = Statistics::new();
+    for end in ends {
+        run((&mut stepper, &mut output), (&clock, &control), &mut state, *end, edges, &mut statistics).unwrap();
+    }
+    state
+}
+
+/// A train whose mesh stiffness jumps.
+fn sharp() -> System {
+    let mut system = train();
+    let square = StiffnessModel::of(StiffnessKind::Square);
+    for mesh in &mut system.meshes {
+        mesh.stiffness = Some(Stiffness::Model(StiffnessModel { mean: Some(2e8), engagement: None, ..square.clone() }));
+    }
+    system
+}
+
+#[test]
+fn a_run_without_modes_is_that_of_the_modes() {
+    let (mut apart_by_backlash, mut damped) = (sharp(), train());
+    apart_by_backlash.meshes.iter_mut().for_each(|mesh| mesh.backlash = Some(1e-5));
+    damped.meshes.iter_mut().for_each(|mesh| (mesh.damping, mesh.damping_ratio) = (Some(800.0), None));
+    for (name, system) in [("mean", train()), ("sharp", sharp()), ("backlash", apart_by_backlash), ("damped", damped)] {
+        for geometry in [Geometry::Live, Geometry::Frozen] {
+            let basis = basis(&system);
+            let linear = basis.linear(SPEED, None).unwrap();
+            let mut whole = dense(&linear);
+            // The norm of a matrix is a longer way to its radius.
+            whole.radius = linear.radius;
+            let motion = |form: &Linear, ends: &[f64]| {
+                let mut last = Last(vec![0.0; 2 * basis.model.len()]);
+                integrate((&basis, geometry), form, 3, ends, &mut last);
+                last.0
+            };
+            let (of_modes, without) = (motion(&linear, &[2e-3]), motion(&whole, &[2e-3]));
+            let gap = apart(&of_modes, &without);
+            // A tolerance of 1e-9, and what a contact makes of it.
+            assert!(gap < 1e-7, "{name}, {geometry:?}: {gap:e}");
+            assert_eq!(motion(&whole, &[8.3e-4, 2e-3]), without, "{name}, {geometry:?}");
+        }
+    }
+}
+
+#[test]
+fn the_motion_within_a_step_meets_its_ends() {
+    let basis = basis(&sharp());
+    let linear = basis.linear(SPEED, None).unwrap();
+    for (stages, form) in [(2, (*linear).clone()), (3, (*linear).clone()), (4, (*linear).clone()), (3, dense(&linear))]
+    {
+        let n = basis.model.len();
+        let mut edges = Edges { coordinates: (0..n).collect(), ..Edges::default() };
+        integrate((&basis, Geometry::Live), &form, stages, &[2e-3], &mut edges);
+        assert!(edges.steps > 40);
+        // What lies inside is made of other steps than the whole, under loads that differ from it by less than the
+        // tolerance; and the straight line from the edge is right to (1e-7 ω h)², which is less.
+        assert!(edges.inside < 1e-9, "{stages} {:e}", edges.inside);
+        // Without a change of law between, the end of a step is the beginning of the next, to the last bit; with one, to
+        // the tolerance.
+        assert!(edges.between < 1e-9, "{stages} {:e}", edges.between);
+    }
+}

@@ -1,0 +1,162 @@
+//! A speed that changes: its integral, and the equation of motion that follows it.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::{Noise, basis, everything, train};
+use gearbow::integrate::System as _;
+use gearbow::mesh::Geometry;
+use gearbow::motion::{Anchor, Course, Motion, Profile, Speed, Twofold};
+use nalgebra::DVector;
+use num_complex::Complex64;
+
+/// Pieces between `breaks` that join without a jump.
+fn profile(breaks: &[f64], first: f64, rest: &[[f64; 3]]) -> Profile {
+    let mut start = first;
+    let mut coefficients = Vec::new();
+    for (pair, [b, c, d]) in breaks.windows(2).zip(rest) {
+        let t = pair[1] - pair[0];
+        coefficients.push([start, *b, *c, *d]);
+        start += t * (b + t * (c + t * d));
+    }
+    Profile::new(breaks.to_vec(), &coefficients).unwrap()
+}
+
+fn course(profile: Profile, origin: f64, end: f64) -> Course {
+    let speed = Speed::Changing(profile);
+    Course { fastest: speed.fastest(origin, end), speed, anchor: Anchor::default(), origin }
+}
+
+#[test]
+fn the_angle_is_the_exact_integral() {
+    // 12 + 6t + 3t² − 4t³ for a second, then 17 + 2τ for two, all with integrals that are whole numbers.
+    let speed = Speed::Changing(profile(&[0.0, 1.0, 3.0], 12.0, &[[6.0, 3.0, -4.0], [2.0, 0.0, 0.0]]));
+    assert_eq!(speed.turned(0.0, 1.0).high, 15.0);
+    assert_eq!(speed.turned(0.0, 3.0).high, 15.0 + 38.0);
+    assert_eq!(speed.turned(3.0, 0.0).high, -53.0);
+    assert_eq!(speed.turned(-2.0, 0.0).high, 24.0, "held before");
+    assert_eq!(speed.turned(3.0, 7.0).high, 84.0, "held after");
+    assert_eq!((speed.at(-1.0), speed.at(0.5), speed.at(2.0), speed.at(9.0)), (12.0, 15.25, 19.0, 21.0));
+    // A third of a turn a second for a year, and a little: 1e7 rad with an ulp of 2e-9 rad.
+    let (third, year) = (1.0 / 3.0, 31_557_600.0);
+    let slow = Speed::Changing(profile(&[0.0, 1.0], third, &[[0.0; 3]]));
+    assert_eq!(slow.turned(0.0, year + 0.5), Twofold::product(third, year + 0.5));
+    assert!(slow.turned(0.0, year + 0.5).low != 0.0);
+}
+
+#[test]
+fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
+    let basis = basis(&train());
+    let n = basis.model.len();
+    let pieces = profile(&[0.0, 0.5, 2.0], 40.0, &[[30.0, -20.0, 16.0], [-7.0, 5.0, -1.0]]);
+    let speed = Speed::Changing(pieces.clone());
+    for origin in [-1.0, 0.0, 0.3, 0.5, 1.7, 5.0] {
+        let mut motion =
+            Motion::along(&basis, Geometry::Live, &course(pieces.clone(), origin, 9.0), DVector::zeros(n)).unwrap();
+        for time in [-1.0, 0.1, 0.5, 0.9, 1.9, 2.5, 8.0_f64].into_iter().filter(|time| *time >= origin) {
+            let (elapsed, y, mut laws) = (time - origin, vec![0.0; 2 * n], Vec::new());
+            motion.laws_at(elapsed, &y, &mut laws).unwrap();
+            motion.set_laws(&laws);
+            for (index, shaft) in basis.model.shafts.iter().enumerate() {
+                let expected = Complex64::from_polar(1.0, shaft.ratio * speed.turned(0.0, time).high);
+                // 400 rad, rounded some times.
+                assert!((motion.turn(index, elapsed) - expected).norm() < 1e-12, "{index} at {time} from {origin}");
+            }
+            let turning = motion.turning(0, elapsed);
+            assert!((turning[0].spin - speed.at(time)).abs() < 1e-12 * speed.at(time));
+            assert!((Complex64::from_polar(1.0, turning[0].angle) - motion.turn(0, elapsed)).norm() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
+    let basis = basis(&everything());
+    let (model, n) = (&basis.model, basis.model.len());
+    let pieces = profile(&[0.0, 0.25, 1.0], 150.0, &[[800.0, -900.0, 400.0], [300.0, 0.0, -100.0]]);
+    let speed = Speed::Changing(pieces.clone());
+    let origin = 0.1;
+    let mut motion = Motion::along(&basis, Geometry::Frozen, &course(pieces, origin, 2.0), DVector::zeros(n)).unwrap();
+    let mut noise = Noise::new(4);
+    for time in [0.1, 0.2, 0.6, 1.5_f64] {
+        let y = [noise.vector(n, 1e-4), noise.vector(n, 0.1)].concat();
+        let (q, v) = y.split_at(n);
+        let [q, v] = [q, v].map(DVector::from_column_slice);
+        let (mut laws, mut derivative) = (Vec::new(), vec![0.0; 2 * n]);
+        motion.laws_at(time - origin, &y, &mut laws).unwrap();
+        motion.set_laws(&laws);
+        motion.derivative(time - origin, &y, &mut derivative).unwrap();
+        let (now, angle) = (speed.at(time), speed.turned(0.0, time).high);
+        let acceleration = match time {
+            t if t < 0.25 => 800.0 - 1800.0 * t + 1200.0 * t * t,
+            t if t < 1.0 => 300.0 - 300.0 * (t - 0.25) * (t - 0.25),
+            _ => 0.0,
+        };
+        let mut force = model.constant_load.clone();
+        for shaft in &model.shafts {
+            let (spin, rate) = (shaft.ratio * now, shaft.ratio * acceleration);
+            for excitation in &shaft.excitations {
+                let amplitude = excitation.bow + excitation.unbalance * Complex64::new(spin * spin, -rate);
+                let turned = amplitude * Complex64::from_polar(1.0, shaft.ratio * angle);
+                force[excitation.index] += turned.re;
+                force[excitation.index + 1] += turned.im;
+            }
+        }
+        let rate = basis.damping_matrix(now).unwrap() + model.gyroscopic_matrix() * now;
+        let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(now));
+        let a = DVector::from_column_slice(&derivative[n..]);
+        let residual = &mass * &a + &rate * &v + &stiffness * &q - &force;
+        let acting = mass.abs() * a.abs() + rate.abs() * v.abs() + stiffness.abs() * q.abs() + force.abs();
+        // Backward error, row by row: sums of twenty terms, and the factor of a mass of condition 1e3.
+        let worst = residual.abs().component_div(&acting).max();
+        assert!(worst < 1e-12, "{worst:e} at {time} s");
+    }
+}
+
+#[test]
+fn the_largest_speed_is_found_within_pieces_and_has_the_sign_of_the_run() {
+    // 27τ − τ³ is largest at τ = 3, where it is 54.
+    let speed = Speed::Changing(profile(&[0.0, 5.0, 6.0], 0.0, &[[27.0, 0.0, -1.0], [0.0; 3]]));
+    assert_eq!(speed.fastest(0.0, 10.0), 54.0);
+    // The limits of the step are the same in every part of a run.
+    assert_eq!(speed.fastest(0.0, 1.0), 54.0);
+    let other = Speed::Changing(profile(&[0.0, 4.0], -3.0, &[[2.0, 0.0, 0.0]]));
+    assert_eq!((other.fastest(0.0, 1.0), other.fastest(2.0, 3.0)), (-5.0, 5.0));
+    let stopping = Speed::Changing(profile(&[0.0, 1.0], -8.0, &[[16.0, -8.0, 0.0]]));
+    assert_eq!(stopping.fastest(0.0, 1.0), -8.0);
+    // At rest after a run backwards the teeth press as they did.
+    assert_eq!(stopping.fastest(1.0, 2.0), -8.0);
+    assert_eq!(Speed::Constant(0.0).fastest(0.0, 1.0), 0.0);
+}
+
+#[test]
+fn a_speed_that_changes_its_sign_names_the_time() {
+    let speed = Speed::Changing(profile(&[0.0, 4.0], 3.0, &[[-2.0, 0.0, 0.0]]));
+    for (start, end) in [(0.0, 1.5), (1.5, 4.0), (0.2, 1.0), (2.0, 9.0)] {
+        speed.check(start, end).unwrap();
+    }
+    let error = speed.check(0.0, 4.0).unwrap_err();
+    assert_eq!(error.path, "speed");
+    assert!(error.message.contains("at 1.5 s"), "{error}");
+    // One that touches zero goes on.
+    let touching = Speed::Changing(profile(&[0.0, 2.0], 1.0, &[[-2.0, 1.0, 0.0]]));
+    touching.check(0.0, 2.0).unwrap();
+}
+
+#[test]
+fn an_impossible_profile_is_refused() {
+    let [one, two] = [[[1.0, 0.0, 0.0, 0.0]; 1].to_vec(), [[1.0, 0.0, 0.0, 0.0]; 2].to_vec()];
+    let jump = vec![[1.0, 0.0, 0.0, 0.0], [1.1, 0.0, 0.0, 0.0]];
+    let cases = [
+        (vec![0.0], one.clone(), "needs 2 times for 1 pieces, got 1"),
+        (vec![0.0, 0.0], one.clone(), "times must ascend, 0 s follows 0 s"),
+        (vec![0.0, f64::NAN], one, "time 1 must be finite"),
+        (vec![0.0, 1.0, 2.0], jump, "must not jump, goes from 1 to 1.1 rad/s at 1 s"),
+        (vec![0.0, 1.0], vec![[1.0, f64::INFINITY, 0.0, 0.0]], "must be finite, and is not from 0 s on"),
+    ];
+    for (breaks, coefficients, text) in cases {
+        let error = Profile::new(breaks, &coefficients).unwrap_err();
+        assert!(error.to_string().starts_with("speed: ") && error.message.contains(text), "{error}");
+    }
+    Profile::new(vec![0.0, 1.0, 2.0], &two).unwrap();
+}
