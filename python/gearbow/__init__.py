@@ -21,8 +21,10 @@ from gearbow.modes import Modes
 from gearbow.response import Event, MeshResponse, Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
+from gearbow.speed import SpeedProfile
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 from gearbow.system import RotorSystem
+from gearbow.tradeoff import Recommendation, Tradeoff, Trial
 
 __all__ = [
     "STEEL",
@@ -41,18 +43,22 @@ __all__ = [
     "Mesh",
     "MeshResponse",
     "Modes",
+    "Recommendation",
     "Response",
     "RotorSystem",
     "SceneError",
     "SceneWarning",
     "Segment",
     "Shaft",
+    "SpeedProfile",
     "StabilityError",
     "Static",
     "Stiffness",
     "Synchronous",
     "TipRelief",
     "Torque",
+    "Tradeoff",
     "TransmissionError",
+    "Trial",
     "__version__",
 ]

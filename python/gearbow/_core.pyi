@@ -18,9 +18,11 @@ from gearbow._types import (
     StaticData,
 )
 
-__all__ = ["Model", "__version__"]
+__all__ = ["Model", "__version__", "check_speed"]
 
 __version__: str
+
+def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
 
 @final
 class Model:
@@ -42,15 +44,18 @@ class Model:
     def modes(self, speed: float, count: int | None = None) -> ModesData: ...
     def synchronous(self, speeds: Array) -> ComplexArray: ...
     def static(self, geometry: str = "live") -> StaticData: ...
-    def default_output_step(self, duration: float, speed: float) -> float: ...
+    def default_output_step(self, duration: float, speed: Plain, start: float) -> float: ...
     def simulate(
         self,
         duration: float,
-        speed: float,
+        speed: Plain,
         *,
         method: str,
+        linear: str | None,
         step: float | None,
         rtol: float,
+        stages: int | None,
+        modes: int | None,
         initial: str | dict[str, Any],
         times: Array,
         record: list[Record],

@@ -1,15 +1,20 @@
-"""Around a simulation: the times to record, the order of the rows, the progress bar."""
+"""Around a simulation: its speed, the times to record, the order of the rows, the progress bar."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from operator import index
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
-from gearbow._types import Array, Progress, RunData
+from gearbow._types import Array, Plain, Progress, RunData
 from gearbow.errors import SceneError
+from gearbow.speed import SpeedProfile
+
+#: What the speed of a run may be given as.
+SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
 
 def number(value: object, name: str) -> float:
@@ -18,6 +23,45 @@ def number(value: object, name: str) -> float:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise SceneError(f"{name}: must be a number, got {value!r}") from None
+
+
+def whole(value: object, name: str) -> int:
+    """Read an argument that must be a positive whole number."""
+    try:
+        count = index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise SceneError(f"{name}: must be a whole number, got {value!r}") from None
+    if count < 1:
+        raise SceneError(f"{name}: must be at least 1, got {count}")
+    return count
+
+
+def given_speed(speed: object, begin: float, duration: float) -> float | SpeedProfile:
+    """Read the speed of a run: a number, a profile, a function of time, or points."""
+    if isinstance(speed, SpeedProfile):
+        return speed
+    if callable(speed):
+        return SpeedProfile.function(speed, duration, begin=begin)
+    try:
+        return float(speed)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        pass
+    if isinstance(speed, Sequence | np.ndarray) and not isinstance(speed, str) and len(speed) == 2:
+        return SpeedProfile.table(*speed)
+    raise SceneError(
+        "speed: must be a number, a SpeedProfile, a function of time or (times, speeds), "
+        f"got {speed!r}"
+    )
+
+
+def plain_speed(speed: float | SpeedProfile) -> Plain:
+    """Give a speed as plain data."""
+    return speed._plain() if isinstance(speed, SpeedProfile) else speed
+
+
+def read_speed(plain: Plain) -> float | SpeedProfile:
+    """Read a speed from plain data."""
+    return SpeedProfile(**plain) if isinstance(plain, dict) else float(plain)
 
 
 def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any], float]:
@@ -70,17 +114,20 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
 
 
 @contextmanager
-def reported(progress: bool | Progress | None, duration: float) -> Iterator[Progress | None]:
-    """Give what the core calls with the fraction done; True is a bar in simulated seconds."""
+def reported(
+    progress: bool | Progress | None, total: float, unit: str = "s"
+) -> Iterator[Progress | None]:
+    """Give what is called with the fraction done; True is a bar, in simulated seconds or else."""
     if progress is not True:
         yield progress or None
         return
     with tqdm(
-        total=duration, bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{elapsed}<{remaining}]"
+        total=total,
+        bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} " + unit + " [{elapsed}<{remaining}]",
     ) as bar:
 
         def report(fraction: float) -> None:
-            bar.update(fraction * duration - bar.n)
+            bar.update(fraction * total - bar.n)
 
         yield report
         report(1.0)

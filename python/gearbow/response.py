@@ -5,10 +5,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
 from gearbow.errors import ChannelError, GearbowError
+from gearbow.speed import SpeedProfile
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -97,7 +100,10 @@ class Statistics:
     omega_max : float
         Largest natural frequency of the model [rad/s], which bounds the step of an explicit method.
     limited_by : str
-        What set the length of most steps: "step" (as given), "stability" or "tolerance".
+        What set the length of most steps: "step" (as given), "stability", "tolerance", "cycle"
+        (the longest step that resolves what is prescribed) or "events" (of the teeth).
+    condition : float
+        Condition number of the modes that carried the motion; NaN for a method that uses none.
     """
 
     steps: int
@@ -108,6 +114,7 @@ class Statistics:
     step_max: float
     omega_max: float
     limited_by: str
+    condition: float
 
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)
@@ -123,17 +130,21 @@ class Response:
     ----------
     data : mapping
         What the core recorded.
-    speed : float
+    speed : float or SpeedProfile
         Speed of the reference shaft [rad/s].
 
     Attributes
     ----------
     time : ndarray, shape (k,)
         Times [s].
-    speed : float
+    speed : float or SpeedProfile
         Speed of the reference shaft [rad/s].
     statistics : Statistics
         What the simulation cost.
+    expected_error : float or None
+        What error to expect of a run with `accuracy=`: RMS of the error over the RMS of the swing.
+    accuracy : str or None
+        Why: which setting it was, and what its error was measured on.
 
     Examples
     --------
@@ -152,11 +163,26 @@ class Response:
     0.1 s to 0.2 s
     """
 
-    def __init__(self, data: RunData, speed: float) -> None:
+    def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
         self.time = data["time"]
         self.speed = speed
         self.statistics = Statistics(**data["statistics"])
+        self.expected_error: float | None = None
+        self.accuracy: str | None = None
         self._data = data
+
+    @property
+    def speeds(self) -> Array:
+        """Speed of the reference shaft at the recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Speeds [rad/s].
+        """
+        if isinstance(self.speed, SpeedProfile):
+            return self.speed(self.time)
+        return np.full(self.time.shape, self.speed)
 
     @property
     def final(self) -> Mapping[str, Any]:
@@ -165,7 +191,9 @@ class Response:
         Returns
         -------
         mapping
-            The method and time, and the state as that method keeps it.
+            The method and time, the speed, an angle of the reference shaft that is known (time [s]
+            and angle [rad] with the digits that rounding took), and the state as that method keeps
+            it.
         """
         return self._data["final"]
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._run import plain_speed, read_speed
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
 from gearbow.response import Response
@@ -95,7 +96,7 @@ def load(path: str | os.PathLike[str]) -> Response:
     # What has no elements has no place in netCDF.
     arrays |= {name: np.empty(shape, dtype) for name, (shape, dtype) in about["empty"].items()}
     mesh, terms, state = (_named(arrays, prefix) for prefix in ("mesh_", "energy_", "final_"))
-    return Response(
+    response = Response(
         {
             "time": arrays["time"],
             "points": [(shaft, position, names) for shaft, position, names in about["points"]],
@@ -111,8 +112,10 @@ def load(path: str | os.PathLike[str]) -> Response:
             "final": {**about["final"], **state},
             "statistics": about["statistics"],
         },
-        about["speed"],
+        read_speed(about["speed"]),
     )
+    response.expected_error, response.accuracy = about["expected_error"], about["accuracy"]
+    return response
 
 
 def to_xarray(response: Response) -> "xr.Dataset":
@@ -236,7 +239,9 @@ def _metadata(response: Response) -> str:
     return json.dumps(
         {
             "format": _FORMAT,
-            "speed": response.speed,
+            "speed": plain_speed(response.speed),
+            "expected_error": response.expected_error,
+            "accuracy": response.accuracy,
             "points": data["points"],
             "bearings": data["bearings"],
             "meshes": data["meshes"],

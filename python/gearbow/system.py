@@ -12,13 +12,26 @@ from numpy.typing import ArrayLike
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
 from gearbow._lookup import require
-from gearbow._run import beginning, distinct, grid, in_order, number, reported
+from gearbow._run import (
+    SpeedLike,
+    beginning,
+    distinct,
+    given_speed,
+    grid,
+    in_order,
+    number,
+    plain_speed,
+    reported,
+    whole,
+)
 from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
+from gearbow.accuracy import accuracy_of
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
 from gearbow.response import Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
+from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
 
@@ -326,11 +339,15 @@ class RotorSystem:
     def simulate(
         self,
         duration: float,
-        speed: float,
+        speed: SpeedLike,
         *,
-        method: str = "rk45",
+        accuracy: str | None = None,
+        method: str | None = None,
+        linear: str | None = None,
         step: float | None = None,
-        rtol: float = 1e-6,
+        rtol: float | None = None,
+        stages: int | None = None,
+        modes: int | None = None,
         initial: str | Response | Mapping[str, Any] = "synchronous",
         output_step: float | None = None,
         times: ArrayLike | None = None,
@@ -339,24 +356,42 @@ class RotorSystem:
         start: float | None = None,
         progress: bool | Progress | None = None,
     ) -> Response:
-        """Integrate the equations of motion at constant speed.
+        """Integrate the equations of motion at a constant or a changing speed.
 
         Parameters
         ----------
         duration : float
             Simulated time [s].
-        speed : float
-            Speed Ω of the reference shaft [rad/s]; shaft s stands at angle r_s Ω t.
-        method : {"rk45", "rk4"}
-            Dormand–Prince 5(4) with error control, or the classical method with fixed steps.
+        speed : float, SpeedProfile, callable or (times, speeds)
+            Speed Ω of the reference shaft [rad/s]; shaft s stands at angle r_s Ω t, or r_s ∫Ω dt
+            from the time 0 on. A function of the time [s] is followed over the run, between points
+            the speed is linear. It may begin or end at rest, but not change its sign. What
+            accelerates a section of a shaft is taken to act where its inertia is.
+        accuracy : {"draft", "engineering", "reference"}, optional
+            In place of method, step, rtol, stages and modes: settings whose error was measured. The
+            response says what to expect, `Response.expected_error` and `Response.accuracy`.
+        method : {"exponential", "rk45", "rk4"}, optional
+            Exact where the motion is linear, with Gauss collocation of the mesh forces, the
+            default at constant speed; Dormand–Prince 5(4) with error control, the default where the
+            speed changes; or the classical method with fixed steps.
+        linear : {"integrated", "exact"}, optional
+            How "rk4" treats everything but the meshes: like the rest, or exactly, by the modes
+            (ETDRK4, Cox and Matthews 2002), which frees its step from the shortest element.
         step : float, optional
-            Step of "rk4" [s]; None is one that resolves the fastest motion.
-        rtol : float
-            Relative tolerance of "rk45".
+            Fixed step [s] of "rk4", where None is one that resolves the fastest motion, or of
+            "exponential", where None is what `rtol` allows.
+        rtol : float, optional
+            Error of a step of "exponential" and "rk45", relative to the motion in the energy norm;
+            None is 1e-6.
+        stages : int, optional
+            Gauss nodes in a step of "exponential", 1 to 4: its order is twice that. None is 3.
+        modes : int, optional
+            How many modes "exponential" keeps, those of the lowest frequencies; None is all.
         initial : {"synchronous", "static", "rest"} or Response
             Where it starts: static equilibrium plus linear synchronous response, static equilibrium
             alone, or q = q̇ = 0. Errors and run-out of the teeth are part of neither equilibrium.
-            A response (or its `final`) is continued from where it ended, to the last bit.
+            A response (or its `final`) is continued from where it ended, at the same speed to the
+            last bit; at another one displacements, velocities and the angles of the shafts go on.
         output_step : float, optional
             Spacing of the recorded times [s], from the start to the end. None is fine enough for
             the fastest shaft.
@@ -406,11 +441,20 @@ class RotorSystem:
         >>> print(f"{1e6 * response.displacement(middle)[:, 0].max():.0f} µm")
         200 µm
         """
-        duration, speed = number(duration, "duration"), number(speed, "speed")
+        duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
+        speed = given_speed(speed, begin, duration)
+        expected = None
+        if accuracy is not None:
+            given = {"method": method, "linear": linear, "step": step, "rtol": rtol}
+            given |= {"stages": stages, "modes": modes}
+            expected = accuracy_of(accuracy, given, constant=isinstance(speed, float))
+            method, rtol = expected.method, expected.rtol
+        if method is None:
+            method = "exponential" if isinstance(speed, float) else "rk45"
         if times is None:
             if output_step is None:
-                output_step = self._model.default_output_step(duration, speed)
+                output_step = self._model.default_output_step(duration, plain_speed(speed), begin)
             wanted, rows = grid(begin, duration, number(output_step, "output_step")), None
         elif output_step is None:
             wanted, rows = distinct(times)
@@ -421,10 +465,13 @@ class RotorSystem:
             with reported(progress, duration) as report:
                 data = self._model.simulate(
                     duration,
-                    speed,
+                    plain_speed(speed),
                     method=method,
+                    linear=linear,
                     step=None if step is None else number(step, "step"),
-                    rtol=number(rtol, "rtol"),
+                    rtol=1e-6 if rtol is None else number(rtol, "rtol"),
+                    stages=None if stages is None else whole(stages, "stages"),
+                    modes=None if modes is None else whole(modes, "modes"),
                     initial=state,
                     times=wanted,
                     record=[record] if isinstance(record, str) else [place(r) for r in record],
@@ -438,7 +485,12 @@ class RotorSystem:
                 error.response = Response(in_order(partial, rows), speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             raise
-        return Response(in_order(data, rows), speed)
+        response = Response(in_order(data, rows), speed)
+        if expected is not None:
+            expected.explain(response)
+        return response
+
+    tradeoff = tradeoff
 
     def _lateral(self, name: At) -> list[int]:
         """Give the indices of v and w somewhere."""

@@ -11,7 +11,7 @@ import gearbow as gb
 from reference.bows import HalfSine
 from reference.scenes import CHAIN, PAIR, GearAt, Geared
 
-METHODS = ("rk4", "rk45")
+METHODS = ("exponential", "rk4", "rk45")
 DEMO = Geared(
     bows={"input": HalfSine(1.5e-4), "middle": HalfSine(1.5e-4, 0.8), "output": HalfSine(1e-4)},
     angles=(0.4, -1.1),
@@ -273,10 +273,12 @@ def test_initial_state_is_honoured(method: str, geometry: str):
     static = system.simulate(1e-4, speed, initial="static", **how)
     synchronous = system.simulate(1e-4, speed, initial="synchronous", **how)
     for name in ("g1", "g2", "g3", "g4"):
-        assert not rest.displacement(name)[0].any()
-        assert rest.twist(name)[0] == 0.0
-        assert rest.displacement(name)[1].any()  # and then it moves
         u = np.asarray(still.displacement(name))
+        # the state itself, or the equilibrium less its own picture in the modes: round-off of that
+        rounding = 1e-12 if method == "exponential" else 0.0
+        assert np.abs(rest.displacement(name)[0]).max() <= rounding * np.abs(u).max()
+        assert abs(rest.twist(name)[0]) <= rounding * abs(float(still.twist(name)))
+        assert np.abs(rest.displacement(name)[1]).max() > 1e-9 * np.abs(u).max()  # then it moves
         # through modes and back, at most: round-off
         assert np.abs(static.displacement(name)[0] - u).max() < 1e-9 * np.abs(u).max()
         swing = turning.displacement(name)[0].real.sum(axis=0)  # every shaft stands at angle 0
@@ -356,12 +358,13 @@ def test_three_uneven_parts_at_given_times(method: str):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("geometry", "closeness"),
-    # frozen geometry is linear: round-off of a sum of steps for a fixed step, the tolerance for a chosen one.
+    # frozen geometry is linear: round-off of a sum of steps for a fixed step and for what is exact where the motion is
+    # linear, the tolerance for a chosen step.
     # Live geometry at 1 N m moves the centres by 3e-7 m of 0.11 m, which is a few 1e-6 of each answer.
     [("frozen", None), ("live", 1e-4)],
 )
 def test_a_load_of_a_nanonewtonmetre_gives_its_share(method, geometry, closeness):
-    closeness = closeness or {"rk4": 1e-9, "rk45": 1e-5}[method]
+    closeness = closeness or {"exponential": 1e-9, "rk4": 1e-9, "rk45": 1e-5}[method]
     runs = []
     for torque in (1.0, 1e-9):
         scene = replace(DEMO, bows={}, torque=torque)

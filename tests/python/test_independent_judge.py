@@ -51,6 +51,9 @@ SCENES = {
 RUNS = {
     "rk4": {"method": "rk4", "step": 1.25e-7},
     "rk45": {"method": "rk45", "rtol": 1e-9},
+    "exponential": {"method": "exponential", "rtol": 1e-9},
+    "exponential, fixed": {"method": "exponential", "step": 5e-6, "stages": 3},
+    "rk4, exact": {"method": "rk4", "linear": "exact", "step": 1e-6},
 }
 
 

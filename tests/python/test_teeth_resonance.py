@@ -33,26 +33,15 @@ def pair(torque: float, stiffness: Any, contact_ratio: float = 2.0) -> gb.RotorS
 
 def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> np.ndarray:
     """Root mean square of the deflection about its mean, and the least; each speed begun where the last one ended."""
-    state: Any = "static"
+    last: Any = "static"
     found = []
     for speed in speeds:
         cycle = 2 * np.pi / (speed * TEETH)
-        if isinstance(state, dict):
-            state["speed"] = float(speed)
-        times = (120 + np.arange(400) / 40) * cycle
-        run = system.simulate(130 * cycle, speed, initial=state, times=times, record=["meshes"])
-        deflection = run.mesh("ga", "gb").deflection
+        begin = 0.0 if isinstance(last, str) else last.final["time"]
+        times = begin + (120 + np.arange(400) / 40) * cycle
+        last = system.simulate(130 * cycle, speed, initial=last, times=times, record=["meshes"])
+        deflection = last.mesh("ga", "gb").deflection
         found.append((np.std(deflection), np.min(deflection)))
-        # whole mesh cycles have passed: the same phase, from a clock set to zero
-        clock = {
-            "time": 0.0,
-            "origin": 0.0,
-            "elapsed": 0.0,
-            "carry": 0.0,
-            "count": 0,
-            "next_step": 0.0,
-        }
-        state = {**run.final, **clock, "laws": np.zeros(0, dtype=np.int64)}
     return np.array(found)
 
 

@@ -1,11 +1,15 @@
 """Motion of an independent train from rest: SciPy's DOP853 on the first-order equations.
 
 M q'' + (C + speed G) q' + K q + sum of mesh forces = bow(t) + unbalance(t) + torque + gravity
+
+The speed is constant in `from_rest`, and given with its integral and its derivative in `run_up`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,3 +80,63 @@ def from_rest(
     )
     assert found.success, found.message
     return Motion(train, times, found.y[:n].T, found.y[n:].T)
+
+
+#: Angle, speed and acceleration of the reference shaft at a time.
+Turning = Callable[[float], tuple[float, float, float]]
+
+
+def run_up(
+    train: Train,
+    turning: Turning,
+    times: Array,
+    *,
+    live: bool = True,
+    rtol: float = 1e-11,
+    kinks: Sequence[float] = (),
+) -> Motion:
+    """Integrate from q = q' = 0 at t = 0 while the speed changes, anew from each kink on."""
+    n = train.size
+    inverse = np.linalg.inv(train.mass)
+    grounded, viscous = inverse @ train.grounded, inverse @ train.viscous
+    gyroscopic = inverse @ train.gyroscopic
+    steady = inverse @ train.steady_force()
+    # the force at speed 0 is that of the bow, what speed 1 adds is the unbalance times ratio squared
+    shafts = []
+    for shaft, bow, both in zip(
+        train.shafts, train.turning_force(0.0), train.turning_force(1.0), strict=True
+    ):
+        pushes = [inverse @ b for b in bow[1:]]
+        unbalance = [
+            inverse @ (a - b) / shaft.ratio**2 for a, b in zip(both[1:], bow[1:], strict=True)
+        ]
+        shafts.append((shaft.ratio, pushes, unbalance))
+    interfaces = [(train.interface(mesh), mesh.law) for mesh in train.meshes]
+    pushes = [inverse[:, at] for at, _ in interfaces]
+
+    def rate(t: float, state: Array) -> Array:
+        angle, speed, acceleration = turning(t)
+        q, qd = state[:n], state[n:]
+        a = steady - grounded @ q - viscous @ qd - speed * (gyroscopic @ qd)
+        for ratio, (b_0, b_90), (u_0, u_90) in shafts:
+            c, s = np.cos(ratio * angle), np.sin(ratio * angle)
+            spin, gain = ratio * speed, ratio * acceleration
+            # a mass at e exp(i angle) is accelerated by (i gain - spin^2) e exp(i angle)
+            a += c * b_0 + s * b_90
+            a += spin**2 * (c * u_0 + s * u_90) + gain * (s * u_0 - c * u_90)
+        for (at, law), push in zip(interfaces, pushes, strict=True):
+            a += push @ law.force(q[at], qd[at], live)[1]
+        return np.concatenate([qd, a])
+
+    scale = np.concatenate([np.full(n, 1e-14), np.full(n, 1e-10)])  # m and rad; m/s and rad/s
+    state, columns = np.zeros(2 * n), []
+    ends = [0.0, *(kink for kink in kinks if 0.0 < kink < times[-1]), times[-1]]
+    for begin, end in pairwise(ends):
+        asked = np.append(times[(times >= begin) & (times < end)], end)
+        found = solve_ivp(rate, (begin, end), state, "DOP853", asked, rtol=rtol, atol=scale)
+        assert found.success, found.message
+        columns.append(found.y[:, :-1])
+        state = found.y[:, -1]
+    columns.append(state[:, np.newaxis])
+    y = np.hstack(columns)
+    return Motion(train, times, y[:n].T, y[n:].T)

@@ -1,0 +1,258 @@
+"""A speed that changes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearbow._core import check_speed
+from gearbow._types import Array, Plain
+from gearbow.errors import SceneError
+
+__all__ = ["SpeedProfile"]
+
+#: A function is sampled until no piece is further from it than this part of the largest speed, at
+#: its middle and its sixth: anywhere else twice that at most.
+_ACCURACY = 5e-11
+#: Pieces that a function is sampled with at first, and at most.
+_FIRST, _MOST = 32, 200_000
+#: A piece shorter than this part of the whole holds a jump: no slope makes so much of a difference.
+_SHORTEST = 2.0**-44
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Speed of the reference shaft over time: pieces of polynomials, and constant around them.
+
+    Its angle and its acceleration are exact. It is made by `ramp`, `table` or `function`, or from
+    the breaks and coefficients of a polynomial of SciPy (``PPoly``, ``CubicSpline``).
+
+    Parameters
+    ----------
+    breaks : ndarray, shape (m + 1,)
+        Times between the pieces, ascending [s].
+    coefficients : ndarray, shape (order, m)
+        Coefficients of each piece over the time since its break, of the highest power first; at
+        most cubic [rad/s, rad/s², ...].
+
+    Raises
+    ------
+    SceneError
+        If times do not ascend, a number is not finite, or the speed jumps.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> run_up = gb.SpeedProfile.ramp(50.0, 150.0, duration=2.0)
+    >>> run_up([0.0, 1.0, 2.0, 3.0])
+    array([ 50., 100., 150., 150.])
+    """
+
+    breaks: Array
+    coefficients: Array
+
+    def __post_init__(self) -> None:
+        for name, axes in (("breaks", 1), ("coefficients", 2)):
+            values = _numbers(getattr(self, name), name)
+            if values.ndim != axes:
+                raise SceneError(f"speed: {name} must have {axes} axes, got {values.ndim}")
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+        check_speed(self.breaks.tolist(), self.coefficients.tolist())
+
+    @classmethod
+    def ramp(
+        cls, start: float, end: float, duration: float, *, begin: float = 0.0
+    ) -> "SpeedProfile":
+        """Give a speed that rises or falls evenly from one value to another.
+
+        Parameters
+        ----------
+        start : float
+            Speed at first [rad/s].
+        end : float
+            Speed at last, which is held [rad/s].
+        duration : float
+            How long it changes [s].
+        begin : float
+            Time at which it begins to change [s].
+
+        Returns
+        -------
+        SpeedProfile
+            The profile.
+
+        Raises
+        ------
+        SceneError
+            If the duration is not positive, or a number is not finite.
+        """
+        if not duration > 0.0:
+            raise SceneError(f"speed: the duration of a ramp must be positive, got {duration!r}")
+        return cls.table([begin, begin + duration], [start, end])
+
+    @classmethod
+    def table(cls, times: ArrayLike, speeds: ArrayLike) -> "SpeedProfile":
+        """Give a speed that is linear between points.
+
+        Parameters
+        ----------
+        times : array_like, shape (m + 1,)
+            Times, ascending [s].
+        speeds : array_like, shape (m + 1,)
+            Speeds [rad/s].
+
+        Returns
+        -------
+        SpeedProfile
+            The profile.
+
+        Raises
+        ------
+        SceneError
+            If times do not ascend, or times and speeds are not as many.
+        """
+        t, values = _numbers(times, "times"), _numbers(speeds, "speeds")
+        if t.ndim != 1 or t.shape != values.shape or t.size < 2:
+            raise SceneError(
+                f"speed: times and speeds must be as many, two at least, got {t.shape} and "
+                f"{values.shape}"
+            )
+        # Times that do not ascend are an error of the core.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slopes = np.where(np.diff(t) > 0.0, np.diff(values) / np.diff(t), 0.0)
+        return cls(t, np.array([slopes, values[:-1]]))
+
+    @classmethod
+    def function(
+        cls, f: Callable[[Any], Any], duration: float, *, begin: float = 0.0
+    ) -> "SpeedProfile":
+        """Give a speed that a function has, to 1e-10 of the largest.
+
+        Parameters
+        ----------
+        f : callable
+            Speed at a time [s], or at an array of them [rad/s].
+        duration : float
+            How long the function is followed [s]; afterwards its last value is held.
+        begin : float
+            Time from which it is followed [s]; before, its first value is held.
+
+        Returns
+        -------
+        SpeedProfile
+            Cubic pieces through values of the function.
+
+        Raises
+        ------
+        SceneError
+            If the function jumps, or has a value that is not finite.
+        """
+        if not 0.0 < duration < np.inf:
+            raise SceneError(
+                f"speed: the duration of a function must be positive, got {duration!r}"
+            )
+        left, coefficients = _sampled(f, np.linspace(begin, begin + duration, _FIRST + 1))
+        return cls(np.append(left, begin + duration), coefficients)
+
+    def __call__(self, times: ArrayLike) -> Array:
+        """Give the speed at some times.
+
+        Parameters
+        ----------
+        times : array_like, shape (k,) or scalar
+            Times [s].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Speeds [rad/s].
+        """
+        t = np.clip(np.asarray(times, dtype=np.float64), self.breaks[0], self.breaks[-1])
+        piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
+        since = t - self.breaks[piece]
+        speed: Array = np.zeros_like(t)
+        for row in self.coefficients:
+            speed = speed * since + row[piece]
+        return speed
+
+    def _plain(self) -> Plain:
+        return {"breaks": self.breaks.tolist(), "coefficients": self.coefficients.tolist()}
+
+    def __repr__(self) -> str:
+        start, end = self.breaks[[0, -1]]
+        first, last = self([start, end])
+        return (
+            f"SpeedProfile({self.breaks.size - 1} pieces, {start:g} s to {end:g} s; "
+            f"{first:g} rad/s to {last:g} rad/s)"
+        )
+
+
+def _numbers(values: ArrayLike, name: str) -> Array:
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(f"speed: {name} must be numbers, got {values!r}") from None
+
+
+def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:
+    """Halve pieces until the cubic through four values of each passes through two more."""
+    shortest = max(_SHORTEST * (breaks[-1] - breaks[0]), 1e-15 * np.abs(breaks).max())
+    left, right = breaks[:-1], breaks[1:]
+    done: list[tuple[Array, Array]] = []
+    pieces, largest = 0, 0.0
+    while left.size:
+        # Four values that the cubic has, and two to hold it against.
+        parts = np.array([0.0, 1 / 3, 2 / 3, 1.0, 1 / 6, 1 / 2])[:, np.newaxis]
+        times = left + (right - left) * parts
+        times[3] = right  # the time at which the next piece begins
+        values = _evaluated(f, times)
+        largest = max(largest, float(np.abs(values).max()))
+        a, b, c, d = values[:4]
+        h = right - left
+        cubic = np.array(
+            [
+                4.5 * (d - a + 3.0 * (b - c)) / h**3,
+                4.5 * (2.0 * a - 5.0 * b + 4.0 * c - d) / h**2,
+                (-5.5 * a + 9.0 * b - 4.5 * c + d) / h,
+                a,
+            ]
+        )
+        x = parts[4:] * h
+        fitted = ((cubic[0] * x + cubic[1]) * x + cubic[2]) * x + cubic[3]
+        good = np.abs(fitted - values[4:]).max(axis=0) <= _ACCURACY * largest
+        done.append((left[good], cubic[:, good]))
+        pieces += int(np.count_nonzero(good))
+        left, right = left[~good], right[~good]
+        if left.size and (h.min() < shortest or pieces + left.size > _MOST):
+            raise SceneError(
+                f"speed: the function jumps, or is too rough to be followed, at {left[0]:g} s"
+            )
+        middle = (left + right) / 2.0
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+    order = np.argsort(np.concatenate([begin for begin, _ in done]))
+    return (
+        np.concatenate([begin for begin, _ in done])[order],
+        np.concatenate([cubic for _, cubic in done], axis=1)[:, order],
+    )
+
+
+def _evaluated(f: Callable[[Any], Any], times: Array) -> Array:
+    """Give the values of a function of one time, or of an array of them."""
+    flat = times.reshape(-1)
+    try:
+        values: NDArray[Any] = np.asarray(f(flat))
+    except (TypeError, ValueError):  # it takes one time alone
+        values = np.empty(0)
+    if values.shape != flat.shape:
+        values = np.array([f(float(t)) for t in flat])
+    try:
+        values = values.astype(np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(f"speed: the function must give a number, got {values[0]!r}") from None
+    if not np.isfinite(values).all():
+        at = int(np.argmin(np.isfinite(values)))
+        raise SceneError(f"speed: the function gives {values[at]} at {flat[at]:g} s")
+    return values.reshape(times.shape)

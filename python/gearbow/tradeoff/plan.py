@@ -1,0 +1,200 @@
+"""What a study will run: the arguments of `gearbow.RotorSystem.tradeoff`, read and checked."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from gearbow._run import grid, number, whole
+from gearbow._types import Array
+from gearbow.errors import SceneError
+from gearbow.tradeoff.models import Model, simplified
+from gearbow.tradeoff.settings import METHODS, Setting, ladders
+from gearbow.tradeoff.signals import Signal, signals
+
+if TYPE_CHECKING:
+    from gearbow.system import RotorSystem
+
+__all__ = ["Plan", "plan"]
+
+_INITIAL = ("synchronous", "static", "rest")
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A study that is to be carried out.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    duration : float
+        Simulated time [s].
+    speed : float
+        Speed of the reference shaft [rad/s].
+    wanted : tuple of Signal
+        What is compared.
+    times : ndarray, shape (k,)
+        When it is compared [s].
+    initial : str
+        Where every run starts.
+    settings : list of Setting
+        What the system as given is run with.
+    simpler : list of Model
+        The simplified models.
+    factors : list of float
+        Numbers of elements over those given.
+    repeats : int
+        Runs of each setting, at most.
+    """
+
+    system: "RotorSystem"
+    duration: float
+    speed: float
+    wanted: tuple[Signal, ...]
+    times: Array
+    initial: str
+    settings: list[Setting]
+    simpler: list[Model]
+    factors: list[float]
+    repeats: int
+
+    def settings_of(self, model: Model) -> list[Setting]:
+        """Give the settings that a simplified model is run with.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+
+        Returns
+        -------
+        list of Setting
+            Those of one method: a simplification changes little of the order of methods.
+        """
+        methods = model.methods or (self.settings[0].method,)
+        return [setting for setting in self.settings if setting.method in methods]
+
+    def common(self) -> dict[str, Any]:
+        """Give the options of `simulate` that are the same in every run.
+
+        Returns
+        -------
+        dict
+            The options.
+        """
+        record = list(dict.fromkeys(signal.of for signal in self.wanted))
+        return {"times": self.times, "record": record, "initial": self.initial}
+
+
+def plan(
+    system: "RotorSystem",
+    duration: float,
+    speed: float,
+    of: object,
+    *,
+    methods: str | Iterable[str] | None,
+    steps: Iterable[float] | None,
+    tolerances: Iterable[float] | None,
+    modes: Iterable[int] | None,
+    elements: Iterable[float],
+    frozen: bool,
+    mean_stiffness: bool,
+    initial: str,
+    output_step: float | None,
+    repeats: int,
+) -> Plan:
+    """Read and check the arguments of a study.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    duration, speed, of, methods, steps, tolerances, modes, elements : object
+        As in `gearbow.RotorSystem.tradeoff`.
+    frozen, mean_stiffness, initial, output_step, repeats : object
+        As there.
+
+    Returns
+    -------
+    Plan
+        What is to be run.
+
+    Raises
+    ------
+    SceneError
+        If an argument is impossible; the text names it.
+    """
+    duration, speed = number(duration, "duration"), number(speed, "speed")
+    if not 0.0 < duration < math.inf:
+        raise SceneError(f"duration: must be positive and finite, got {duration!r}")
+    if not math.isfinite(speed):
+        raise SceneError(f"speed: must be finite, got {speed!r}")
+    if initial not in _INITIAL:
+        raise SceneError(f"initial: must be one of {', '.join(_INITIAL)}, got {initial!r}")
+    if output_step is None:
+        output_step = system._model.default_output_step(duration, speed, 0.0)
+    factors = _numbers(elements, "elements")
+    names = _methods(methods)
+    settings = ladders(
+        system,
+        speed,
+        names,
+        None if steps is None else _numbers(steps, "steps"),
+        None if tolerances is None else _numbers(tolerances, "tolerances", most=1.0),
+    )
+    if not settings:
+        raise SceneError(f"methods: nothing to try with {', '.join(names)}")
+    return Plan(
+        system=system,
+        duration=duration,
+        speed=speed,
+        wanted=signals(system, of),
+        times=grid(0.0, duration, number(output_step, "output_step")),
+        initial=initial,
+        settings=settings,
+        simpler=simplified(
+            system,
+            frozen=frozen,
+            mean_stiffness=mean_stiffness,
+            factors=factors,
+            modes=_modes(modes, names, system),
+        ),
+        factors=factors,
+        repeats=whole(repeats, "repeats"),
+    )
+
+
+def _methods(given: str | Iterable[str] | None) -> list[str]:
+    if given is None:
+        return list(METHODS)
+    names = [given] if isinstance(given, str) else list(given)
+    for i, name in enumerate(names):
+        if name not in METHODS:
+            raise SceneError(f"methods[{i}]: must be one of {', '.join(METHODS)}, got {name!r}")
+    if not names:
+        raise SceneError("methods: must name at least one method")
+    return list(dict.fromkeys(names))
+
+
+def _modes(given: Iterable[int] | None, names: list[str], system: "RotorSystem") -> list[int]:
+    """Read the numbers of modes to keep; a half, a quarter and an eighth of them by default."""
+    if "exponential" not in names:
+        return []
+    if given is None:
+        return [count for count in (len(system.dofs) // part for part in (2, 4, 8)) if count]
+    return [whole(count, f"modes[{i}]") for i, count in enumerate(given)]
+
+
+def _numbers(values: Iterable[object], name: str, most: float = math.inf) -> list[float]:
+    """Read positive numbers, each once."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise SceneError(f"{name}: must be a list of numbers, got {values!r}")
+    found = []
+    for i, value in enumerate(values):
+        read = number(value, f"{name}[{i}]")
+        if not 0.0 < read < most:
+            bound = "positive and finite" if math.isinf(most) else f"between 0 and {most:g}"
+            raise SceneError(f"{name}[{i}]: must be {bound}, got {value!r}")
+        found.append(read)
+    return list(dict.fromkeys(found))

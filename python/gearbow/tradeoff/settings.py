@@ -1,0 +1,203 @@
+"""The settings that a study tries: methods as data, with ladders of steps and tolerances."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gearbow.system import RotorSystem
+
+__all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of integration, and the values that a study gives to what controls it.
+
+    Parameters
+    ----------
+    options : mapping
+        What `simulate` is given beside the value.
+    control : {"rtol", "step"}
+        What controls the error.
+    ladder : tuple of float
+        Tolerances, or steps over `unit`, from loose to tight.
+    finest : tuple of float
+        The same for a reference, from tight to loose: the first that can be afforded is taken.
+    unit : {"stability", "passing"}, optional
+        What steps are counted in: the step that resolves the fastest motion of the model, or the
+        time in which the fastest shaft or tooth passes.
+    """
+
+    options: Mapping[str, Any]
+    control: str
+    ladder: tuple[float, ...]
+    finest: tuple[float, ...]
+    unit: str = ""
+
+
+#: The methods by the names that a study knows; a reference is made by the first that can.
+METHODS: dict[str, Method] = {
+    "exponential": Method(
+        {"method": "exponential"},
+        "rtol",
+        (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10),
+        (1e-12, 1e-10, 1e-8),
+    ),
+    "rk45": Method(
+        {"method": "rk45"}, "rtol", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), (1e-12, 1e-10, 1e-8)
+    ),
+    "rk4": Method(
+        {"method": "rk4"},
+        "step",
+        (2.5, 1.0, 0.5, 0.25, 0.125),
+        (0.03125, 0.0625, 0.125, 0.25),
+        "stability",
+    ),
+    "rk4, exact linear part": Method(
+        {"method": "rk4", "linear": "exact"},
+        "step",
+        (0.02, 0.01, 0.004, 0.002, 0.001),
+        (),
+        "passing",
+    ),
+    **{
+        f"exponential, {stages} stages": Method(
+            {"method": "exponential", "stages": stages},
+            "step",
+            (0.1, 0.04, 0.02, 0.01, 0.004),
+            (),
+            "passing",
+        )
+        for stages in (2, 4)
+    },
+}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to run: the options of `simulate` that decide on accuracy and cost.
+
+    Parameters
+    ----------
+    method : str
+        Name of the method in the study.
+    options : mapping
+        Options of `simulate`.
+    """
+
+    method: str
+    options: Mapping[str, Any] = field(hash=False)
+
+    def halved(self) -> "Setting":
+        """Make it twice as tight.
+
+        Returns
+        -------
+        Setting
+            The same with half the step or tolerance.
+        """
+        control = METHODS[self.method].control
+        return Setting(self.method, {**self.options, control: 0.5 * self.options[control]})
+
+    def __str__(self) -> str:
+        step, rtol = self.options.get("step"), self.options.get("rtol")
+        return f"{self.method}, " + (f"step {step:.3g} s" if step else f"rtol {rtol:.0e}")
+
+
+def ladders(
+    system: "RotorSystem",
+    speed: float,
+    names: Sequence[str],
+    steps: Sequence[float] | None,
+    tolerances: Sequence[float] | None,
+) -> list[Setting]:
+    """Lay out the settings of a study, from loose to tight, the methods in turn.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    names : sequence of str
+        Methods.
+    steps, tolerances : sequence of float, optional
+        What to give to the methods with fixed steps [s] and to the others; None is their ladders.
+
+    Returns
+    -------
+    list of Setting
+        The settings.
+    """
+    columns = []
+    for name in names:
+        method = METHODS[name]
+        given = steps if method.control == "step" else tolerances
+        values = _values(system, speed, method, method.ladder) if given is None else list(given)
+        columns.append([_setting(name, value) for value in sorted(values, reverse=True)])
+    longest = max(len(column) for column in columns)
+    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+
+
+def references(system: "RotorSystem", speed: float) -> list[Setting]:
+    """Lay out what could serve as a reference, the best first.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    speed : float
+        Speed of the reference shaft [rad/s].
+
+    Returns
+    -------
+    list of Setting
+        The tightest setting of each method, then the next of each, and so on.
+    """
+    columns = [
+        [_setting(name, value) for value in _values(system, speed, method, method.finest)]
+        for name, method in METHODS.items()
+    ]
+    longest = max(len(column) for column in columns)
+    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+
+
+def _setting(name: str, value: float) -> Setting:
+    method = METHODS[name]
+    return Setting(name, {**method.options, method.control: value})
+
+
+def _values(
+    system: "RotorSystem", speed: float, method: Method, ladder: Sequence[float]
+) -> list[float]:
+    if method.control == "rtol":
+        return list(ladder)
+    if method.unit == "stability":
+        unit = _stable_step(system, speed)
+        # Three digits: the options that a table shows are the options that were run.
+        return [float(f"{unit * factor:.3g}") for factor in ladder]
+    unit = _passing(system, speed)
+    return [_round(unit * factor) for factor in ladder] if math.isfinite(unit) else []
+
+
+def _round(value: float) -> float:
+    """Give the next of 1, 2 and 5 times a power of ten: such steps meet the times of a response."""
+    power = math.floor(math.log10(value))
+    return float(
+        f"{min((1, 2, 5, 10), key=lambda digit: abs(digit - value / 10.0**power))}e{power}"
+    )
+
+
+def _stable_step(system: "RotorSystem", speed: float) -> float:
+    """Give the step that "rk4" takes of its own accord."""
+    omega = system.simulate(0.0, speed, method="rk4").statistics.omega_max
+    few = system.simulate(10.0 / omega, speed, method="rk4", times=[0.0])
+    return few.statistics.step_max
+
+
+def _passing(system: "RotorSystem", speed: float) -> float:
+    """Give the time in which the fastest shaft turns once, or the fastest gear by one tooth."""
+    # A response is recorded twenty times in it, where it is long enough for that.
+    return 20.0 * system._model.default_output_step(math.inf, speed, 0.0)

@@ -1,0 +1,203 @@
+"""What a study compares: displacements and mesh forces, and how far two runs are apart in them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._describe import place
+from gearbow._types import Array, At
+from gearbow.errors import SceneError
+from gearbow.response import Response
+
+if TYPE_CHECKING:
+    from gearbow.system import RotorSystem
+
+__all__ = ["Signal", "Swing", "signals"]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One quantity of a response: the displacement of a place, or the force of a mesh.
+
+    Parameters
+    ----------
+    of : str or tuple
+        A gear or disk, (shaft, position [m]), or (driver, driven).
+    """
+
+    of: Any
+
+    @property
+    def is_force(self) -> bool:
+        """Whether it is the force of a mesh.
+
+        Returns
+        -------
+        bool
+            True for (driver, driven).
+        """
+        return isinstance(self.of, tuple) and isinstance(self.of[1], str)
+
+    def values(self, response: Response) -> Array:
+        """Take it out of a response.
+
+        Parameters
+        ----------
+        response : Response
+            A response that recorded it.
+
+        Returns
+        -------
+        ndarray, shape (k, 2) or (k, 1)
+            Displacement [m] or force [N].
+        """
+        if self.is_force:
+            return response.mesh(*self.of).force[:, np.newaxis]
+        return response.displacement(self.of)
+
+    def __str__(self) -> str:
+        if self.is_force:
+            return f"the force of {self.of[0]}/{self.of[1]}"
+        if isinstance(self.of, str):
+            return f"the displacement of {self.of}"
+        return f"the displacement of {self.of[0]} at {self.of[1]:g} m"
+
+
+class Swing:
+    """The signals of one run, as the reference of others or against it.
+
+    Parameters
+    ----------
+    wanted : sequence of Signal
+        The signals.
+    response : Response
+        The run.
+    """
+
+    def __init__(self, wanted: tuple[Signal, ...], response: Response) -> None:
+        self._wanted = wanted
+        self._values = [signal.values(response) for signal in wanted]
+
+    def errors(self, other: "Swing", scale: "Swing") -> dict[str, float]:
+        """Give the distance to another run, of each signal.
+
+        Parameters
+        ----------
+        other : Swing
+            The other run, at the same times.
+        scale : Swing
+            The run whose swing about its mean errors are measured by.
+
+        Returns
+        -------
+        dict of {str: float}
+            RMS of the difference over the RMS of the swing.
+        """
+        rows = zip(self._wanted, self._values, other._values, scale._swings(), strict=True)
+        return {str(signal): _rms(mine - others) / swing for signal, mine, others, swing in rows}
+
+    def error(self, other: "Swing", scale: "Swing") -> float:
+        """Give the distance to another run, of the signal that is worst.
+
+        Parameters
+        ----------
+        other, scale : Swing
+            As in `errors`.
+
+        Returns
+        -------
+        float
+            The largest.
+        """
+        return max(self.errors(other, scale).values())
+
+    def check(self) -> None:
+        """Refuse what does not move: nothing can be said relative to that.
+
+        Raises
+        ------
+        SceneError
+            If a signal is constant, to the rounding of its mean.
+        """
+        for signal, values, swing in zip(self._wanted, self._values, self._swings(), strict=True):
+            if not swing > 1e3 * np.finfo(float).eps * _rms(values):
+                raise SceneError(
+                    f"of: {signal} stays the same in this run, "
+                    "so that no error can be taken relative to its swing"
+                )
+
+    def _swings(self) -> list[float]:
+        return [_rms(values - values.mean(axis=0)) for values in self._values]
+
+
+def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
+    """Read what a study is asked to compare, and check that the system has it.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    of : str, tuple or sequence of them, optional
+        A gear or disk, (shaft, position [m]), (driver, driven), or several; None is the first gear,
+        or disk.
+
+    Returns
+    -------
+    tuple of Signal
+        The signals.
+
+    Raises
+    ------
+    SceneError
+        If there is no such thing.
+    """
+    if of is None:
+        names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
+        if not names:
+            raise SceneError("of: give (shaft, position) where there is no gear or disk")
+        of = names[0]
+    given = [of] if isinstance(of, str) or _is_place(of) or _is_pair(of) else of
+    if not isinstance(given, Iterable):
+        raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {of!r}")
+    wanted = tuple(_signal(system, item) for item in given)
+    if not wanted:
+        raise SceneError("of: must name at least one signal")
+    return wanted
+
+
+def _signal(system: "RotorSystem", item: Any) -> Signal:
+    if _is_pair(item):
+        if tuple(item) not in {(mesh.driver, mesh.driven) for mesh in system.meshes}:
+            raise SceneError(f"of: no gear {item[0]!r} drives a gear {item[1]!r}")
+        return Signal(tuple(item))
+    if not (isinstance(item, str) or _is_place(item)):
+        raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {item!r}")
+    at: At = place(item)
+    try:
+        v, _, _ = system._model.indices(at)
+    except SceneError as error:
+        raise SceneError(f"of: {str(error).removeprefix('at: ')}") from None
+    if v is None:
+        raise SceneError(f"of: {item!r} only twists here; name a mesh, (driver, driven)")
+    return Signal(at)
+
+
+def _is_place(item: object) -> bool:
+    return (
+        isinstance(item, tuple)
+        and len(item) == 2
+        and isinstance(item[0], str)
+        and isinstance(item[1], Real)
+    )
+
+
+def _is_pair(item: object) -> bool:
+    return isinstance(item, tuple) and len(item) == 2 and all(isinstance(i, str) for i in item)
+
+
+def _rms(values: Array) -> float:
+    """Root of the mean over time of the squared length."""
+    return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))

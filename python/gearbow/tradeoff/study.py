@@ -1,0 +1,239 @@
+"""The study: a reference and its check, then every setting against it, within a budget of time."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from gearbow._types import Progress
+from gearbow.errors import ContactError, GearbowError
+from gearbow.response import Response
+from gearbow.tradeoff.clock import Budget, Cost, TooSlowError, measure
+from gearbow.tradeoff.models import GIVEN, Model, refined
+from gearbow.tradeoff.plan import Plan
+from gearbow.tradeoff.result import Tradeoff
+from gearbow.tradeoff.settings import METHODS, Setting, references
+from gearbow.tradeoff.signals import Swing
+from gearbow.tradeoff.trial import Skipped, Trial
+
+__all__ = ["carry_out"]
+
+#: Part of the budget that a reference may take, and another that its check may.
+_FOR_REFERENCE = 0.3
+#: What one run may take, over an equal share of what is left of the budget.
+_PATIENCE = 4.0
+#: An error of integration below this part of the model's own is not worth a smaller one.
+_NEGLIGIBLE = 0.1
+
+
+def carry_out(plan: Plan, budget: float, report: Progress) -> Tradeoff:
+    """Run everything that the budget allows.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be run.
+    budget : float
+        How long it may take [s].
+    report : callable
+        Is given the fraction that is done.
+
+    Returns
+    -------
+    Tradeoff
+        What accuracy costs.
+
+    Raises
+    ------
+    GearbowError
+        If not even a reference can be made.
+    """
+    return _Study(plan, Budget(budget), report).result()
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A run that was measured."""
+
+    model: Model
+    setting: Setting
+    options: dict[str, Any]
+    response: Response
+    cost: Cost
+    swing: Swing
+
+
+class _Study:
+    def __init__(self, plan: Plan, budget: Budget, report: Progress) -> None:
+        self.plan = plan
+        self.budget = budget
+        self.report = report
+        self.given = Model(GIVEN, plan.system)
+        self.for_reference = _FOR_REFERENCE * budget.left
+        self.skipped: list[Skipped] = []
+        self.jobs = 3 + len(plan.settings)
+        self.jobs += sum(1 + len(plan.settings_of(model)) for model in plan.simpler)
+        self.done = 0
+
+    def result(self) -> Tradeoff:
+        plan = self.plan
+        reference = self.reference = self._reference()
+        check = self._check()
+        self.floor = check.swing.error(reference.swing, reference.swing)
+        discretisation = self._discretisation()
+        known = (reference.setting.options, check.setting.options)
+        settings = [setting for setting in plan.settings if setting.options not in known]
+        trials = [self._trial(run, reference) for run in self._runs(self.given, settings)]
+        trials += [self._trial(run, reference) for run in (check, reference)]
+        for model in plan.simpler:
+            trials += self._simpler(model)
+        self.report(1.0)
+        order = [GIVEN, *(model.name for model in plan.simpler)]
+        trials.sort(key=lambda trial: (order.index(trial.model), list(METHODS).index(trial.method)))
+        return Tradeoff(
+            trials=tuple(trials),
+            skipped=tuple(self.skipped),
+            reference=str(reference.setting),
+            check=str(check.setting),
+            floor=self.floor,
+            discretisation=discretisation,
+            duration=plan.duration,
+            speed=plan.speed,
+            of=tuple(str(signal) for signal in plan.wanted),
+        )
+
+    def _reference(self) -> _Run:
+        for setting in references(self.plan.system, self.plan.speed):
+            run = self._run(self.given, setting, self.for_reference)
+            if run is not None:
+                run.swing.check()
+                self._count()
+                return run
+        raise self._nothing("reference")
+
+    def _check(self) -> _Run:
+        """Verify the reference by another method, or else by itself, twice as tight or looser."""
+        used = self.reference.setting
+        candidates = references(self.plan.system, self.plan.speed)
+        others = [setting for setting in candidates if setting.method != used.method]
+        same = [setting for setting in candidates if setting.method == used.method]
+        for setting in (*others, used.halved(), *same[same.index(used) + 1 :]):
+            run = self._run(self.given, setting, self.for_reference)
+            if run is not None:
+                self._count()
+                return run
+        raise self._nothing("check of the reference")
+
+    def _discretisation(self) -> tuple[str, dict[str, float]] | None:
+        finer = refined(self.plan.system, self.plan.factors)
+        run = None if finer is None else self._tight(finer)
+        self._count()
+        if finer is None or run is None:
+            return None
+        return finer.name, self.reference.swing.errors(run.swing, run.swing)
+
+    def _tight(self, model: Model) -> _Run | None:
+        """Run another model as the reference was, or nearly: what differs then is the model's."""
+        tried = len(self.skipped)
+        used = self.reference.setting
+        others = references(model.system, self.plan.speed)
+        same = [setting for setting in others if setting.method == used.method]
+        for setting in dict.fromkeys((used, *same, *others)):
+            if model.methods is None or setting.method in model.methods:
+                run = self._run(model, setting, _PATIENCE * self._share())
+                if run is not None:
+                    del self.skipped[tried:]
+                    return run
+        del self.skipped[tried + 1 :]
+        return None
+
+    def _simpler(self, model: Model) -> Iterator[Trial]:
+        """Measure a simplification by itself, and then what it saves."""
+        settings = self.plan.settings_of(model)
+        own = self._tight(model)
+        self._count()
+        if own is None:
+            self._count(len(settings))
+            return
+        tight = self._trial(own, own)
+        for rung, run in enumerate(self._runs(model, settings)):
+            trial = self._trial(run, own)
+            yield trial
+            if trial.integration_error < _NEGLIGIBLE * trial.model_error:
+                # Whatever is tighter costs more and is no nearer to the reference.
+                self._count(len(settings) - 1 - rung)
+                break
+        yield tight
+
+    def _runs(self, model: Model, settings: Sequence[Setting]) -> Iterator[_Run]:
+        for setting in settings:
+            share = self._share()
+            run = self._run(model, setting, _PATIENCE * share, share)
+            self._count()
+            if run is not None:
+                yield run
+
+    def _share(self) -> float:
+        """Divide what is left of the budget by what is left to do."""
+        return self.budget.left / max(1, self.jobs - self.done)
+
+    def _run(
+        self, model: Model, setting: Setting, allowance: float, share: float = 0.0
+    ) -> _Run | None:
+        """Run one setting, or note why not."""
+        plan = self.plan
+        options = {**setting.options, **model.options}
+        left = self.budget.left
+        try:
+            if left == 0.0:
+                raise TooSlowError
+            response, cost = measure(
+                model.system,
+                plan.duration,
+                plan.speed,
+                {**plan.common(), **options},
+                allowance=min(allowance, left),
+                share=share,
+                repeats=plan.repeats,
+            )
+        except ContactError:
+            raise  # no setting can do what the scene forbids
+        except TooSlowError as error:
+            reason = str(error)
+        except GearbowError as error:
+            reason = str(error)
+        else:
+            return _Run(model, setting, options, response, cost, Swing(plan.wanted, response))
+        self.skipped.append(Skipped(str(setting), model.name, reason))
+        return None
+
+    def _count(self, jobs: int = 1) -> None:
+        self.done += jobs
+        self.report(min(1.0, self.done / self.jobs))
+
+    def _trial(self, run: _Run, own: _Run) -> Trial:
+        """Make a row of a run; `own` is the tight run of the same model."""
+        reference = self.reference.swing
+        statistics = run.response.statistics
+        errors = run.swing.errors(reference, reference)
+        return Trial(
+            setting=str(run.setting),
+            model=run.model.name,
+            options=run.options,
+            system=run.model.system,
+            method=run.setting.method,
+            errors=errors,
+            integration_error=run.swing.error(own.swing, reference),
+            model_error=own.swing.error(reference, reference),
+            floor=self.floor,
+            setup=run.cost.setup,
+            stepping=run.cost.stepping,
+            duration=self.plan.duration,
+            steps=statistics.steps,
+            evaluations=statistics.evaluations,
+            limited_by=statistics.limited_by,
+            repeats=run.cost.repeats,
+        )
+
+    def _nothing(self, what: str) -> GearbowError:
+        tried = "; ".join(str(skipped) for skipped in self.skipped)
+        return GearbowError(f"budget: too short for a {what} ({tried})")

@@ -1,0 +1,248 @@
+"""Runs of the exponential method: in parts, watched or not, continued, refused, stopped, side by side."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.bows import HalfSine
+from reference.teeth import Toothed
+
+SPEED = 600.0
+BOWED = Toothed(
+    coupled=True,
+    torque=80.0,
+    bows={"a": HalfSine(5e-5, 0.4), "b": HalfSine(3e-5, -1.0)},
+    mesh={"centre_line_angle": 0.3, "damping_ratio": 0.03},
+)
+SMOOTH = {"model": "square", "pair": 1.5e8, "engagement": 0.2}
+SHARP = {"model": "square", "pair": 1.5e8, "engagement": "sharp"}
+
+
+def with_mesh(**mesh: Any) -> Toothed:
+    return replace(BOWED, mesh={**BOWED.mesh, **mesh})
+
+
+SCENES: dict[str, tuple[Toothed, dict[str, Any]]] = {
+    "smooth, live": (with_mesh(stiffness=SMOOTH), {}),
+    "mean, frozen": (with_mesh(stiffness=2e8), {"geometry": "frozen"}),
+    "sharp, frozen": (with_mesh(stiffness=SHARP), {"geometry": "frozen"}),
+    "sharp, live": (with_mesh(stiffness=SHARP), {}),
+    "rattling, live": (replace(with_mesh(stiffness=SMOOTH, backlash=5e-6), torque=5.0), {}),
+    "rattling, frozen": (
+        replace(with_mesh(stiffness=SHARP, backlash=5e-6), torque=5.0),
+        {"geometry": "frozen"},
+    ),
+    "fixed step": (with_mesh(stiffness=SHARP, backlash=5e-6), {"step": 1.3e-5, "stages": 2}),
+    "etdrk4": (with_mesh(stiffness=SHARP), {"method": "rk4", "linear": "exact", "step": 3e-6}),
+    "reversed": (with_mesh(stiffness=SHARP), {"speed": -SPEED}),
+    "standing": (with_mesh(stiffness=SMOOTH, backlash=5e-6), {"speed": 0.0}),
+}
+
+
+def run(name: str, duration: float, **more: Any) -> gb.Response:
+    scene, options = SCENES[name]
+    options = {"initial": "rest", **options, **more}
+    return scene.package().simulate(duration, options.pop("speed", SPEED), **options)
+
+
+def same_end(first: gb.Response, second: gb.Response) -> None:
+    for key, value in first.final.items():
+        assert np.array_equal(value, second.final[key]), key
+
+
+# --- in parts ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [2, 7])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_in_parts_is_the_whole_to_the_last_bit(name: str, count: int):
+    duration = 2.1e-3
+    inner = np.sort(np.random.default_rng(count).uniform(0.0, duration, count - 1))
+    stops = [0.0, *inner, duration]
+    times = np.linspace(0.0, duration, 43)
+    whole = run(name, duration, times=times)
+    part: str | gb.Response = "rest"
+    events, rows = [], []
+    for begin, end in pairwise(stops):
+        began = 0.0 if isinstance(part, str) else part.final["time"]
+        own = times[(times >= began) & (times < end)] if end < duration else times[times >= began]
+        part = run(name, end - began, initial=part, times=own)
+        assert part.final["time"] == pytest.approx(end, rel=1e-14)
+        events += part.events
+        rows.append(part.displacement("ga"))
+        assert begin < end
+    assert isinstance(part, gb.Response)
+    # the clock of the last part ends a last bit off the whole's; the state is that of its last step
+    assert np.array_equal(part.final["state"], whole.final["state"])
+    assert np.array_equal(np.concatenate(rows), whole.displacement("ga"))
+    assert tuple(events) == whole.events
+    if "sharp" in name or "rattling" in name:
+        assert whole.statistics.events > 3
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_looked_at_does_not_change_the_motion(name: str):
+    duration = 1.5e-3
+    plain = run(name, duration, times=[duration])
+    numbers = np.random.default_rng(3).uniform(0.0, duration, 60)
+    watched = [
+        {"output_step": 1e-6},
+        {"times": np.concatenate([numbers, numbers, [0.0, duration]])},
+        {"times": [], "record": []},
+        {"times": numbers, "record": ["energy", "nodes", "bearings", "meshes"]},
+    ]
+    for more in watched:
+        found = run(name, duration, **more)
+        same_end(plain, found)
+        assert found.events == plain.events or not more.get("record", True)
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "sharp, live", "rattling, live"])
+def test_a_row_does_not_depend_on_its_neighbours(name: str):
+    duration = 1e-3
+    times = np.sort(np.random.default_rng(5).uniform(0.0, duration, 80))
+    together = run(name, duration, times=np.repeat(times, 2))
+    alone = [run(name, duration, times=[t]) for t in times[::9]]
+    assert np.array_equal(together.displacement("gb")[::2], together.displacement("gb")[1::2])
+    for row, single in zip(together.displacement("gb")[::18], alone, strict=True):
+        assert np.array_equal(row, single.displacement("gb")[0])
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen", "rattling, live"])
+def test_rows_are_smooth_where_steps_meet(name: str):
+    # two rows a 1e-9 s apart differ by velocity times that, whatever lies between them
+    duration = 4e-4
+    times = np.linspace(1e-6, duration - 1e-6, 2001)
+    pairs = np.stack([times - 5e-10, times + 5e-10], axis=1).ravel()
+    found = run(name, duration, times=pairs, rtol=1e-9)
+    twist = found.twist("ga").reshape(-1, 2)
+    slope = np.diff(twist, axis=1)[:, 0] / 1e-9
+    across = np.gradient(found.twist("ga")[::2], pairs[::2])
+    # a jump of one tolerance of the motion between two rows would be a slope of 1e-9 range / 1e-9 s
+    assert np.abs(slope - across).max() < 0.02 * np.ptp(across)
+
+
+# --- continued -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen", "rattling, live"])
+def test_methods_take_over_from_each_other(name: str):
+    tight = {"rtol": 1e-10}
+    whole = run(name, 2e-3, times=np.linspace(0, 2e-3, 21), method="rk45", rtol=1e-11)
+    first = run(name, 7e-4, method="rk45", **tight)
+    second = run(name, 7e-4, initial=first, **tight)
+    third = run(name, 6e-4, initial=second, method="rk45", times=[1.5e-3, 2e-3], **tight)
+    assert second.statistics.steps < first.statistics.steps
+    wanted = whole.twist("ga")[[15, 20]]
+    # contacts carry the errors of the instants before them on
+    tolerance = 1e-6 if "rattling" in name else 1e-7
+    assert third.twist("ga") == pytest.approx(wanted, abs=tolerance * np.ptp(whole.twist("ga")))
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "sharp, live", "rattling, live"])
+def test_a_state_without_its_memory_goes_on_to_tolerance(name: str):
+    rtol = 1e-8
+    whole = run(name, 2e-3, times=np.linspace(0, 2e-3, 21), rtol=rtol)
+    half = dict(run(name, 1e-3, rtol=rtol).final)
+    half["memory"] = np.zeros(0)
+    rest = run(name, 1e-3, initial=half, times=[1.5e-3, 2e-3], rtol=rtol)
+    wanted = whole.twist("ga")[[15, 20]]
+    assert rest.twist("ga") == pytest.approx(wanted, abs=100 * rtol * np.ptp(whole.twist("ga")))
+
+
+def test_a_state_that_was_changed_goes_on_as_it_says():
+    half = dict(run("smooth, live", 1e-3).final)
+    state = np.array(half["state"])
+    state[: len(state) // 2] = 0.0
+    half["state"] = state
+    rest = run("smooth, live", 1e-4, initial=half, times=[half["time"]])
+    other = run("smooth, live", 1e-4, initial={**half, "memory": np.zeros(0)}, times=[half["time"]])
+    assert np.array_equal(rest.displacement("ga"), other.displacement("ga"))
+    assert np.abs(rest.displacement("ga")).max() < 1e-5  # it moved on from nothing
+
+
+@pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
+@pytest.mark.parametrize("speed", [SPEED, 0.0, -SPEED])
+def test_every_beginning_at_every_sense_of_turning(speed: float, initial: str):
+    options = {"speed": speed, "initial": initial, "times": np.linspace(0.0, 1e-3, 21)}
+    exact = run("smooth, live", 1e-3, method="rk45", rtol=1e-10, **options)
+    found = run("smooth, live", 1e-3, rtol=1e-8, **options)
+    scale = np.abs(exact.displacement("ga")).max()
+    # of a tolerance relative to the whole motion, of which the swing about a start is a small part
+    assert found.displacement("ga") == pytest.approx(exact.displacement("ga"), abs=1e-6 * scale)
+
+
+# --- refused -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"stages": 0}, "^stages: must be"),
+        ({"stages": 5}, "^stages: must be 1 to 4, got 5"),
+        ({"stages": 2.5}, "^stages: must be a whole number"),
+        ({"modes": 0}, "^modes: must be at least 1"),
+        ({"modes": "few"}, "^modes: must be a whole number"),
+        ({"stages": 2, "method": "rk45"}, '^stages: "rk45" has none'),
+        ({"modes": 8, "method": "rk4"}, '^modes: "rk4" has none'),
+        ({"linear": "x"}, "^linear: .*x"),
+        ({"linear": "exact", "method": "rk45"}, "^linear: .*rk45"),
+        ({"rtol": 1.0}, "^rtol: must lie between 0 and 1"),
+        ({"step": -1e-6}, "^step: must be positive"),
+    ],
+    ids=str,
+)
+def test_an_option_that_cannot_be_is_named(options: dict[str, Any], text: str):
+    with pytest.raises(gb.SceneError, match=text):
+        run("smooth, live", 1e-4, **options)
+
+
+# --- stopped, and side by side -------------------------------------------------------------------------------
+
+
+def test_an_error_of_the_progress_keeps_what_was_computed():
+    class EnoughError(Exception):
+        pass
+
+    def stop(fraction: float) -> None:
+        if fraction > 0.0:
+            raise EnoughError
+
+    with pytest.raises(EnoughError) as caught:
+        run("rattling, live", 1e3, times=np.arange(0.0, 1e3, 1e-2), progress=stop)
+    done = caught.value.response
+    assert isinstance(done, gb.Response)
+    again = run("rattling, live", done.time[-1] + 1e-3, times=done.time)
+    assert len(done.time) > 1
+    assert np.array_equal(done.displacement("ga"), again.displacement("ga"))
+    # and it can be taken up where it stood
+    ended = done.final["time"]
+    assert done.time[-1] <= ended < done.time[-1] + 1e-2 + 1e-4
+    rest = run("rattling, live", 1e-3, initial=done, times=[ended + 5e-4])
+    whole = run("rattling, live", ended + 1e-3, times=[ended + 5e-4])
+    assert np.array_equal(rest.displacement("ga"), whole.displacement("ga"))
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "rattling, live", "etdrk4"])
+def test_two_threads_give_the_same_bits(name: str):
+    system, options = SCENES[name][0].package(), SCENES[name][1]
+    gate = threading.Barrier(2)
+
+    def one(_: int) -> gb.Response:
+        gate.wait()
+        return system.simulate(5e-3, SPEED, initial="rest", output_step=1e-5, **options)
+
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.map(one, range(2))
+    alone = run(name, 5e-3, output_step=1e-5)
+    for found in (first, second):
+        same_end(found, alone)
+        assert np.array_equal(found.mesh("ga", "gb").force, alone.mesh("ga", "gb").force)

@@ -1,0 +1,397 @@
+"""What accuracy costs: errors against an independent program, the front, the budget, the words."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.accuracy import ACCURACIES
+from reference import judge
+from reference.bows import HalfSine
+from reference.scenes import PAIR
+
+SPEED, END = 100.0, 4e-3
+SCENE = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2)
+FORCE = ("g1", "g2")
+TOLERANCES = [1e-3, 1e-5, 1e-7, 1e-9]
+
+
+def toothed() -> gb.RotorSystem:
+    """The pair with stiffness that varies."""
+    package = SCENE.package()
+    teeth = gb.Stiffness.parabolic(1.5e8, engagement=0.3)
+    meshes = [replace(mesh, stiffness=teeth) for mesh in package.meshes]
+    return gb.RotorSystem(package.shafts, package.gears, meshes, package.bearings, package.torques)
+
+
+def apart(found: np.ndarray, exact: np.ndarray) -> float:
+    """RMS of the difference over the RMS of the swing, written once more."""
+    square = np.sum((found - exact).reshape(len(exact), -1) ** 2, axis=1).mean()
+    swing = np.sum((exact - exact.mean(axis=0)).reshape(len(exact), -1) ** 2, axis=1).mean()
+    return float(np.sqrt(square / swing))
+
+
+@pytest.fixture(scope="module")
+def study() -> gb.Tradeoff:
+    return toothed().tradeoff(
+        END,
+        SPEED,
+        of=["g1", FORCE],
+        methods=["exponential", "rk45"],
+        tolerances=TOLERANCES,
+        initial="rest",
+        repeats=1,
+        budget=60.0,
+    )
+
+
+def of_method(study: gb.Tradeoff, method: str) -> list[gb.Trial]:
+    return [t for t in study.trials if t.method == method and t.model == "as given"]
+
+
+@pytest.mark.parametrize("method", ["exponential", "rk45"])
+def test_errors_fall_with_the_tolerance_down_to_what_is_known(study, method):
+    errors = [trial.bound for trial in of_method(study, method)]
+    assert len(errors) >= len(TOLERANCES)
+    # rk45 is held to the limit of stability where a tolerance is loose: the error stays the same
+    assert all(tight <= 1.01 * loose for loose, tight in pairwise(errors))
+    assert errors[-1] == study.floor < 1e-6
+    assert errors[0] > 1e2 * study.floor
+
+
+def test_the_reference_is_what_an_independent_program_finds():
+    times = np.linspace(0.0, END, 101)
+    exact = judge.from_rest(SCENE.reference(), SPEED, times).displacement("g1")
+    system = SCENE.package()
+    found = system.tradeoff(
+        END, SPEED, of="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
+    )
+    # the judge's tolerance of 1e-10 leaves about as much; its own error hides what is below
+    hidden = 1e-7
+    for trial in found.trials:
+        response = trial.system.simulate(END, SPEED, initial="rest", times=times, **trial.options)
+        error = apart(response.displacement("g1"), exact)
+        # other times than those of the study: their means over time differ by some per cent
+        assert error == pytest.approx(trial.error, rel=0.3, abs=hidden + found.floor), str(trial)
+
+
+@pytest.mark.parametrize("wanted", [1e-2, 1e-4, 1e-6])
+def test_a_recommendation_keeps_its_error_against_an_independent_program(wanted):
+    times = np.linspace(0.0, END, 101)
+    motion = judge.from_rest(SCENE.reference(), SPEED, times)
+    found = SCENE.package().tradeoff(END, SPEED, of=["g1", FORCE], initial="rest", repeats=1)
+    best = found.recommend(error=wanted)
+    assert best.error <= wanted
+    response = best.system.simulate(END, SPEED, initial="rest", times=times, **best.options)
+    assert apart(response.displacement("g1"), motion.displacement("g1")) < 1.3 * wanted
+    assert apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True)) < 1.3 * wanted
+    cheaper = [t for t in found.trials if t.seconds < best.trial.seconds]
+    assert all(trial.bound > wanted for trial in cheaper)
+
+
+def test_the_error_of_a_simplification_is_that_of_a_direct_comparison(study):
+    system = toothed()
+    times = np.arange(0.0, END, system._model.default_output_step(END, SPEED, 0.0))
+    how = {"method": "rk45", "rtol": 1e-11, "initial": "rest", "times": times}
+    exact = system.simulate(END, SPEED, **how)
+    mean = system.static().mesh(*FORCE).stiffness
+    coarse = [replace(shaft, elements=1) for shaft in system.shafts]
+    parts = (system.gears, system.meshes, system.bearings, system.torques)
+    level = [replace(mesh, stiffness=mean) for mesh in system.meshes]
+    others = {
+        "frozen geometry": system.simulate(END, SPEED, geometry="frozen", **how),
+        "mean stiffness": gb.RotorSystem(
+            system.shafts, system.gears, level, system.bearings, system.torques
+        ).simulate(END, SPEED, **how),
+    }
+    assert len(gb.RotorSystem(coarse, *parts).dofs) == len(system.dofs)  # gears stand on the nodes
+    assert {t.model for t in study.trials} - {"as given"} >= set(others)
+    assert "elements × 0.5" not in {t.model for t in study.trials}
+    for model, response in others.items():
+        *_, tight = (trial for trial in study.trials if trial.model == model)
+        error = apart(response.displacement("g1"), exact.displacement("g1"))
+        assert tight.errors["the displacement of g1"] == pytest.approx(error, rel=1e-2)
+        error = apart(response.mesh(*FORCE).force, exact.mesh(*FORCE).force)
+        assert tight.errors["the force of g1/g2"] == pytest.approx(error, rel=1e-2)
+        assert tight.integration_error <= study.floor
+        assert tight.model_error == tight.error > 1e-3
+
+
+def test_fewer_modes_and_more_elements_are_models_of_their_own(study):
+    counts = [t for t in study.trials if t.model.endswith("modes")]
+    assert counts
+    for trial in counts:
+        assert trial.options["modes"] == int(trial.model.split()[0])
+        assert trial.options["method"] == "exponential"
+        # what it is off by is its integration and its model, whatever their signs
+        assert trial.error <= 1.001 * (trial.integration_error + trial.model_error)
+    model, errors = study.discretisation
+    assert model == "elements × 2"
+    assert all(1e-5 < error < 1.0 for error in errors.values())
+
+
+def test_no_setting_of_the_front_is_beaten(study):
+    for duration in (None, 10.0):
+        front = study.front(duration=duration)
+        assert front
+        for trial in study.trials:
+            better = [
+                f
+                for f in front
+                if f.cost(duration) <= trial.cost(duration) and f.bound <= trial.bound
+            ]
+            assert better or trial in front, str(trial)
+        costs = [trial.cost(duration) for trial in front]
+        bounds = [trial.bound for trial in front]
+        assert costs == sorted(costs)
+        assert all(tight < loose for loose, tight in pairwise(bounds))
+    assert all(t.model == "as given" for t in study.front(simplified=False))
+
+
+def test_a_recommendation_weighs_set_up_against_steps(study):
+    quick, lasting = study.recommend(1e-4), study.recommend(1e-4, duration=1e4)
+    assert lasting.trial.rate <= quick.trial.rate
+    assert quick.trial.seconds <= lasting.trial.seconds
+    assert study.recommend(1e-4, simplified=False).system.dofs == toothed().dofs
+
+
+def test_what_no_setting_keeps_is_an_error(study):
+    with pytest.raises(gb.GearbowError, match=r"known to keep 1e-15; the best is .*known to"):
+        study.recommend(1e-15)
+    with pytest.raises(gb.SceneError, match=r"^error: must be positive"):
+        study.recommend(-1.0)
+    with pytest.raises(gb.SceneError, match=r"^duration: must be positive"):
+        study.front(duration=0.0)
+
+
+def test_the_table_says_it_all(study):
+    text = str(study)
+    assert f"known to {study.floor:.1e}" in text
+    lines = study.table().splitlines()
+    assert len(lines) == 1 + len(study.trials)
+    assert sum(line.startswith("*") for line in lines) == len(study.front())
+    assert all(
+        "<" in line for line, t in zip(lines[1:], study.trials, strict=True) if t.error <= t.floor
+    )
+    frame = study.to_dataframe()
+    assert list(frame["error"]) == [trial.error for trial in study.trials]
+    assert list(frame["seconds"]) == [t.setup + t.stepping for t in study.trials]
+    assert list(frame["steps"]) == [trial.steps for trial in study.trials]
+    assert set(frame["limited by"]) == {trial.limited_by for trial in study.trials}
+
+
+def test_the_diagram_shows_every_method_and_model(study, tmp_path):
+    figure = study.plot()
+    (panel,) = figure.axes
+    assert panel.get_xscale() == panel.get_yscale() == "log"
+    lines = {line.get_label(): line for line in panel.get_lines()}
+    models = {trial.model for trial in study.trials} - {"as given"}
+    assert set(lines) >= {"exponential", "rk45", "best of all", *models}
+    drawn = lines["exponential"]
+    np.testing.assert_allclose(
+        drawn.get_xdata(), [t.bound for t in of_method(study, "exponential")]
+    )
+    np.testing.assert_allclose(
+        drawn.get_ydata(), [t.seconds for t in of_method(study, "exponential")]
+    )
+    # shapes tell what colours may not
+    markers = [lines[name].get_marker() for name in {"exponential", "rk45", *models}]
+    assert len(set(markers)) == len(markers)
+    study.plot(duration=10.0).savefig(tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 1000
+
+
+def test_the_same_study_finds_the_same_errors(study):
+    again = toothed().tradeoff(
+        END,
+        SPEED,
+        of=["g1", FORCE],
+        methods=["exponential", "rk45"],
+        tolerances=TOLERANCES,
+        initial="rest",
+        repeats=2,
+        budget=60.0,
+    )
+    assert [str(t) for t in again.trials] == [str(t) for t in study.trials]
+    assert [t.errors for t in again.trials] == [t.errors for t in study.trials]
+    assert again.floor == study.floor
+
+
+def test_a_budget_ends_what_would_take_too_long():
+    budget = 3.0
+    begin = time.perf_counter()
+    found = toothed().tradeoff(
+        0.02, SPEED, of="g1", methods=["rk4", "rk45"], steps=[1e-6, 1e-9], budget=budget, repeats=1
+    )
+    # a run looks at the clock every 50 ms; twice as much is a machine that does other things too
+    assert time.perf_counter() - begin < 2.0 * budget
+    slow = [skipped for skipped in found.skipped if skipped.setting == "rk4, step 1e-09 s"]
+    assert slow
+    assert slow[0].reason.startswith("takes ")
+    assert str(slow[0]) in str(found)
+    assert any(trial.setting == "rk4, step 1e-06 s" for trial in found.trials)
+
+
+def test_what_is_left_when_the_budget_is_spent_is_not_begun():
+    def dawdle(_: float) -> None:
+        time.sleep(0.05)
+
+    found = toothed().tradeoff(END, SPEED, of="g1", budget=0.5, progress=dawdle)
+    # of 30 settings and more, those of half a second
+    late = [skipped for skipped in found.skipped if skipped.reason == "the budget is spent"]
+    assert len(late) > 10
+    assert 2 <= len(found.trials) <= 11
+
+
+def test_a_budget_too_short_for_a_reference_is_an_error():
+    system = gb.RotorSystem(
+        [replace(shaft, elements=40) for shaft in toothed().shafts],
+        toothed().gears,
+        toothed().meshes,
+        toothed().bearings,
+        toothed().torques,
+    )
+    with pytest.raises(gb.GearbowError, match=r"^budget: too short for a reference"):
+        system.tradeoff(10.0, SPEED, of="g1", methods="rk4", budget=0.1)
+
+
+def test_a_step_that_is_not_stable_is_skipped_and_says_so():
+    found = toothed().tradeoff(
+        1e-3, SPEED, of="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1
+    )
+    unstable = [skipped for skipped in found.skipped if skipped.setting == "rk4, step 0.001 s"]
+    assert unstable
+    assert "stability limit" in unstable[0].reason
+
+
+def test_progress_goes_from_nothing_to_all(capsys):
+    seen: list[float] = []
+    how = {"of": "g1", "methods": "exponential", "tolerances": [1e-3], "repeats": 1}
+    toothed().tradeoff(1e-3, SPEED, progress=seen.append, **how)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+    toothed().tradeoff(1e-3, SPEED, progress=True, **how)
+    assert "100/100 %" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({"duration": 0.0}, "duration: must be positive and finite, got 0.0"),
+        ({"duration": "long"}, "duration: must be a number, got 'long'"),
+        ({"speed": np.nan}, "speed: must be finite, got nan"),
+        ({"of": "g9"}, 'of: no gear or disk is called "g9"'),
+        ({"of": ("input", 0.1)}, 'of: shaft "input" has no node at 0.1 m'),
+        ({"of": ("g2", "g1")}, "of: no gear 'g2' drives a gear 'g1'"),
+        ({"of": 3}, "of: must be a name, (shaft, position) or (driver, driven), got 3"),
+        ({"of": []}, "of: must name at least one signal"),
+        ({"methods": ["euler"]}, "methods[0]: must be one of exponential, rk45, rk4"),
+        ({"methods": []}, "methods: must name at least one method"),
+        ({"methods": "rk45", "tolerances": []}, "methods: nothing to try with rk45"),
+        ({"steps": [1e-6, 0.0]}, "steps[1]: must be positive and finite, got 0.0"),
+        ({"tolerances": [2.0]}, "tolerances[0]: must be between 0 and 1, got 2.0"),
+        ({"tolerances": 1e-3}, "tolerances: must be a list of numbers, got 0.001"),
+        ({"elements": [-1.0]}, "elements[0]: must be positive and finite, got -1.0"),
+        ({"modes": [0]}, "modes[0]: must be at least 1, got 0"),
+        ({"repeats": 0}, "repeats: must be at least 1, got 0"),
+        ({"budget": 0.0}, "budget: must be positive, got 0.0"),
+        ({"initial": "warm"}, "initial: must be one of synchronous, static, rest, got 'warm'"),
+        ({"output_step": 0.0}, "output_step: must be positive and finite, got 0.0"),
+    ],
+    ids=lambda value: str(value) if isinstance(value, dict) else "",
+)
+def test_an_impossible_argument_is_named(given, text):
+    with pytest.raises(gb.SceneError) as caught:
+        toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "of": "g1"} | given)
+    assert str(caught.value).startswith(text)
+
+
+def test_what_does_not_swing_has_no_error():
+    straight = replace(PAIR, elements=2).package()
+    with pytest.raises(gb.SceneError, match=r"^of: the displacement of g1 stays the same"):
+        straight.tradeoff(1e-3, SPEED, of="g1", initial="static")
+
+
+def test_a_train_that_only_twists_is_judged_by_its_meshes():
+    package = replace(PAIR, elements=2).package()
+    teeth = [replace(mesh, stiffness=gb.Stiffness.parabolic(1.5e8)) for mesh in package.meshes]
+    system = gb.RotorSystem(
+        package.shafts, package.gears, teeth, (), package.torques, motion="torsion"
+    )
+    with pytest.raises(gb.SceneError, match=r"^of: 'g1' only twists here; name a mesh"):
+        system.tradeoff(1e-3, SPEED, of="g1")
+    found = system.tradeoff(2e-3, SPEED, of=FORCE, methods="exponential", repeats=1)
+    # its centres do not move: there is no geometry to freeze
+    assert "frozen geometry" not in {trial.model for trial in found.trials}
+
+
+@pytest.mark.parametrize("word", list(ACCURACIES))
+def test_a_word_keeps_what_the_response_expects_of_it(word):
+    times = np.linspace(0.0, END, 101)
+    motion = judge.from_rest(SCENE.reference(), SPEED, times)
+    response = SCENE.package().simulate(END, SPEED, accuracy=word, initial="rest", times=times)
+    each = ACCURACIES[word]
+    assert response.expected_error == each.error
+    assert word in response.accuracy
+    assert "make study" in response.accuracy
+    # the judge itself is no better than this
+    allowed = max(each.error, 1e-7)
+    assert apart(response.displacement("g1"), motion.displacement("g1")) < allowed
+    assert apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True)) < allowed
+    same = SCENE.package().simulate(
+        END, SPEED, method=each.method, rtol=each.rtol, initial="rest", times=times
+    )
+    assert np.array_equal(same.displacement("g1"), response.displacement("g1"))
+    assert same.expected_error is None
+    assert same.accuracy is None
+
+
+def test_words_go_with_a_response_into_its_file(tmp_path):
+    response = SCENE.package().simulate(1e-4, SPEED, accuracy="draft")
+    for name in ("run.npz", "run.nc"):
+        response.save(tmp_path / name)
+        loaded = gb.Response.load(tmp_path / name)
+        assert (loaded.expected_error, loaded.accuracy) == (
+            response.expected_error,
+            response.accuracy,
+        )
+
+
+@pytest.mark.parametrize(
+    "other", [{"method": "rk4"}, {"step": 1e-6}, {"rtol": 1e-3}, {"stages": 2}, {"modes": 8}]
+)
+def test_a_word_together_with_a_setting_is_an_error(other):
+    (name,) = other
+    with pytest.raises(gb.SceneError, match=rf"^accuracy: cannot be given together with {name}"):
+        SCENE.package().simulate(1e-4, SPEED, accuracy="draft", **other)
+
+
+def test_an_unknown_word_is_told_the_known_ones():
+    with pytest.raises(
+        gb.SceneError, match=r"^accuracy: must be one of draft, engineering, reference, got 'good'"
+    ):
+        SCENE.package().simulate(1e-4, SPEED, accuracy="good")
+
+
+def test_a_word_is_known_at_constant_speed_only():
+    with pytest.raises(gb.SceneError, match=r"^accuracy: known at constant speed only"):
+        SCENE.package().simulate(1e-4, lambda t: 100.0 + 1e3 * t, accuracy="draft")
+
+
+def test_flanks_that_part_shorten_what_can_be_expected():
+    package = replace(PAIR, elements=2, torque=5.0).package()
+    error = gb.TransmissionError(tooth=[(2e-5, 0.0)])
+    meshes = [replace(mesh, backlash=1e-4, error=error) for mesh in package.meshes]
+    rattling = gb.RotorSystem(
+        package.shafts, package.gears, meshes, package.bearings, package.torques
+    )
+    response = rattling.simulate(0.01, SPEED, accuracy="draft")
+    assert any(event.kind == "separation" for event in response.events)
+    assert "flanks parted" in response.accuracy
+    closed = SCENE.package().simulate(1e-3, SPEED, accuracy="draft")
+    assert "parted" not in closed.accuracy
