@@ -11,20 +11,24 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check bench fmt wheel readme figures clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check bench bench-check bench-accept compare fmt wheel readme figures study clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
 help:
-	@echo "make demo    run examples/bowed_train.py: tables, and a figure"
-	@echo "make test    all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make check   the tests, and everything else that must hold before a change is merged"
-	@echo "make bench   what a step costs, and gearbow beside SciPy"
-	@echo "make fmt     format Rust and Python"
-	@echo "make wheel   build the wheel into dist/"
-	@echo "make readme  print the tables of the documents anew"
-	@echo "make figures draw the figures of the documents anew"
-	@echo "make clean   remove whatever was built"
+	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
+	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
+	@echo "make check         the tests, and everything else that must hold before a change is merged"
+	@echo "make bench         what a step costs"
+	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
+	@echo "make bench-accept  store the instructions as they are now"
+	@echo "make compare       gearbow beside SciPy and ROSS: the same scenes to the same error"
+	@echo "make fmt           format Rust and Python"
+	@echo "make wheel         build the wheel into dist/"
+	@echo "make readme        print the tables of the documents anew"
+	@echo "make figures       draw the figures of the documents anew"
+	@echo "make study         measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
+	@echo "make clean         remove whatever was built"
 
 demo: $(VENV)/.plot
 	$(BIN)/python examples/bowed_train.py
@@ -50,7 +54,7 @@ lint-rust: $(BIN)/python
 lint-python: $(VENV)/.dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/numpydoc lint $(wildcard python/gearbow/*.py)
+	$(BIN)/numpydoc lint $(wildcard python/gearbow/*.py python/gearbow/*/*.py)
 
 types: $(VENV)/.dev
 	$(BIN)/mypy
@@ -69,9 +73,21 @@ figures: demo
 	$(BIN)/python -c "from PIL import Image; \
 	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
 
-bench: $(VENV)/.dev
-	cargo bench --locked
-	$(BIN)/python benches/compare_scipy.py
+study: $(VENV)/.dev
+	$(BIN)/python docs/printed.py --measured
+
+bench:
+	cargo bench --locked --bench engine
+
+# Counted under Valgrind; where it is not there, this says so and succeeds.
+bench-check:
+	cargo bench --locked --bench instructions
+
+bench-accept:
+	cargo bench --locked --bench instructions -- --accept
+
+compare: $(VENV)/.compare
+	$(BIN)/python benches/compare.py
 
 fmt: $(VENV)/.dev
 	cargo fmt

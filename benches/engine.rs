@@ -4,71 +4,25 @@
 //! medians; a right-hand side must grow linearly with n, and what a scene leaves out must cost nothing.
 #![allow(missing_docs, clippy::unwrap_used, reason = "criterion's macros, and scenes that are known to be right")]
 
+mod common;
+
 use std::hint::black_box;
 use std::time::Duration;
 
+use common::{Nobody, SPEED, basis, basis_of, motion, system};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, run};
+use gearbow::integrate::{Control, RungeKutta, State, Statistics, System as _, run};
 use gearbow::mesh::Geometry;
-use gearbow::modal::{self, Basis};
+use gearbow::modal;
 use gearbow::model::Model;
 use gearbow::motion::Motion;
-use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
-use gearbow::scene::{Scene, System};
-use nalgebra::DVector;
+use gearbow::scene::Scene;
+use gearbow::scene::description::StiffnessKind;
 
 /// Elements of each shaft: 60, 135, 240 and 615 degrees of freedom.
 const ELEMENTS: [usize; 4] = [3, 8, 15, 40];
-/// Of the reference shaft, rad/s.
-const SPEED: f64 = 100.0;
-
-/// The train, with bow and unbalance or without.
-fn system(elements: usize, excited: bool) -> System {
-    // Gears stand at nodes that are there anyway, so that none is added.
-    let at = |part: usize| 0.5 * part as f64 / elements as f64;
-    let (middle, third) = (elements / 2, elements / 3);
-    let bow = if excited { ", bow = { shape = \"half_sine\", amplitude = 1.5e-4 }" } else { "" };
-    let unbalance = if excited { ", unbalance = 1e-4" } else { "" };
-    let mut text = String::from("shafts = [\n");
-    for name in ["input", "middle", "output"] {
-        text += &format!("{{ name = \"{name}\", length = 0.5, outer_diameter = 0.05, elements = {elements}{bow} }},\n");
-    }
-    text += "]\ngears = [\n";
-    let gears = [
-        ("g1", "input", middle, 25),
-        ("g2", "middle", third, 50),
-        ("g3", "middle", elements - third, 25),
-        ("g4", "output", middle, 50),
-    ];
-    for (name, shaft, part, teeth) in gears {
-        text += &format!(
-            "{{ name = \"{name}\", shaft = \"{shaft}\", position = {}, teeth = {teeth}, module = 3e-3, face_width = 0.03{unbalance} }},\n",
-            at(part)
-        );
-    }
-    text += "]\nbearings = [\n";
-    for name in ["input", "middle", "output"] {
-        for x in [0.0, 0.5] {
-            text += &format!("{{ shaft = \"{name}\", position = {x:?}, stiffness = 1e8, damping = 500.0 }},\n");
-        }
-    }
-    text += r#"]
-    meshes = [
-        { driver = "g1", driven = "g2", stiffness = 2e8, damping_ratio = 0.05 },
-        { driver = "g3", driven = "g4", stiffness = 2e8, damping_ratio = 0.05 },
-    ]
-    torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
-    "#;
-    System::from_toml(&text).unwrap()
-}
-
-fn basis(elements: usize, excited: bool) -> Basis {
-    let basis = Basis::new(Model::new(Scene::new(&system(elements, excited)).unwrap()).unwrap());
-    assert_eq!(basis.model.len(), 15 * (elements + 1));
-    basis
-}
 
 /// Short samples: the whole takes three minutes at most.
 fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
@@ -111,13 +65,6 @@ fn damped_modes(criterion: &mut Criterion) {
             bencher.iter(|| modal::modes(black_box(&basis), SPEED).unwrap());
         });
     }
-}
-
-/// A motion with a state that is small, so that time does not depend on how it goes.
-fn motion(basis: &Basis, geometry: Geometry, speed: f64) -> (Motion<'_>, Vec<f64>) {
-    let n = basis.model.len();
-    let y = (0..2 * n).map(|i| 1e-7 * (0.7 * i as f64).sin()).collect();
-    (Motion::new(basis, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)
 }
 
 fn right_hand_side(criterion: &mut Criterion) {
@@ -174,23 +121,6 @@ fn norm(criterion: &mut Criterion) {
     }
 }
 
-/// Sees nothing, and never stops a run.
-struct Nobody;
-
-impl Observer for Nobody {
-    fn next(&self) -> Option<f64> {
-        None
-    }
-
-    fn observe(&mut self, _span: &Span<'_>, _end: f64) -> Result<(), Halt> {
-        Ok(())
-    }
-
-    fn go_on(&mut self, _elapsed: f64) -> bool {
-        true
-    }
-}
-
 /// A thousand steps of rk4 at 240 degrees of freedom: what live geometry, teeth and separation cost beside a frozen
 /// mesh that never parts.
 fn meshes(criterion: &mut Criterion) {
@@ -205,14 +135,13 @@ fn meshes(criterion: &mut Criterion) {
     ];
     for (name, geometry, teeth, backlash) in cases {
         let mut system = system(15, true);
+        if teeth {
+            common::set_teeth(&mut system, StiffnessKind::Parabolic);
+        }
         for mesh in &mut system.meshes {
             mesh.backlash = backlash;
-            if teeth {
-                let parabolic = StiffnessModel::of(StiffnessKind::Parabolic);
-                mesh.stiffness = Some(Stiffness::Model(StiffnessModel { mean: Some(2e8), ..parabolic }));
-            }
         }
-        let basis = Basis::new(Model::new(Scene::new(&system).unwrap()).unwrap());
+        let basis = basis_of(&system);
         let step = Spectrum::new(&basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
         let equilibrium = gearbow::analysis::equilibrium(&basis, geometry, SPEED).unwrap();
         let y = [equilibrium.as_slice(), vec![0.0; basis.model.len()].as_slice()].concat();

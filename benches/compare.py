@@ -1,0 +1,187 @@
+"""gearbow beside SciPy and ROSS: the same scenes to the same error, one core each.
+
+Every method simulates a scene from rest with settings from cheap to dear until its error is small
+enough; the first setting that does counts. The error is the RMS of the difference to a reference
+over the RMS of the motion about its mean, of the worst gear. The reference is gearbow's most exact
+method with a tight tolerance, itself held against SciPy's DOP853 on a stretch. What takes minutes
+simulates a stretch only, and its error is that over the stretch, which is in its favour.
+
+Costs are CPU seconds per simulated second, medians of runs in a process of each method's own;
+what a run takes before its first step (`start`) is not part of them.
+``python benches/compare.py`` prints a Markdown table for each scene.
+"""
+
+import argparse
+import importlib.util
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from programs.methods import CHECK, METHODS, REFERENCE, Method, Run, TooSlow, offered
+from programs.scenes import SCENES, Array, Scene
+
+ERROR = 1e-3  # what every method must meet
+REPEATS = 3
+PATIENCE = 25.0  # CPU time of a run, s
+LEAST = 0.1  # CPU time that is measured, s
+QUICK = ("shaft", "square")  # scenes for a look
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def error_of(found: Array, exact: Array) -> float:
+    """Give the error over the times of `found`, which may be fewer or end earlier."""
+    exact = exact[:, : found.shape[1]]
+    motion = np.sqrt(np.mean((exact - exact.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2)))
+    return float(np.max(np.sqrt(np.mean((found - exact) ** 2, axis=(1, 2))) / motion))
+
+
+def timed(run: Run) -> tuple[Array, float]:
+    """Give what a run finds, and its CPU time; a short one is run until the clock can tell."""
+    begin, count = time.process_time(), 0
+    while True:
+        found = run()
+        count += 1
+        spent = time.process_time() - begin
+        if spent > LEAST:
+            return found, spent / count
+
+
+def search(scene: Scene, method: Method, exact: Array, *, quick: bool) -> dict[str, Any]:
+    """Find the cheapest setting that is exact enough, and what it costs."""
+    patience, repeats = (1.5, 1) if quick else (PATIENCE, REPEATS)
+    duration = scene.stretch if method.short else scene.duration
+    prepare = method.prepare(scene)
+    row: dict[str, Any] = {"setting": None, "error": None, "cost": None, "start": None}
+    row["duration"] = duration
+    for setting in method.settings:
+        run = prepare(duration, setting, patience)
+        # Some have less than a sample between their steps, others more.
+        every = max(1, round(setting.get("step", 0.0) / scene.sample))
+        first = prepare(2 * every * scene.sample, setting, patience)
+        begun = time.process_time()
+        try:
+            timed(first)  # what is compiled or read when first needed is nobody's cost
+            start = timed(first)[1]
+            found, cost = timed(run)
+        except TooSlow as slow:
+            if row["error"] is None:
+                return row | {"setting": setting, "cost": (time.process_time() - begun) / slow.done}
+            return row
+        error = error_of(found, exact[:, ::every])
+        if row["error"] is not None and not error < row["error"]:
+            continue
+        row |= {"setting": setting, "error": error, "start": start}
+        row["cost"] = (cost - start) / duration
+        if error <= ERROR:
+            # What is over as soon as it has started is timed over longer.
+            span = duration if cost > 3.0 * start else 10.0 * duration
+            run = prepare(span, setting, patience)
+            cost = statistics.median(timed(run)[1] for _ in range(repeats))
+            row["start"] = statistics.median(timed(first)[1] for _ in range(repeats))
+            row["cost"] = (cost - row["start"]) / span
+            return row
+        if 2.0 * cost > patience:
+            return row
+    return row
+
+
+def work(arguments: argparse.Namespace, scene: Scene, folder: Path) -> None:
+    """Do the part of one process."""
+    file = folder / f"{arguments.scene}.npy"
+    if arguments.part in {"reference", "check"}:
+        method = REFERENCE if arguments.part == "reference" else CHECK
+        duration = scene.stretch / 2 if method.short else scene.duration
+        found = method.prepare(scene)(duration, method.settings[0], np.inf)()
+        if method is REFERENCE:
+            np.save(file, found)
+        else:
+            print(json.dumps({"error": error_of(found, np.load(file))}))
+    else:
+        method = next(method for method in METHODS if method.title == arguments.part)
+        print(json.dumps(search(scene, method, np.load(file), quick=arguments.quick)))
+
+
+def apart(part: str, name: str, folder: Path, *, quick: bool) -> Any:
+    """Do a part in a process of its own, on one core."""
+    print(f"{name}: {part}", file=sys.stderr)
+    command = [sys.executable, __file__, "--part", part, "--scene", name, "--folder", str(folder)]
+    done = subprocess.run(
+        [*command, *(["--quick"] if quick else [])],
+        env={**os.environ, **dict.fromkeys(THREADS, "1")},
+        check=True,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    # Libraries may have said something before.
+    return json.loads(done.stdout.splitlines()[-1]) if done.stdout else None
+
+
+def installed(method: Method) -> bool:
+    """Whether a method can be run here."""
+    if method.program == "gearbow":
+        return offered(method.name)
+    return method.program != "ROSS" or importlib.util.find_spec("ross") is not None
+
+
+def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> None:
+    """Print the table of a scene."""
+    scene = SCENES[name]
+    apart("reference", name, folder, quick=quick)
+    check = apart("check", name, folder, quick=quick)["error"]
+    rows = []
+    for method in methods:
+        if scene.ross or not method.ross:
+            rows.append((method, apart(method.title, name, folder, quick=quick)))
+    met = [
+        row["cost"]
+        for method, row in rows
+        if method.program == "gearbow" and row["error"] is not None and row["error"] <= ERROR
+    ]
+    print(f"\n{scene.title}: error {ERROR:g} (the reference is within {check:.0e} of SciPy's)\n")
+    print("| program | method | setting | error | CPU s per s | ratio | start [s] | over [s] |")
+    print("|---|---|---|---|---|---|---|---|")
+    for method, row in rows:
+        setting = ", ".join(f"{key} {value:g}" for key, value in row["setting"].items())
+        error = "out of time" if row["error"] is None else f"{row['error']:.1e}"
+        sign = "≥ " if row["error"] is None or row["error"] > ERROR else ""
+        start = "" if row["start"] is None else f"{row['start']:.2g}"
+        ratio = f"{sign}{row['cost'] / min(met):.3g}" if met else ""
+        print(
+            f"| {method.program} | {method.name} | {setting} | {error} | {sign}{row['cost']:.3g}"
+            f" | {ratio} | {start} | {row['duration']:g} |",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Compare, or do the part of one process."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--quick", action="store_true", help="less of everything, for a look")
+    parser.add_argument("--scene", choices=SCENES, help="this one alone")
+    parser.add_argument("--part", help=argparse.SUPPRESS)
+    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    names = [arguments.scene] if arguments.scene else QUICK if arguments.quick else list(SCENES)
+    if arguments.part:
+        scene = SCENES[arguments.scene]
+        work(arguments, scene.shortened() if arguments.quick else scene, arguments.folder)
+        return
+    methods = [method for method in METHODS if installed(method)]
+    for method in METHODS:
+        if method not in methods:
+            print(f"{method.title} is not installed here.")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names:
+            table(name, methods, Path(folder), quick=arguments.quick)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,169 @@
+//! What is counted. Each function makes everything a kernel needs and returns the kernel; only its second call counts.
+
+use std::hint::black_box;
+
+use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simulate};
+use gearbow::analysis::{Spectrum, equilibrium};
+use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
+use gearbow::integrate::{Adaptive, Control, RungeKutta, State, Statistics, System as _, run};
+use gearbow::mesh::{Geometry, Law, Turning};
+use gearbow::modal::{self, Basis};
+use gearbow::model::Model;
+use gearbow::scene::Scene;
+use gearbow::scene::description::StiffnessKind;
+
+use crate::common::{Nobody, SPEED, basis, basis_of, motion, set_teeth, system};
+
+/// A kernel, ready to run.
+pub type Work = Box<dyn FnMut()>;
+
+/// A kernel by its name.
+pub type Kernel = (&'static str, fn() -> Work);
+
+/// Every kernel, in the order of the table: a line here is all that a new one needs beside its function.
+pub const KERNELS: &[Kernel] = &[
+    ("right-hand side, live, n = 240", || right_hand_side(Geometry::Live)),
+    ("right-hand side, frozen, n = 240", || right_hand_side(Geometry::Frozen)),
+    ("200 steps of rk4, live, n = 240", || steps(RK4, Control::Fixed)),
+    ("as long with rk45, live, n = 240", || {
+        steps(DORMAND_PRINCE, |longest| Control::Adaptive(Adaptive { rtol: 1e-6, floor: 0.0, longest }))
+    }),
+    ("real modes, n = 135", real_modes),
+    ("damped modes, n = 60", damped_modes),
+    ("static equilibrium, n = 135", static_equilibrium),
+    ("law of a mesh of tooth pairs", tooth_pairs),
+    ("scene and assembly, n = 240", assembly),
+    ("2000 records, n = 60", recording),
+    ("0.05 s of exponential, frozen, square, n = 240", || exponential(Geometry::Frozen)),
+    ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
+];
+
+/// Elements a shaft of the trains of 60, 135 and 240 degrees of freedom.
+const SMALL: usize = 3;
+const MIDDLE: usize = 8;
+const LARGE: usize = 15;
+
+/// What a kernel works on stays until the process ends.
+fn keep(basis: Basis) -> &'static Basis {
+    Box::leak(Box::new(basis))
+}
+
+/// A hundred evaluations.
+fn right_hand_side(geometry: Geometry) -> Work {
+    let (mut motion, y) = motion(keep(basis(LARGE, true)), geometry, SPEED);
+    let mut derivative = vec![0.0; y.len()];
+    Box::new(move || {
+        for i in 0..100 {
+            motion.derivative(1e-5 * f64::from(i), black_box(&y), &mut derivative).unwrap();
+        }
+    })
+}
+
+/// 200 of the longest stable steps of Dormand and Prince, from a small motion.
+fn steps<const S: usize>(tableau: Tableau<S>, control: fn(f64) -> Control) -> Work {
+    let basis = keep(basis(LARGE, true));
+    let longest = Spectrum::new(basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+    let (mut motion, y) = motion(basis, Geometry::Live, SPEED);
+    let mut method = RungeKutta::new(tableau, y.len());
+    let control = control(longest);
+    Box::new(move || {
+        let (mut state, mut statistics) = (State::new(y.clone()), Statistics::new());
+        run(&mut motion, &mut method, &control, &mut state, 199.5 * longest, &mut Nobody, &mut statistics).unwrap();
+        black_box(state);
+    })
+}
+
+/// A basis keeps the modes that it has found, so each call has one of its own.
+fn real_modes() -> Work {
+    let mut fresh = [basis(MIDDLE, true), basis(MIDDLE, true)].map(keep).into_iter();
+    Box::new(move || {
+        black_box(fresh.next().unwrap().real_modes(SPEED).unwrap());
+    })
+}
+
+fn damped_modes() -> Work {
+    let basis = keep(basis(SMALL, true));
+    Box::new(move || {
+        black_box(modal::modes(basis, SPEED).unwrap());
+    })
+}
+
+fn static_equilibrium() -> Work {
+    let basis = keep(basis(MIDDLE, true));
+    Box::new(move || {
+        black_box(equilibrium(basis, Geometry::Live, SPEED).unwrap());
+    })
+}
+
+/// A thousand places along four mesh cycles, with the engagement that pairs have where nothing is said.
+fn tooth_pairs() -> Work {
+    let mut system = system(SMALL, true);
+    set_teeth(&mut system, StiffnessKind::Parabolic);
+    let basis = keep(basis_of(&system));
+    let rest = equilibrium(basis, Geometry::Live, SPEED).unwrap();
+    let zero = vec![0.0; basis.model.len()];
+    let (mesh, sigma) = (&basis.model.meshes[0], basis.model.sigma(0, SPEED));
+    Box::new(move || {
+        for i in 0..1000 {
+            let angle = 1e-3 * f64::from(i);
+            let turning = [Turning { angle, spin: SPEED }, Turning { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
+            let q = black_box(rest.as_slice());
+            black_box(mesh.contact(Geometry::Live, sigma, &Law::ALWAYS, &turning, q, &zero).unwrap());
+        }
+    })
+}
+
+fn assembly() -> Work {
+    let system = system(LARGE, true);
+    Box::new(move || {
+        black_box(Model::new(Scene::new(black_box(&system)).unwrap()).unwrap());
+    })
+}
+
+/// All that can be recorded, at 2000 times within few steps of a small train.
+fn recording() -> Work {
+    let basis = keep(basis(SMALL, true));
+    let groups = ["nodes", "meshes", "bearings", "energy"];
+    let requests = groups.map(|group| Request::Name(group.to_owned()));
+    let plan = Plan::new(&basis.model, &requests).unwrap();
+    let duration = 10.0 * Spectrum::new(basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+    let options = Options { times: (0..2000).map(|i| duration * f64::from(i) / 2000.0).collect(), ..options(duration) };
+    Box::new(move || {
+        black_box(simulate(basis, &options, &plan, &mut |_| true).unwrap());
+    })
+}
+
+/// A run whose modes are known, with its tables; what is recorded is seldom.
+fn exponential(geometry: Geometry) -> Work {
+    let mut description = system(LARGE, true);
+    set_teeth(&mut description, StiffnessKind::Square);
+    let basis = keep(basis_of(&description));
+    let plan = Plan::new(&basis.model, &[Request::Name("gears".to_owned())]).unwrap();
+    let options = Options {
+        method: Method::Exponential,
+        rtol: 1e-4,
+        times: (0..=50).map(|i| 1e-3 * f64::from(i)).collect(),
+        geometry,
+        ..options(0.05)
+    };
+    Box::new(move || {
+        black_box(simulate(basis, &options, &plan, &mut |_| true).unwrap());
+    })
+}
+
+/// A run of rk4 from rest that records nothing.
+fn options(duration: f64) -> Options {
+    Options {
+        duration,
+        speed: SPEED.into(),
+        method: Method::Rk4,
+        step: None,
+        rtol: 1e-6,
+        stages: None,
+        modes: None,
+        initial: Initial::Rest,
+        times: Vec::new(),
+        geometry: Geometry::Live,
+        start: 0.0,
+    }
+}

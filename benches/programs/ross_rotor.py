@@ -1,0 +1,132 @@
+"""The scenes that ROSS has: shafts of the same elements, on the same bearings, in the same mesh.
+
+ROSS knows no bow. Its force on a shaft, K_s q_b turning with the shaft, is what the time response
+of ROSS takes: a table of forces over time. K_s is made of ROSS's own shaft elements.
+"""
+
+import contextlib
+import io
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+
+import gearbow as gb
+from programs.dense import bow_shape
+from programs.scenes import Array
+
+with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+    warnings.simplefilter("ignore")  # of a program for refrigerants that it looks for
+    import ross
+
+#: ROSS's degrees of freedom of a node: x, y, z (axial), and rotations about them.
+DOFS = 6
+PLACE = {"v": 0, "w": 1, "B": 3, "G": 4, "twist": 5}
+
+
+class Ross:
+    """A scene of one or two shafts in ROSS."""
+
+    def __init__(self, system: gb.RotorSystem, speed: float) -> None:
+        self.speed = speed
+        steel = ross.Material(
+            "steel",
+            rho=gb.STEEL.density,
+            E=gb.STEEL.youngs_modulus,
+            Poisson=gb.STEEL.poisson_ratio,
+        )
+        self.steel, self.system = steel, system
+        rotors = [self.rotor(shaft) for shaft in system.shafts]
+        self.rotor_ = rotors[0]
+        if system.meshes:
+            mesh, gears = system.meshes[0], {gear.name: gear for gear in system.gears}
+            nodes = [self.node(gears[name].position) for name in (mesh.driver, mesh.driven)]
+            stiffness = mesh.stiffness
+            if not isinstance(stiffness, gb.Stiffness):
+                raise TypeError
+            self.rotor_ = ross.MultiRotor(
+                *rotors, coupled_nodes=tuple(nodes), gear_mesh_stiffness=stiffness.mean
+            )
+        first = DOFS * len(rotors[0].nodes)
+        self.offset = {shaft.name: i * first for i, shaft in enumerate(system.shafts)}
+
+    def node(self, x: float) -> int:
+        """Give the node at a position."""
+        lengths = self.lengths(self.system.shafts[0])
+        return int(np.argmin(np.abs(np.concatenate([[0.0], np.cumsum(lengths)]) - x)))
+
+    @staticmethod
+    def lengths(shaft: gb.Shaft) -> list[float]:
+        """Give the lengths of the elements."""
+        return [s.length / s.elements for s in shaft.segments or () for _ in range(s.elements)]
+
+    def elements(self, shaft: gb.Shaft) -> list[Any]:
+        """Give the shaft elements."""
+        diameter = (shaft.segments or ())[0].outer_diameter
+        return [
+            ross.ShaftElement(L=length, idl=0.0, odl=diameter, material=self.steel)
+            for length in self.lengths(shaft)
+        ]
+
+    def rotor(self, shaft: gb.Shaft) -> Any:
+        """Build the rotor of a shaft."""
+        bearings = [
+            ross.BearingElement(n=self.node(b.position), kxx=b.stiffness, cxx=b.damping)
+            for b in self.system.bearings
+            if b.shaft == shaft.name
+        ]
+        gears = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
+        return ross.Rotor(self.elements(shaft), gears, bearings)
+
+    def gear(self, gear: gb.Gear) -> Any:
+        """Build a gear: a solid disk on the pitch circle."""
+        radius, width = (gear.module or math.nan) * gear.teeth / 2.0, gear.face_width or math.nan
+        mass = gb.STEEL.density * math.pi * radius**2 * width
+        return ross.GearElement(
+            n=self.node(gear.position),
+            m=mass,
+            Id=mass * (radius**2 / 4.0 + width**2 / 12.0),
+            Ip=mass * radius**2 / 2.0,
+            n_teeth=gear.teeth,
+            pitch_diameter=2.0 * radius,
+            pr_angle=gear.pressure_angle,
+        )
+
+    def force(self, times: Array) -> Array:
+        """Tabulate the forces of bows and torques."""
+        table = np.zeros((len(times), self.rotor_.ndof))
+        for shaft, ratio in zip(self.system.shafts, self.system.speed_ratios, strict=True):
+            alone = gb.RotorSystem([shaft])
+            shape = bow_shape(shaft, alone.dofs)
+            free = np.zeros(DOFS * (len(self.lengths(shaft)) + 1), dtype=complex)
+            for (_, x, kind), value in zip(alone.dofs, shape, strict=True):
+                free[DOFS * self.node(x) + PLACE[kind]] = value
+            force = ross.Rotor(self.elements(shaft), [], []).K(0.0) @ free
+            turn = np.exp(1j * ratio * self.speed * times)
+            at = self.offset[shaft.name]
+            table[:, at : at + len(free)] += np.outer(turn, force).real
+        gears = {gear.name: gear for gear in self.system.gears}
+        for torque in self.system.torques:
+            gear = gears[str(torque.at)]
+            # ROSS counts the twist of the driven shaft the way it turns; so do both torques here:
+            # the driver's with its spin, and what balances it against that of the driven.
+            teeth = gears[self.system.meshes[0].driver].teeth
+            known = self.system.torques[0].value
+            if isinstance(known, str):
+                raise TypeError
+            value = known if torque.value == known else -known * gear.teeth / teeth
+            at = self.offset[gear.shaft] + DOFS * self.node(gear.position) + PLACE["twist"]
+            table[:, at] += value
+        return table
+
+    def simulate(self, force: Array, times: Array, method: str) -> Array:
+        """Run from rest; give every coordinate at every time."""
+        with contextlib.redirect_stdout(io.StringIO()):
+            found = self.rotor_.run_time_response(self.speed, force, times, method=method)
+        return np.asarray(found.yout)
+
+    def displacement(self, point: tuple[str, float], motion: Array) -> Array:
+        """Pick the displacements of a place."""
+        at = self.offset[point[0]] + DOFS * self.node(point[1])
+        return motion[:, at : at + 2]

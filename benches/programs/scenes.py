@@ -1,0 +1,135 @@
+"""The scenes, all from rest at 100 rad/s, so that every program starts with the same transient."""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+import gearbow as gb
+
+Array: TypeAlias = NDArray[np.float64]
+
+SPEED = 100.0  # of the first shaft, rad/s
+TORQUE = 50.0  # at the first gear, N m
+BOW = 1.5e-4  # m
+ELEMENT = 1.0 / 15.0  # of the shafts of the train, m
+SEAT = 2e-3  # m
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is simulated, and where it is looked at."""
+
+    title: str
+    build: Callable[[], gb.RotorSystem]
+    points: tuple[tuple[str, float], ...]  # whose displacements count
+    geometry: str = "frozen"
+    duration: float = 0.05  # s
+    stretch: float = 0.01  # of it for what takes minutes, s
+    sample: float = 1e-4  # between the instants at which motions are compared, s
+    ross: bool = False  # whether ROSS has such a scene
+
+    def shortened(self) -> "Scene":
+        """Give the scene with a tenth of the time, for a look."""
+        return replace(self, duration=self.duration / 10, stretch=self.stretch / 10)
+
+    def times(self, duration: float) -> Array:
+        """Give the instants at which motions are compared."""
+        return np.linspace(0.0, duration, round(duration / self.sample) + 1)
+
+
+def shaft(name: str, *, seats: bool = False) -> gb.Shaft:
+    """Describe a bowed shaft of 1 m and 15 elements; seats cut 2 mm off its first and its last."""
+    seat = gb.Segment(SEAT, 0.05)
+    inner = [gb.Segment(ELEMENT - SEAT, 0.05), gb.Segment(13 * ELEMENT, 0.05, elements=13)]
+    whole = [gb.Segment(1.0, 0.05, elements=15)]
+    segments = [seat, *inner, inner[0], seat] if seats else whole
+    return gb.Shaft(name, segments=segments, bow=gb.Bow.half_sine(BOW))
+
+
+def bearings(*names: str) -> list[gb.Bearing]:
+    """Support both ends of every shaft."""
+    return [gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in names for x in (0.0, 1.0)]
+
+
+def single() -> gb.RotorSystem:
+    """Describe one bowed shaft."""
+    return gb.RotorSystem([shaft("rotor")], bearings=bearings("rotor"))
+
+
+def geared(
+    where: dict[str, tuple[str, int, int]],
+    pairs: tuple[tuple[str, str], ...],
+    stiffness: gb.Stiffness,
+    damping_ratio: float,
+    *,
+    seats: bool = False,
+) -> gb.RotorSystem:
+    """Describe shafts with gears at the ends of elements, in torque balance."""
+    names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
+    return gb.RotorSystem(
+        shafts=[shaft(name, seats=seats and name != "middle") for name in names],
+        gears=[
+            gb.Gear(gear, on, cut * ELEMENT, teeth, module=3e-3, face_width=0.03)
+            for gear, (on, cut, teeth) in where.items()
+        ],
+        meshes=[gb.Mesh(*pair, stiffness=stiffness, damping_ratio=damping_ratio) for pair in pairs],
+        bearings=bearings(*names),
+        torques=[gb.Torque(pairs[0][0], TORQUE), gb.Torque.balance(pairs[-1][1])],
+    )
+
+
+PAIR = {"g1": ("input", 7, 25), "g2": ("output", 5, 50)}
+TRAIN = {
+    "g1": ("input", 7, 25),
+    "g2": ("middle", 5, 50),
+    "g3": ("middle", 10, 25),
+    "g4": ("output", 7, 50),
+}
+STAGES = (("g1", "g2"), ("g3", "g4"))
+SQUARE = gb.Stiffness.square(pair=2e8, engagement="sharp")
+MEAN = gb.Stiffness.constant(3.4e8)
+
+
+def places(where: dict[str, tuple[str, int, int]]) -> tuple[tuple[str, float], ...]:
+    """Give the places of gears."""
+    return tuple((on, cut * ELEMENT) for on, cut, _ in where.values())
+
+
+SCENES = {
+    "shaft": Scene(
+        "One bowed shaft, 16 nodes",
+        single,
+        (("rotor", 5 * ELEMENT), ("rotor", 10 * ELEMENT)),
+        duration=1.0,
+        stretch=0.05,
+        ross=True,
+    ),
+    "pair": Scene(
+        "A geared pair, constant mesh stiffness, frozen geometry, 32 nodes",
+        functools.partial(geared, PAIR, (("g1", "g2"),), MEAN, 0.0),
+        places(PAIR),
+        duration=1.0,
+        stretch=0.05,
+        ross=True,
+    ),
+    "square": Scene(
+        "The train, square mesh stiffness, sharp engagement, frozen geometry, n = 240",
+        functools.partial(geared, TRAIN, STAGES, SQUARE, 0.05),
+        places(TRAIN),
+    ),
+    "seats": Scene(
+        "The same with four elements of 2 mm, n = 260",
+        functools.partial(geared, TRAIN, STAGES, SQUARE, 0.05, seats=True),
+        places(TRAIN),
+    ),
+    "live": Scene(
+        "The train, constant mesh stiffness, live geometry, n = 240",
+        functools.partial(geared, TRAIN, STAGES, MEAN, 0.05),
+        places(TRAIN),
+        geometry="live",
+    ),
+}
