@@ -2,7 +2,8 @@
 
 Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. This script
 writes what the commands print now; with ``--check`` it changes nothing and fails if a block
-differs.
+differs. Blocks that are ``measured by`` their command hold times, which are never twice the same:
+only ``--measured`` writes these, and nothing else.
 """
 
 import argparse
@@ -15,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"(<!-- printed by: (.+?) -->\n).*?(<!-- end -->)", re.DOTALL)
+BLOCK = r"(<!-- {} by: (.+?) -->\n).*?(<!-- end -->)"
 
 
 def printed(command: str) -> str:
@@ -36,11 +37,14 @@ def main() -> None:
     """Write or check the documents."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--check", action="store_true", help="only say whether a block differs")
-    check: bool = parser.parse_args().check
+    parser.add_argument("--measured", action="store_true", help="write the blocks that hold times")
+    given = parser.parse_args()
+    check: bool = given.check
+    block = re.compile(BLOCK.format("measured" if given.measured else "printed"), re.DOTALL)
     stale = []
     for document in DOCUMENTS:
         old = document.read_text(encoding="utf-8")
-        new = BLOCK.sub(lambda block: f"{block[1]}{printed(block[2])}{block[3]}", old)
+        new = block.sub(lambda found: f"{found[1]}{printed(found[2])}{found[3]}", old)
         if new != old:
             stale.append(str(document.relative_to(ROOT)))
             if not check:

@@ -11,7 +11,6 @@ import argparse
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -70,21 +69,17 @@ def resonance(system: gb.RotorSystem) -> float:
 
 def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> NDArray[np.float64]:
     """Give (rms, least) of the deflection at each speed, each begun where the one before ended."""
-    state: str | dict[str, Any] = "static"
+    last: str | gb.Response = "static"
     found = []
     for speed in speeds:
         cycle = 2.0 * math.pi / (speed * TEETH)
-        if isinstance(state, dict):
-            state["speed"] = float(speed)
-        times = (SETTLE + np.arange(MEASURE * SAMPLES) / SAMPLES) * cycle
-        response = system.simulate(
-            (SETTLE + MEASURE) * cycle, speed, initial=state, times=times, record=["meshes"]
+        begin = 0.0 if isinstance(last, str) else float(last.final["time"])
+        times = begin + (SETTLE + np.arange(MEASURE * SAMPLES) / SAMPLES) * cycle
+        last = system.simulate(
+            (SETTLE + MEASURE) * cycle, speed, initial=last, times=times, record=["meshes"]
         )
-        deflection = response.mesh(*MESH).deflection
+        deflection = last.mesh(*MESH).deflection
         found.append((float(np.std(deflection)), float(deflection.min())))
-        # A whole number of mesh cycles has passed: the next speed begins at the same phase, time 0.
-        clock = {"time": 0.0, "origin": 0.0, "elapsed": 0.0, "carry": 0.0, "count": 0}
-        state = {**response.final, **clock, "next_step": 0.0, "laws": np.zeros(0, dtype=np.int64)}
     return np.array(found)
 
 
