@@ -160,7 +160,7 @@ fn further_steps_in_the_modes_allocate_nothing() {
     for (system, switches) in [(train(), false), (damped(), false), (sharp, true)] {
         for geometry in [Geometry::Live, Geometry::Frozen] {
             for method in [Method::Exponential, Method::ExactRk4] {
-                let [short, long] = [0.02, 0.04].map(|duration| whole_run(method, &system, geometry, duration));
+                let [short, long] = [0.05, 0.15].map(|duration| whole_run(method, &system, geometry, duration));
                 assert_eq!(short.0, long.0, "{method:?} {geometry:?} {switches}");
                 assert!(long.1 > short.1 + 50, "{short:?} {long:?}");
                 assert!(!switches || short.2 > 0 && long.2 > short.2, "{short:?} {long:?}");

@@ -47,6 +47,8 @@ const SOLVED: f64 = 0.02;
 const TIGHT: f64 = 1e-13;
 /// A change of law is found to this part of its step.
 const RESOLUTION: f64 = 1e-12;
+/// How much wider it is looked for around where it was foretold, after that has missed.
+const WIDER: f64 = 64.0;
 /// It has been found where the motion itself moves it by no more than this part.
 const SAME: f64 = 1e-9;
 /// It is moved by no more than this part.
@@ -106,6 +108,8 @@ struct Driver {
     off: Vec<f64>,
     jumps: [Vec<f64>; POINTS],
     loads: Vec<f64>,
+    /// Where the ends of the paths of contact stand, at both ends of what is searched.
+    ends: [Vec<f64>; 2],
     /// Changes of law since the last tick.
     at_once: u32,
     /// Energy norm of the state.
@@ -134,6 +138,7 @@ impl Driver {
             off: vec![0.0; stepper.begin.len()],
             jumps: std::array::from_fn(|_| vec![0.0; stepper.end_load.len()]),
             loads: vec![0.0; stepper.end_load.len()],
+            ends: [Vec::new(), Vec::new()],
             at_once: 0,
             size: stepper.size(&state.y),
         }
@@ -166,10 +171,13 @@ impl Driver {
                 return Err(Halt::Interrupted);
             }
             let (level, error) = self.attempt(stepper, state, statistics)?;
+            let step = stepper.table.levels[level].step;
+            let ticks = self.to_grid(state.count, level);
+            let held = ticks < self.ticks(level);
+            let length = if held { ticks as f64 * self.clock.tick() } else { step };
             let change =
                 if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
-            let step = stepper.table.levels[level].step;
-            let until = change.map_or(state.elapsed + step, |change| change.at);
+            let until = change.map_or(state.elapsed + length, |change| change.at);
             if observer.sees_every_step() || observer.next().is_some_and(|next| next <= until) {
                 let reached = Reached { stepper, level, z: &state.y, begin: state.elapsed, end: until };
                 let mut course = Course { reached, output, sample: &mut self.sample };
@@ -194,10 +202,28 @@ impl Driver {
                 continue;
             }
             self.at_once = 0;
-            self.commit(stepper, state, level, error);
-            statistics.accept(step, at_limit);
+            if held {
+                // The loads of a whole step tell the motion at the grid within it.
+                self.sample.within(stepper, level, &state.y, length);
+                stepper.after.copy_from_slice(&self.sample.z);
+                stepper.look_ahead(self.at(state.count + ticks), statistics)?;
+                self.size = stepper.size(&stepper.after);
+            }
+            self.commit(stepper, state, level, ticks, error);
+            statistics.accept(length, at_limit);
         }
         Ok(())
+    }
+
+    /// Ticks in a step.
+    fn ticks(&self, level: usize) -> u64 {
+        1 << (self.clock.finest - level)
+    }
+
+    /// Ticks from `count` to the grid of a level, at least one and at most a step of it.
+    fn to_grid(&self, count: u64, level: usize) -> u64 {
+        let ticks = self.ticks(level);
+        ticks - count % ticks
     }
 
     /// Elapsed time at a tick.
@@ -205,10 +231,10 @@ impl Driver {
         self.base + tick as f64 * self.clock.tick()
     }
 
-    /// Takes the end of the step as the beginning of the next.
-    fn commit(&mut self, stepper: &mut Stepper<'_>, state: &mut State, level: usize, error: f64) {
+    /// Takes the end of the step, after so many ticks of it, as the beginning of the next.
+    fn commit(&mut self, stepper: &mut Stepper<'_>, state: &mut State, level: usize, ticks: u64, error: f64) {
         stepper.commit(&mut state.y);
-        state.count += 1 << (self.clock.finest - level);
+        state.count += ticks;
         let before = state.elapsed;
         state.elapsed = self.at(state.count);
         // An event that the law's change lies ahead of counts until it is passed.
@@ -216,10 +242,19 @@ impl Driver {
         state.previous_error = error;
         state.next_step = self.clock.longest * 0.5_f64.powi(self.wanted as i32);
         state.memory.truncate(1);
-        if stepper.remembers() {
+        if stepper.remembers() && ticks == self.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
             state.memory.push(stepper.table.levels[level].step);
         }
+    }
+
+    /// The level of the step to try: the one wanted on its grid, or half of that to get there. What is further off its
+    /// grid, as after an event, takes the step from where it is, and of it what leads to the grid; fixed steps get there
+    /// by shorter ones.
+    fn begin_with(&self, count: u64) -> usize {
+        let aligned = if count == 0 { 0 } else { self.clock.finest.saturating_sub(count.trailing_zeros() as usize) };
+        let far = aligned > self.wanted + 1 && !matches!(self.control, Control::Fixed);
+        if far { self.wanted } else { self.wanted.max(aligned) }
     }
 
     /// Tries steps until one meets the tolerance; its level and scaled error.
@@ -229,10 +264,8 @@ impl Driver {
         state: &State,
         statistics: &mut Statistics,
     ) -> Result<(usize, f64), Halt> {
-        let aligned =
-            if state.count == 0 { 0 } else { self.clock.finest.saturating_sub(state.count.trailing_zeros() as usize) };
         let before = self.size;
-        let mut level = self.wanted.max(aligned);
+        let mut level = self.begin_with(state.count);
         let mut rejected = false;
         loop {
             let solved = match self.control {
@@ -241,7 +274,7 @@ impl Driver {
             };
             stepper.table.reach(stepper.linear, &stepper.ports, level);
             stepper.guess(level, &state.memory[1..]);
-            let end = self.at(state.count + (1 << (self.clock.finest - level)));
+            let end = self.at(state.count + self.ticks(level));
             let outcome = match stepper.step(level, (state.elapsed, end), &state.y, solved, statistics) {
                 // Loads that are only tried may close the centres further than the motion does.
                 Err(Halt::Overlap { .. }) if level < self.clock.finest => Outcome::Unsolved,
@@ -303,7 +336,7 @@ impl Driver {
         let begin = low;
         // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
         // change is looked for again, near by, on what is then right at the change.
-        let mut change = self.bisect(stepper, state, step, (low, high))?;
+        let mut change = self.narrow(stepper, state, step, (low, high))?;
         for _ in 0..REFINEMENTS {
             if !stepper.field.motion.moves_laws() || change - begin <= SAME {
                 break;
@@ -319,7 +352,7 @@ impl Driver {
             if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
                 break;
             }
-            let again = self.bisect(stepper, state, step, near)?;
+            let again = self.narrow(stepper, state, step, near)?;
             // Where only the end of the bracket holds, the change stays where it was found.
             let moved = again - change;
             if again + RESOLUTION >= near.1 {
@@ -343,22 +376,71 @@ impl Driver {
     }
 
     /// The part of a step at which the law changes between two parts of it, which hold the old and the new one.
-    fn bisect(
+    fn narrow(
         &mut self,
         stepper: &Stepper<'_>,
         state: &State,
         step: f64,
         (mut low, mut high): (f64, f64),
     ) -> Result<f64, Halt> {
+        // Teeth travel at nearly even pace, so where the next one comes or goes is nearly foretold; closely around it the
+        // law is asked for, less closely where that has missed. Whether flanks press is not foretold.
+        let mut apart = RESOLUTION / 2.0;
         while high - low > RESOLUTION {
-            let middle = (low + high) / 2.0;
-            if self.changed(stepper, state, step, middle)? { high = middle } else { low = middle }
+            let Some(at) = self.foretell(stepper, state, step, (low, high))?.filter(|_| apart < NEAR) else {
+                let middle = (low + high) / 2.0;
+                if self.changed(stepper, state, step, middle)? {
+                    high = middle
+                } else {
+                    low = middle
+                }
+                continue;
+            };
+            for probe in [at - apart, at + apart] {
+                if low < probe && probe < high {
+                    if self.changed(stepper, state, step, probe)? { high = probe } else { low = probe }
+                }
+            }
+            apart *= WIDER;
         }
         Ok(high)
     }
 
-    /// Whether other laws hold after a part of a step; they are left in `found`.
-    fn changed(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<bool, Halt> {
+    /// The part of a step at which the first pair of teeth comes or goes between two parts of it, at even pace.
+    fn foretell(
+        &mut self,
+        stepper: &Stepper<'_>,
+        state: &State,
+        step: f64,
+        (low, high): (f64, f64),
+    ) -> Result<Option<f64>, Halt> {
+        for (which, part) in [low, high].into_iter().enumerate() {
+            self.move_to(stepper, part);
+            stepper.field.ends(state.elapsed + part * step, &self.point, &mut self.ends[which])?;
+        }
+        let [from, to] = &self.ends;
+        let mut first: Option<f64> = None;
+        for (which, (from, to)) in from.iter().zip(to).enumerate() {
+            // The first pair is the least whole number not below where the path begins; the last the greatest not above
+            // where it ends.
+            let begins = which % 2 == 0;
+            let pair = if begins { f64::ceil } else { f64::floor };
+            if pair(*from) != pair(*to) {
+                let beyond = match (begins, to > from) {
+                    (true, true) | (false, false) => 0.0,
+                    (true, false) => -1.0,
+                    (false, true) => 1.0,
+                };
+                let bound = pair(*from) + beyond;
+                let at = low + (high - low) * ((bound - from) / (to - from)).clamp(0.0, 1.0);
+                first = Some(first.map_or(at, |first| first.min(at)));
+            }
+        }
+        Ok(first)
+    }
+
+    /// Scalars and rates at a part of a step, where the laws depend on the motion.
+    fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
         // Where teeth are that come and go with time alone, the motion need not be asked.
         if stepper.field.motion.moves_laws() {
             stepper.interpolate(part, &mut self.point);
@@ -366,6 +448,11 @@ impl Driver {
                 *point += off;
             }
         }
+    }
+
+    /// Whether other laws hold after a part of a step; they are left in `found`.
+    fn changed(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<bool, Halt> {
+        self.move_to(stepper, part);
         stepper.field.laws(state.elapsed + part * step, &self.point, &mut self.found)?;
         Ok(self.found != state.laws)
     }

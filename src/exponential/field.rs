@@ -238,6 +238,21 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
+    /// Where the ends of the paths of contact stand among the pairs of teeth that come and go at once, into `ends`.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<f64>) -> Result<(), Halt> {
+        ends.clear();
+        let mut from = 0;
+        for interface in &self.interfaces {
+            let to = from + interface.scalars();
+            interface.ends(&self.motion, elapsed, &u[from..to], ends)?;
+            from = to;
+        }
+        Ok(())
+    }
+
     /// Displacements and velocities of the reference and the synchronous motion.
     pub fn carried(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));

@@ -117,6 +117,16 @@ impl<'m> Stepper<'m> {
         Ok(())
     }
 
+    /// Scalars, rates and loads of the state that a step ends with.
+    pub(super) fn look_ahead(&mut self, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+        kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
+        self.field.turns(elapsed, &mut self.turns);
+        self.field.add_synchronous(&self.turns, &mut self.end);
+        self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
+        statistics.evaluations += 1;
+        Ok(())
+    }
+
     /// Takes the end of the last step as the beginning of the next.
     pub(super) fn commit(&mut self, z: &mut Vec<f64>) {
         std::mem::swap(z, &mut self.after);
@@ -187,11 +197,7 @@ impl<'m> Stepper<'m> {
         }
         let table = &self.table.levels[level];
         table.advance(self.arch, &self.loads, z, &mut self.after);
-        kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
-        self.field.turns(end, &mut self.turns);
-        self.field.add_synchronous(&self.turns, &mut self.end);
-        self.field.load(end, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
-        statistics.evaluations += 1;
+        self.look_ahead(end, statistics)?;
         Ok(Outcome::Solved)
     }
 

@@ -115,6 +115,11 @@ impl Coupling {
         self.switches() || !self.teeth.is_constant()
     }
 
+    /// Whether its force depends, between changes of its law, on where the teeth stand along their path.
+    pub fn travels(&self) -> bool {
+        !self.teeth.is_stepwise() || self.error.is_some()
+    }
+
     /// The same mesh on other coordinates.
     #[must_use]
     pub fn on(&self, coordinates: Coordinates) -> Self {
@@ -314,6 +319,23 @@ impl Coupling {
         Path { position, low, high, pitch }
     }
 
+    /// Where the tooth pairs of a flank are on the path of contact at a state.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn engagement(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        back: bool,
+        turning: &[Turning; 2],
+        q: &[f64],
+    ) -> Result<Path, Overlap> {
+        let sigma = if back { -sigma } else { sigma };
+        let line = self.line(geometry, sigma, self.apart(turning, q))?;
+        Ok(self.path(sigma, back, &line, turning[0].angle, q))
+    }
+
     /// The law that holds at a state: which flank presses, and which pairs are between the tip circles.
     ///
     /// # Errors
@@ -327,12 +349,11 @@ impl Coupling {
         v: &[f64],
     ) -> Result<Law, Overlap> {
         let engaged = |back: bool| {
-            if !self.teeth.is_sharp() {
-                return Ok((0, 0));
+            if self.teeth.is_sharp() {
+                Ok(self.engagement(geometry, sigma, back, turning, q)?.engaged())
+            } else {
+                Ok((0, 0))
             }
-            let sigma = if back { -sigma } else { sigma };
-            let line = self.line(geometry, sigma, self.apart(turning, q))?;
-            Ok(self.path(sigma, back, &line, turning[0].angle, q).engaged())
         };
         if self.backlash.is_none() {
             return Ok(Law { flank: Flank::Drive, engaged: [engaged(false)?, (0, 0)] });

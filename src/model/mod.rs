@@ -130,7 +130,13 @@ impl Model {
 
     /// The fastest tooth frequency over the speed of the reference shaft; zero without a mesh.
     pub fn fastest_teeth(&self) -> f64 {
-        let teeth = self.scene.meshes.iter().map(|mesh| {
+        self.fastest_teeth_of(|_| true)
+    }
+
+    /// The same among the meshes that are `chosen`.
+    pub fn fastest_teeth_of(&self, chosen: impl Fn(&Coupling) -> bool) -> f64 {
+        let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, coupling)| chosen(coupling));
+        let teeth = meshes.map(|(mesh, _)| {
             let gear = &self.scene.gears[mesh.driver];
             f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
         });

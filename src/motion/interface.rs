@@ -199,6 +199,26 @@ impl Interface {
         law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
+    /// Where the ends of the path of contact stand among the pairs of teeth that come and go at once, flank by flank, into
+    /// `ends`.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn ends(&self, motion: &Motion, elapsed: f64, u: &[f64], ends: &mut Vec<f64>) -> Result<(), Halt> {
+        if !self.coupling.teeth.is_sharp() {
+            return Ok(());
+        }
+        let (q, _) = self.place(u, &[]);
+        let turning = motion.turning(self.mesh, elapsed);
+        for back in [false, true] {
+            if !back || self.coupling.backlash.is_some() {
+                let path = self.coupling.engagement(self.geometry, self.sigma, back, &turning, &q);
+                ends.extend(path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends());
+            }
+        }
+        Ok(())
+    }
+
     #[inline(always)]
     fn place(&self, u: &[f64], rates: &[f64]) -> ([f64; OWN], [f64; OWN]) {
         let (mut scalars, mut speeds) = (self.at, [0.0; MOST]);

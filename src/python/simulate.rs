@@ -9,7 +9,7 @@ use super::model::{self, PyModel};
 use super::speed;
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::{
-    self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response, round_below,
+    self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response, round_below, sample_step,
 };
 use crate::integrate::State;
 use crate::mesh::Geometry;
@@ -270,10 +270,7 @@ pub fn bearing_nodes(model: &Model) -> Vec<Node> {
     nodes
 }
 
-/// A twentieth of the shortest period among shafts and teeth, and no coarser than a thousandth of the run, as a round
-/// number.
+/// A round number of samples in the shortest period among shafts and teeth, and at least a thousand in the run.
 pub fn default_output_step(model: &Model, duration: f64, speed: f64) -> f64 {
-    let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
-    let period = if fastest > 0.0 { 2.0 * std::f64::consts::PI / fastest } else { f64::INFINITY };
-    round_below((period / 20.0).min(duration / 1000.0))
+    round_below(sample_step(model, speed).min(duration / 1000.0))
 }

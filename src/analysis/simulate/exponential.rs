@@ -6,11 +6,15 @@ use super::coordinates::{Coordinates, enter, leave};
 use super::initial::Start;
 use crate::exponential::{Clock, Control, Field, HELD_BACK, Rule, Stepper, Table, run as integrate};
 use crate::integrate::{Halted, Observer, State, Statistics};
+use crate::mesh::Coupling;
 use crate::modal::{Basis, Form, Linear, WORST};
+use crate::model::Model;
 use crate::scene::SceneError;
 
-/// Steps in a cycle of the teeth, of a revolution, or of the slowest mode, at least.
+/// Steps in a cycle of teeth whose force depends on where they are, of a revolution, or of the slowest mode, at least.
 const STEPS_A_CYCLE: f64 = 8.0;
+/// Steps in a cycle of teeth that only come and go.
+const STEPS_A_PAIR: f64 = 2.0;
 /// Steps in a revolution where bow and unbalance act as loads.
 const STEPS_A_RESONANT_TURN: f64 = 64.0;
 /// The radians that the fastest mode turns in the shortest step that events use, at most.
@@ -21,6 +25,8 @@ const EVENT: [f64; 2] = [4.0, 30.0];
 const EXACT: f64 = 1e-12;
 /// How often it can be halved further, for accuracy.
 const FURTHER: usize = 12;
+/// Samples in the shortest period among shafts and teeth.
+const SAMPLES: f64 = 20.0;
 /// Steps in a period of teeth that may part on their stiffness alone: none may part and meet again unseen.
 const STEPS_A_BOUNCE: f64 = 8.0;
 /// Steps of ETDRK4 are this part of the longest, unless one is asked for.
@@ -67,13 +73,18 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
             let model = &basis.model;
             let slowest = basis.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
             let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
-            let turning = model.fastest_turn() * options.fastest().abs() * resonant;
-            let teeth = model.fastest_teeth() * options.fastest().abs();
+            let speed = options.fastest().abs();
+            let turning = model.fastest_turn() * speed * resonant;
+            let travelling = model.fastest_teeth_of(Coupling::travels) * speed;
+            let engaging = model.fastest_teeth_of(Coupling::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
             let parts = field.motion.parts();
             let bounce = if parts { field.motion.fastest_swing() } else { 0.0 } * STEPS_A_BOUNCE / STEPS_A_CYCLE;
-            let fastest = turning.max(teeth).max(slowest.unwrap_or(1.0)).max(bounce);
+            let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0)).max(bounce);
             let part = if options.is_explicit() { EXPLICIT } else { 1.0 };
-            round_below(part * 2.0 * std::f64::consts::PI / (STEPS_A_CYCLE * fastest))
+            let most = part * 2.0 * std::f64::consts::PI / (STEPS_A_CYCLE * fastest);
+            // Halved so many times, it is what responses are recorded at unless they are asked for otherwise.
+            let sample = sample_step(model, speed);
+            if sample.is_finite() { sample * 2.0_f64.powi((most / sample).log2().floor() as i32) } else { round_below(most) }
         }
     };
     let [least, most] = EVENT;
@@ -85,10 +96,16 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
     Ok(Clock { longest, finest: event + further, event })
 }
 
+/// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.
+pub fn sample_step(model: &Model, speed: f64) -> f64 {
+    let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
+    round_below(2.0 * std::f64::consts::PI / (fastest * SAMPLES))
+}
+
 /// The largest of 1, 2 and 5 times a power of ten that is not above `value`: steps then meet the times that people ask
-/// for. Zero stays zero.
+/// for. Zero stays zero, and infinity what it is.
 pub fn round_below(value: f64) -> f64 {
-    if value <= 0.0 {
+    if value <= 0.0 || !value.is_finite() {
         return value;
     }
     let power = value.log10().floor();

@@ -12,7 +12,7 @@ mod request;
 use std::time::{Duration, Instant};
 
 pub use events::{Event, Kind};
-pub use exponential::round_below;
+pub use exponential::{round_below, sample_step};
 pub use options::{Final, Initial, Method, Options};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use request::{Plan, Point, Request};

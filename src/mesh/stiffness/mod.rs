@@ -39,11 +39,15 @@ pub struct Path {
 }
 
 impl Path {
+    /// Where the ends stand among the pairs, in base pitches.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.low, self.high].map(|end| (end - self.position) / self.pitch)
+    }
+
     /// First and last pair between the ends; last < first where there is none.
     pub fn engaged(&self) -> (i64, i64) {
-        let first = ((self.low - self.position) / self.pitch).ceil();
-        let last = ((self.high - self.position) / self.pitch).floor();
-        (first as i64, last as i64)
+        let [low, high] = self.ends();
+        (low.ceil() as i64, high.floor() as i64)
     }
 }
 
@@ -135,6 +139,12 @@ impl Stiffness {
     /// Whether the tips are relieved: pairs then touch one after the other as the deflection grows.
     pub fn is_relieved(&self) -> bool {
         matches!(self, Self::Pairs { relief: Some(_), .. })
+    }
+
+    /// Whether it is the same as long as no pair comes or goes.
+    pub fn is_stepwise(&self) -> bool {
+        let uniform = matches!(self, Self::Pairs { pair: Pair::Uniform(_), relief: None, .. });
+        self.is_constant() || self.is_sharp() && uniform
     }
 
     /// Whether it is the same always.
