@@ -173,12 +173,14 @@ class Measured:
         Returns
         -------
         float
-            RMS of the difference over the RMS of the swing about the mean.
+            RMS of the difference over the RMS of the swing about the mean; infinite where the other
+            stands still and this one differs.
         """
         mine = np.array([self.signals[of, quantity] for quantity in quantities])
         others = np.array([other.signals[of, quantity] for quantity in quantities])
         swing = others - others.mean(axis=1, keepdims=True)
-        return float(np.sqrt(((mine - others) ** 2).sum() / (swing**2).sum()))
+        difference, scale = (float(np.linalg.norm(each)) for each in (mine - others, swing))
+        return difference / scale if scale > 0.0 else (np.inf if difference > 0.0 else 0.0)
 
 
 def measure(settings: Settings, case: Case) -> Measured:
