@@ -370,6 +370,9 @@ class Response:
     ) -> Spectrum:
         """Take the amplitude spectrum of one recorded signal.
 
+        What is faster than half of the recording rate folds back onto slower lines: record with an
+        `output_step` that is short enough for the fastest vibration of the signal.
+
         Parameters
         ----------
         of : str or tuple

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gearbow.orders.waterfall import Waterfall
 
 #: Parts of the largest amplitude below which nothing is drawn.
-_LINES, _COLOURS = 1e-6, 1e-4
+_LINES, _COLOURS = 1e-6, 1e-3
 
 
 def spectrum(result: "Spectrum") -> Figure:
@@ -97,20 +97,23 @@ def waterfall(result: "Waterfall", highest: float | None) -> Figure:
             rasterized=True,
         )
         figure.colorbar(drawn, ax=panel, label=f"{result.label} [{result.unit}]")
-        if result.kinematics is not None:
-            for order in result.kinematics.orders(1, 2, 0):
-                at = order.value * result.speeds / (2.0 * np.pi)
-                if at[-1] <= highest:
-                    panel.plot(at, result.speeds, "--", color="white", linewidth=0.8)
-                    panel.annotate(
-                        order.names[0],
-                        (at[-1], result.speeds[-1]),
-                        xytext=(0, 4),
-                        textcoords="offset points",
-                        rotation=35,
-                        fontsize=9,
-                        annotation_clip=False,
-                    )
+        free = highest
+        # From the fastest down, so that of crowded lines the first has its name.
+        known = () if result.kinematics is None else result.kinematics.orders(1, 4, 0)
+        for order in reversed(known):
+            at = order.value * result.speeds / (2.0 * np.pi)
+            panel.plot(at, result.speeds, "--", color="white", linewidth=0.8)
+            if at[-1] <= free:
+                free = at[-1] - 0.04 * highest
+                panel.annotate(
+                    order.names[0],
+                    (at[-1], result.speeds[-1]),
+                    xytext=(0, 12),
+                    textcoords="offset points",
+                    rotation=35,
+                    fontsize=10,
+                    annotation_clip=False,
+                )
         panel.grid(visible=False)
         panel.set(xlabel="frequency [Hz]", ylabel="speed of the reference shaft [rad/s]")
         panel.set_xlim(0.0, highest)
@@ -120,4 +123,5 @@ def waterfall(result: "Waterfall", highest: float | None) -> Figure:
 def _highest(frequencies: Array, amplitudes: Array, part: float) -> float:
     """Give the frequency above which nothing stands out, and a little more."""
     seen = np.flatnonzero(amplitudes > part * amplitudes.max(initial=0.0))
-    return 1.1 * float(frequencies[seen[-1]]) if seen.size else float(frequencies[-1])
+    end = float(frequencies[-1])
+    return min(1.1 * float(frequencies[seen[-1]]), end) if seen.size else end

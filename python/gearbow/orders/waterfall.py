@@ -58,7 +58,7 @@ class Waterfall:
         Returns
         -------
         matplotlib.figure.Figure
-            Amplitude as colour, over four decades.
+            Amplitude as colour, over three decades.
         """
         from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
 
