@@ -11,7 +11,7 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check bench bench-check bench-accept compare fmt wheel readme figures study clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check bench bench-check bench-accept compare fmt wheel readme figures study measure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -27,7 +27,8 @@ help:
 	@echo "make wheel         build the wheel into dist/"
 	@echo "make readme        print the tables of the documents anew"
 	@echo "make figures       draw the figures of the documents anew"
-	@echo "make study         measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
+	@echo "make study         run the bow study, for docs/study.md, then make measure"
+	@echo "make measure       measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
 	@echo "make clean         remove whatever was built"
 
 demo: $(VENV)/.plot
@@ -73,7 +74,14 @@ figures: demo
 	$(BIN)/python -c "from PIL import Image; \
 	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
 
+# Runs that are kept in examples/output/study are not made again.
 study: $(VENV)/.dev
+	$(BIN)/python -m gearbow study --out examples/output/study
+	cp examples/output/study/study_*.png docs/figures/
+	$(BIN)/python docs/printed.py --studied
+	$(MAKE) measure
+
+measure: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --measured
 
 bench:

@@ -3,7 +3,8 @@
 Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. This script
 writes what the commands print now; with ``--check`` it changes nothing and fails if a block
 differs. Blocks that are ``measured by`` their command hold times, which are never twice the same:
-only ``--measured`` writes these, and nothing else.
+only ``--measured`` writes these, and nothing else. Blocks that are ``studied by`` their command
+take minutes unless the runs of the study are kept: they are for ``--studied``.
 """
 
 import argparse
@@ -38,9 +39,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--check", action="store_true", help="only say whether a block differs")
     parser.add_argument("--measured", action="store_true", help="write the blocks that hold times")
+    parser.add_argument("--studied", action="store_true", help="write the blocks of the bow study")
     given = parser.parse_args()
     check: bool = given.check
-    block = re.compile(BLOCK.format("measured" if given.measured else "printed"), re.DOTALL)
+    kind = "measured" if given.measured else "studied" if given.studied else "printed"
+    block = re.compile(BLOCK.format(kind), re.DOTALL)
     stale = []
     for document in DOCUMENTS:
         old = document.read_text(encoding="utf-8")

@@ -3,7 +3,7 @@
 ``python examples/tradeoff.py SCENE`` measures one of the scenes shaft, train and seats, prints its
 tables in Markdown and draws its diagram; ``python examples/tradeoff.py words`` measures what the
 words of ``simulate(accuracy=...)`` stand for. They are the tables of docs/tradeoff.md, which
-``make study`` measures anew.
+``make measure`` measures anew.
 """
 
 import argparse

@@ -18,6 +18,7 @@ from gearbow.errors import (
     StabilityError,
 )
 from gearbow.modes import Modes
+from gearbow.orders import Order, Orders, Spectrum, Waterfall, waterfall
 from gearbow.response import Event, MeshResponse, Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
@@ -43,6 +44,8 @@ __all__ = [
     "Mesh",
     "MeshResponse",
     "Modes",
+    "Order",
+    "Orders",
     "Recommendation",
     "Response",
     "RotorSystem",
@@ -50,6 +53,7 @@ __all__ = [
     "SceneWarning",
     "Segment",
     "Shaft",
+    "Spectrum",
     "SpeedProfile",
     "StabilityError",
     "Static",
@@ -60,5 +64,7 @@ __all__ = [
     "Tradeoff",
     "TransmissionError",
     "Trial",
+    "Waterfall",
     "__version__",
+    "waterfall",
 ]

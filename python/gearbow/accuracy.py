@@ -1,8 +1,8 @@
 """How accurate a run shall be, in one word, and what is known of the settings that stand for it.
 
-The numbers are measured: ``make study`` runs each word on three scenes against a verified reference
-and prints the table that stands in docs/tradeoff.md. The error expected of a word is the largest of
-them, rounded up.
+The numbers are measured: ``make measure`` runs each word on three scenes against a verified
+reference and prints the table that stands in docs/tradeoff.md. The error expected of a word is the
+largest of them, rounded up.
 """
 
 from collections.abc import Mapping
@@ -49,7 +49,7 @@ class Accuracy:
         """
         sentence = (
             f"{self.word}: {self.method}, rtol {self.rtol:.0e}; at most {self.error:.0e} of the "
-            f"swing of gears and mesh forces, measured on {SCENES} by `make study`"
+            f"swing of gears and mesh forces, measured on {SCENES} by `make measure`"
         )
         if any(event.kind == "separation" for event in response.events):
             sentence += (

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from gearbow._types import Array, At, ComplexArray
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
+from gearbow.orders.spectrum import amplitudes
 
 if TYPE_CHECKING:
     from gearbow.energy import EnergyBalance
@@ -203,7 +204,7 @@ def spectrum(response: "Response", names: Sequence[At] | None = None) -> Figure:
     highest = 0.0
     with _figure(len(chosen), 2.4, columns=1, sharex=True) as (figure, panels):
         for panel, name in zip(panels, chosen, strict=True):
-            frequency, amplitude = _spectrum(response.time, response.displacement(name))
+            frequency, amplitude = amplitudes(response.time, response.displacement(name))
             panel.semilogy(frequency, _MICRO * amplitude, label=["v", "w"])
             panel.set(ylabel=f"{_label(name)} [µm]")
             # Decades of round-off below the peak tell nothing.
@@ -365,19 +366,6 @@ def _label(name: At) -> str:
 
 def _colour(number: int) -> str:
     return PALETTE[number % len(PALETTE)]
-
-
-def _spectrum(time: Array, values: Array) -> tuple[Array, Array]:
-    """Amplitude spectrum along the first axis, scaled so that a sine of amplitude 1 peaks at 1."""
-    steps = np.diff(time)
-    if steps.size == 0 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
-        raise GearbowError("a spectrum needs equally spaced times: give output_step to simulate")
-    window = np.hanning(time.size)[:, np.newaxis]
-    amplitude = (
-        2.0 * np.abs(np.fft.rfft((values - values.mean(axis=0)) * window, axis=0)) / window.sum()
-    )
-    # The mean is gone, and with it what stands at zero frequency.
-    return np.fft.rfftfreq(time.size, steps.mean())[1:], amplitude[1:]
 
 
 def _real(shape: ComplexArray, counted: Sequence[bool]) -> Array:

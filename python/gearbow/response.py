@@ -11,12 +11,16 @@ from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
 from gearbow.errors import ChannelError, GearbowError
+from gearbow.orders.fit import Orders, orders
+from gearbow.orders.spectrum import Spectrum, spectrum
 from gearbow.speed import SpeedProfile
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from gearbow.orders.kinematics import Kinematics
 
 __all__ = ["Event", "MeshResponse", "Response", "Statistics"]
 
@@ -145,6 +149,8 @@ class Response:
         What error to expect of a run with `accuracy=`: RMS of the error over the RMS of the swing.
     accuracy : str or None
         Why: which setting it was, and what its error was measured on.
+    kinematics : Kinematics or None
+        What the orders of the train follow from.
 
     Examples
     --------
@@ -169,6 +175,7 @@ class Response:
         self.statistics = Statistics(**data["statistics"])
         self.expected_error: float | None = None
         self.accuracy: str | None = None
+        self.kinematics: Kinematics | None = None
         self._data = data
 
     @property
@@ -357,6 +364,88 @@ class Response:
             that varies, recorded or not, and of other meshes what their recorded instants show.
         """
         return tuple(Event(*event) for event in self._data["events"])
+
+    def spectrum(
+        self, of: Record, quantity: str | None = None, *, window: str = "hann"
+    ) -> Spectrum:
+        """Take the amplitude spectrum of one recorded signal.
+
+        What is faster than half of the recording rate folds back onto slower lines: record with an
+        `output_step` that is short enough for the fastest vibration of the signal.
+
+        Parameters
+        ----------
+        of : str or tuple
+            A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
+            position [m]) or "energy".
+        quantity : str, optional
+            "v", "w" or "twist" of a place, "y" or "z" of the force on a bearing, a field of
+            `MeshResponse`; None is the first of these, or the force of a mesh.
+        window : {"hann", "flat top", "none"}
+            What weighs the times: "flat top" reads amplitudes best, "none" is for a record that
+            holds whole periods.
+
+        Returns
+        -------
+        Spectrum
+            Amplitudes over frequency.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        GearbowError
+            If the times are not equally spaced.
+        """
+        return spectrum(self, of, quantity, window=window)
+
+    def orders(
+        self,
+        of: Record,
+        quantity: str | None = None,
+        *,
+        shaft_harmonics: int = 4,
+        mesh_harmonics: int = 3,
+        sidebands: int = 1,
+        settle: float = 0.0,
+    ) -> Orders:
+        """Find the amplitude of one recorded signal at the orders of shafts and meshes.
+
+        Parameters
+        ----------
+        of : str or tuple
+            What the signal belongs to, as for `spectrum`.
+        quantity : str, optional
+            Which quantity of it, as for `spectrum`.
+        shaft_harmonics, mesh_harmonics : int
+            How many harmonics of each shaft and of each tooth frequency.
+        sidebands : int
+            How many on either side of a tooth frequency, from each of the two shafts.
+        settle : float
+            Time at the beginning that is left out [s].
+
+        Returns
+        -------
+        Orders
+            Complex amplitudes by least squares, with the names of all that excites them.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        GearbowError
+            If the speed changes, or the record is too short to tell the orders apart or too
+            coarse for the highest.
+        """
+        return orders(
+            self,
+            of,
+            quantity,
+            shaft_harmonics=shaft_harmonics,
+            mesh_harmonics=mesh_harmonics,
+            sidebands=sidebands,
+            settle=settle,
+        )
 
     def plot(self, kind: str = "orbits", names: Sequence[At] | None = None) -> "Figure":
         """Draw what was recorded.

@@ -7,6 +7,7 @@ response can be continued.
 
 import json
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from gearbow._run import plain_speed, read_speed
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
+from gearbow.orders.kinematics import Kinematics
 from gearbow.response import Response
 
 if TYPE_CHECKING:
@@ -115,6 +117,7 @@ def load(path: str | os.PathLike[str]) -> Response:
         read_speed(about["speed"]),
     )
     response.expected_error, response.accuracy = about["expected_error"], about["accuracy"]
+    response.kinematics = Kinematics._from_plain(about.get("kinematics"))
     return response
 
 
@@ -242,6 +245,7 @@ def _metadata(response: Response) -> str:
             "speed": plain_speed(response.speed),
             "expected_error": response.expected_error,
             "accuracy": response.accuracy,
+            "kinematics": None if response.kinematics is None else asdict(response.kinematics),
             "points": data["points"],
             "bearings": data["bearings"],
             "meshes": data["meshes"],

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
@@ -28,9 +28,11 @@ from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
+from gearbow.orders.kinematics import Kinematics
 from gearbow.response import Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
+from gearbow.speed import SpeedProfile
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
@@ -482,15 +484,22 @@ class RotorSystem:
         except BaseException as error:
             partial: RunData | None = getattr(error, "partial", None)
             if partial is not None:
-                error.response = Response(in_order(partial, rows), speed)  # type: ignore[attr-defined]
+                error.response = self._response(partial, rows, speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             raise
-        response = Response(in_order(data, rows), speed)
+        response = self._response(data, rows, speed)
         if expected is not None:
             expected.explain(response)
         return response
 
     tradeoff = tradeoff
+
+    def _response(
+        self, data: RunData, rows: NDArray[np.intp] | None, speed: float | SpeedProfile
+    ) -> Response:
+        response = Response(in_order(data, rows), speed)
+        response.kinematics = Kinematics.of(self)
+        return response
 
     def _lateral(self, name: At) -> list[int]:
         """Give the indices of v and w somewhere."""

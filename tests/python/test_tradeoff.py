@@ -338,7 +338,7 @@ def test_a_word_keeps_what_the_response_expects_of_it(word):
     each = ACCURACIES[word]
     assert response.expected_error == each.error
     assert word in response.accuracy
-    assert "make study" in response.accuracy
+    assert "make measure" in response.accuracy
     # the judge itself is no better than this
     allowed = max(each.error, 1e-7)
     assert apart(response.displacement("g1"), motion.displacement("g1")) < allowed

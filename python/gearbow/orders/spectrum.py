@@ -1,0 +1,129 @@
+"""The amplitude spectrum of one recorded signal."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearbow._types import Array, Record
+from gearbow.errors import GearbowError, SceneError
+from gearbow.orders.channel import channel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gearbow.response import Response
+
+__all__ = ["WINDOWS", "Spectrum", "amplitudes", "spectrum"]
+
+#: Sums of cosines, a₀ − a₁ cos + a₂ cos 2 − …: Heinzel, Rüdiger and Schilling, *Spectrum and
+#: spectral density estimation by the DFT* (2002). A flat top reads an amplitude between two lines.
+WINDOWS = {
+    "none": (1.0,),
+    "hann": (0.5, 0.5),
+    "flat top": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Amplitudes over frequency; a sine of amplitude 1 on a line stands there as 1.
+
+    Parameters
+    ----------
+    frequencies_hz : ndarray, shape (n,)
+        Frequencies above zero [Hz].
+    amplitudes : ndarray, shape (n,)
+        Amplitudes, in the unit of the signal.
+    label : str
+        What the signal is, e.g. "g1 v".
+    unit : str
+        Its unit.
+    """
+
+    frequencies_hz: Array
+    amplitudes: Array
+    label: str
+    unit: str
+
+    def plot(self) -> "Figure":
+        """Draw it on a logarithmic scale, six decades from the largest amplitude down.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Amplitude against frequency [Hz].
+        """
+        from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
+
+        return figures.spectrum(self)
+
+    def __repr__(self) -> str:
+        return f"Spectrum({self.label} [{self.unit}]; {self.frequencies_hz.size} frequencies)"
+
+
+def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array, Array]:
+    """Take the spectrum of signals along the first axis.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        Equally spaced times [s].
+    values : ndarray, shape (k, ...)
+        The signals.
+    window : {"hann", "flat top", "none"}
+        What weighs the times.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Frequencies above zero [Hz].
+    ndarray, shape (n, ...)
+        Amplitudes.
+
+    Raises
+    ------
+    GearbowError
+        If the times are not equally spaced, or there is no such window.
+    """
+    if window not in WINDOWS:
+        raise SceneError(f"window: must be one of {', '.join(WINDOWS)}, got {window!r}")
+    steps = np.diff(time)
+    if steps.size < 2 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
+        raise GearbowError("a spectrum needs equally spaced times: give output_step to simulate")
+    turn = 2.0 * np.pi * np.arange(time.size) / time.size
+    weights = sum((-1) ** n * a * np.cos(n * turn) for n, a in enumerate(WINDOWS[window]))
+    column = np.reshape(weights, (-1, *(1,) * (values.ndim - 1)))
+    # The mean is no vibration; the weighted mean is what leaves nothing at zero frequency.
+    mean = (column * values).sum(axis=0) / column.sum()
+    amplitude = 2.0 * np.abs(np.fft.rfft((values - mean) * column, axis=0)) / column.sum()
+    if time.size % 2 == 0:
+        amplitude[-1] /= 2.0  # the last line is its own mirror image
+    frequencies = np.asarray(np.fft.rfftfreq(time.size, steps.mean()), dtype=np.float64)
+    return frequencies[1:], amplitude[1:]
+
+
+def spectrum(
+    response: "Response", of: Record, quantity: str | None = None, *, window: str = "hann"
+) -> Spectrum:
+    """Take the amplitude spectrum of a recorded signal; `Response.spectrum` says more.
+
+    Parameters
+    ----------
+    response : Response
+        The response.
+    of : str or tuple
+        What it belongs to.
+    quantity : str, optional
+        Which quantity of it.
+    window : {"hann", "flat top", "none"}
+        What weighs the times.
+
+    Returns
+    -------
+    Spectrum
+        The spectrum.
+    """
+    signal = channel(response, of, quantity)
+    frequencies, amplitude = amplitudes(response.time, signal.values, window)
+    return Spectrum(frequencies, amplitude, signal.label, signal.unit)

@@ -1,0 +1,143 @@
+"""Spectra of one signal at many speeds, side by side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearbow._types import Array, Record
+from gearbow.errors import GearbowError
+from gearbow.orders.kinematics import Kinematics
+from gearbow.orders.spectrum import spectrum
+from gearbow.speed import SpeedProfile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gearbow.response import Response
+
+__all__ = ["Waterfall", "waterfall"]
+
+
+@dataclass(frozen=True, eq=False)
+class Waterfall:
+    """Spectra of one signal over the speed.
+
+    Parameters
+    ----------
+    speeds : ndarray, shape (runs,)
+        Speeds of the reference shaft, ascending [rad/s].
+    frequencies_hz : ndarray, shape (n,)
+        Frequencies above zero [Hz].
+    amplitudes : ndarray, shape (runs, n)
+        Amplitudes, in the unit of the signal.
+    label : str
+        What the signal is, e.g. "g1 v".
+    unit : str
+        Its unit.
+    kinematics : Kinematics or None
+        What the lines of the orders follow from.
+    """
+
+    speeds: Array
+    frequencies_hz: Array
+    amplitudes: Array
+    label: str
+    unit: str
+    kinematics: Kinematics | None = field(repr=False)
+
+    def plot(self, highest: float | None = None) -> "Figure":
+        """Draw amplitudes over speed and frequency, with the lines of shafts and meshes.
+
+        Parameters
+        ----------
+        highest : float, optional
+            Frequency up to which to draw [Hz]; None is as far as there is anything to see.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Amplitude as colour, over three decades.
+        """
+        from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
+
+        return figures.waterfall(self, highest)
+
+
+def waterfall(
+    responses: Sequence["Response"],
+    of: Record,
+    quantity: str | None = None,
+    *,
+    window: str = "hann",
+) -> Waterfall:
+    """Put the spectra of runs at several speeds side by side.
+
+    Parameters
+    ----------
+    responses : sequence of Response
+        Runs at constant speeds, in any order, with the same spacing and number of times.
+    of : str or tuple
+        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
+        or "energy".
+    quantity : str, optional
+        As for `Response.spectrum`.
+    window : {"hann", "flat top", "none"}
+        What weighs the times.
+
+    Returns
+    -------
+    Waterfall
+        The spectra, by ascending speed.
+
+    Raises
+    ------
+    GearbowError
+        If there is no run, a speed changes, or the times differ in spacing or number.
+    ChannelError
+        If the signal was not recorded.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
+    ...                  bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> middle = ("rotor", 0.5)
+    >>> runs = [
+    ...     system.simulate(1.0, speed, output_step=1e-3, record=[middle])
+    ...     for speed in (100.0, 200.0)
+    ... ]
+    >>> result = gb.waterfall(runs, middle)
+    >>> result.amplitudes.shape
+    (2, 500)
+    """
+    runs = list(responses)
+    if not runs:
+        raise GearbowError("a waterfall needs at least one run")
+    speeds = []
+    for run in runs:
+        if isinstance(run.speed, SpeedProfile):
+            raise GearbowError("a waterfall needs runs at constant speeds; one changes it")
+        speeds.append(abs(run.speed))
+    spectra = [spectrum(run, of, quantity, window=window) for run in runs]
+    first = spectra[0]
+    for other in spectra[1:]:
+        if other.frequencies_hz.shape != first.frequencies_hz.shape or not np.allclose(
+            other.frequencies_hz, first.frequencies_hz, rtol=1e-6, atol=0.0
+        ):
+            raise GearbowError(
+                "a waterfall needs runs of one duration and one output_step: "
+                "their spectra have different frequencies"
+            )
+    order = np.argsort(speeds, kind="stable")
+    return Waterfall(
+        np.array(speeds)[order],
+        first.frequencies_hz,
+        np.array([each.amplitudes for each in spectra])[order],
+        first.label,
+        first.unit,
+        runs[0].kinematics,
+    )

@@ -1,0 +1,71 @@
+"""``python -m gearbow study``: runs, tables and figures into one folder."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from gearbow.study.findings import TABLES
+from gearbow.study.runs import run
+from gearbow.study.settings import SCENE, Settings
+from gearbow.study.table import write
+from gearbow.study.view import Study
+
+__all__ = ["add", "main"]
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser of the command.
+    """
+    parser.add_argument("--workers", type=_positive, help="runs at once; all cores by default")
+    parser.add_argument(
+        "--out", type=Path, default=Path("study"), help="folder of tables, figures and runs"
+    )
+    parser.add_argument("--quick", action="store_true", help="a small part, for a first look")
+    parser.add_argument("--scene", type=Path, default=SCENE, help="a TOML file of one's own")
+    parser.add_argument(
+        "--print",
+        choices=list(TABLES),
+        dest="table",
+        help="print one table in Markdown, and write nothing but the runs that are missing",
+    )
+
+
+def main(given: argparse.Namespace) -> None:
+    """Carry the study out.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        What `add` asked for.
+    """
+    settings = Settings.load(given.scene)
+    if given.quick:
+        settings = settings.quick()
+    folder: Path = given.out
+    results = run(settings, folder / "runs", given.workers, progress=sys.stderr.isatty())
+    study = Study(settings, results)
+    if given.table:
+        sys.stdout.write(f"{TABLES[given.table](study)}\n")
+        return
+    write(settings, results, folder)
+    tables = "\n\n".join(f"## {name}\n\n{table(study)}" for name, table in TABLES.items())
+    (folder / "findings.md").write_text(f"# Bow study\n\n{tables}\n", encoding="utf-8")
+    sys.stdout.write(f"{len(results)} runs; tables: {folder}\n")
+    try:
+        from gearbow.study import figures  # noqa: PLC0415  # matplotlib is an extra
+    except ModuleNotFoundError as error:
+        sys.exit(f"no figures: {error.name} is missing; pip install 'gearbow[plot]'")
+    for path in figures.write(study, folder):
+        sys.stdout.write(f"figure: {path}\n")
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1, got {value}")
+    return value

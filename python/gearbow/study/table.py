@@ -1,0 +1,122 @@
+"""Tables of a study: CSV files of everything, and Markdown."""
+
+import csv
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from gearbow.study.case import Case, system
+from gearbow.study.measure import UNITS
+from gearbow.study.runs import Results
+from gearbow.study.settings import Settings
+
+__all__ = ["markdown", "write"]
+
+_CASE = (
+    "layout",
+    "torque [N m]",
+    "speed [rad/s]",
+    "bow over radius",
+    "where",
+    "phase of second [rad]",
+    "phase of third [rad]",
+    "geometry",
+    "accuracy",
+    "refine",
+)
+
+_MODES = ("layout", "mode", "frequency [Hz]", "damping ratio", "whirl", "largest motion")
+_SHAPES = ("layout", "mode", "shaft", "position [m]", "direction", "real", "imaginary")
+
+
+def write(settings: Settings, results: Results, folder: Path) -> None:
+    """Write all tables of a study.
+
+    Parameters
+    ----------
+    settings : Settings
+        The study.
+    results : mapping of {Case: Measured}
+        What its runs gave.
+    folder : path-like
+        Where to: ``cases.csv``, a row for every signal of every run with its mean, its extremes
+        and its peak to peak; ``events.csv``, what meshes did beyond meshing; ``modes.csv`` and
+        ``mode_shapes.csv``, frequencies and shapes at rest.
+    """
+    numbers = ("mean", "smallest", "largest", "swing")
+    rows = (
+        (
+            *_row(case),
+            of,
+            quantity,
+            UNITS[quantity],
+            *(repr(getattr(found, number)(of, quantity)) for number in numbers),
+        )
+        for case, found in results.items()
+        for of, quantity in found.signals
+    )
+    titles = ("of", "quantity", "unit", "mean", "smallest", "largest", "peak to peak")
+    _write(folder / "cases.csv", (*_CASE, *titles), rows)
+    events = ((*_row(case), event) for case, found in results.items() for event in found.events)
+    _write(folder / "events.csv", (*_CASE, "event"), events)
+    frequencies: list[tuple[object, ...]] = []
+    shapes: list[tuple[object, ...]] = []
+    for layout in settings.layouts:
+        modes = system(settings, Case(layout, 0.0, 1.0)).modes(count=settings.modes)
+        for mode, name in enumerate(modes.names()):
+            frequency, damping = modes.frequencies_hz[mode], modes.damping_ratios[mode]
+            frequencies.append(
+                (layout, mode + 1, f"{frequency:.6g}", f"{damping:.6g}", modes.whirl[mode], name)
+            )
+            # Turned so that the largest entry is real and 1: a shape has no phase and no size.
+            shape = modes.shapes[mode]
+            shape = shape / shape[np.argmax(np.abs(shape))]
+            for (shaft, x, direction), entry in zip(modes.dofs, shape, strict=True):
+                parts = (f"{entry.real:.6g}", f"{entry.imag:.6g}")
+                shapes.append((layout, mode + 1, shaft, f"{x:g}", direction, *parts))
+    _write(folder / "modes.csv", _MODES, frequencies)
+    _write(folder / "mode_shapes.csv", _SHAPES, shapes)
+
+
+def markdown(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Lay a table out as Markdown.
+
+    Parameters
+    ----------
+    titles : sequence of str
+        Heads of the columns.
+    rows : iterable of sequence of str
+        Cells.
+
+    Returns
+    -------
+    str
+        The table.
+    """
+    lines = [titles, ["---"] * len(titles), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _row(case: Case) -> tuple[object, ...]:
+    return (
+        case.layout,
+        f"{case.torque:g}",
+        f"{case.speed:g}",
+        f"{case.bow:g}",
+        case.where,
+        *(f"{phase:.6g}" for phase in case.phases),
+        case.geometry,
+        case.accuracy,
+        case.refine,
+    )
+
+
+def _write(path: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    beside = path.with_suffix(f".{os.getpid()}.part")
+    with beside.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(titles)
+        table.writerows(rows)
+    beside.replace(path)

@@ -1,0 +1,181 @@
+"""Spectra and orders find what a signal is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.orders import Kinematics
+from gearbow.orders.spectrum import WINDOWS, amplitudes
+from test_response import recorded, train
+
+SPEED = 100.0
+
+
+def made(duration=1.0, step=1e-4, start=0.0, **content):
+    """A response whose g1 v is a sum of orders, given as {name of the order: complex amplitude}."""
+    rows = round(duration / step)
+    response = recorded(rows=rows)
+    response.time = start + step * np.arange(rows)
+    response.speed = SPEED
+    response.kinematics = Kinematics.of(train())
+    motion = np.zeros((rows, 3, 2))
+    for value, amplitude in content.values():
+        motion[:, 0, 0] += np.real(amplitude * np.exp(1j * value * SPEED * response.time))
+    response._data["displacement"] = motion + 7e-6
+    return response
+
+
+def test_least_squares_gives_back_every_order_and_its_phase():
+    # 1.37 s are no whole number of turns, and the record does not start at 0.
+    content = {
+        "1× input": (1.0, 3e-6 - 1e-6j),
+        "1× output": (0.5, 2e-6j),
+        "1× mesh g1–g2": (25.0, 1e-7 + 0j),
+        "1× mesh g1–g2 − 1× output": (24.5, -4e-8 + 0j),
+        "3× mesh g1–g2 + 1× input": (76.0, 5e-9j),
+    }
+    found = made(1.37, start=0.21, **content).orders("g1", "v")
+    names = {name: j for j, order in enumerate(found.orders) for name in order.names}
+    for name, (value, amplitude) in content.items():
+        assert found.orders[names[name]].value == pytest.approx(value)
+        # Rounding of values of 1e-5 m, over 1e4 of them and a well-conditioned fit.
+        assert abs(found.amplitudes[names[name]] - amplitude) < 1e-18
+        assert found.amplitude(name) == pytest.approx(abs(amplitude), abs=1e-18)
+    assert found.mean == pytest.approx(7e-6, rel=1e-12)
+    assert found.rest < 1e-18
+    others = set(range(len(found.orders))) - {names[name] for name in content}
+    assert max(abs(found.amplitudes[j]) for j in others) < 1e-18
+
+
+def test_what_no_order_holds_is_the_rest():
+    found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
+    # The RMS of a sine; the fit takes a little of it.
+    assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
+
+
+def test_orders_that_coincide_are_one_with_all_names():
+    orders = Kinematics.of(train()).orders(2, 0, 0)
+    assert [(order.value, order.names) for order in orders] == [
+        (0.5, ("1× output",)),
+        (1.0, ("1× input", "2× output")),
+        (2.0, ("2× input",)),
+    ]
+    assert str(orders[1]) == "1× input = 2× output"
+
+
+def test_a_table_lists_the_largest_first():
+    table = made(a=(1.0, 3e-6), b=(25.0, 5e-6)).orders("g1").table(2).splitlines()
+    assert len(table) == 4
+    assert table[0].startswith("g1 v: mean 7e-06 m")
+    assert table[2].endswith("1× mesh g1–g2")
+    assert table[3].endswith("1× input = 2× output")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"duration": 0.01}, "are told apart from"),
+        ({"step": 5e-3}, "needs an output_step below"),
+        ({"step": 0.05}, "need more than"),
+    ],
+)
+def test_a_record_that_cannot_tell_is_refused(change, sentence):
+    with pytest.raises(gb.GearbowError, match=sentence):
+        made(**change).orders("g1")
+
+
+def test_a_changing_speed_and_an_unknown_name_are_refused():
+    response = made()
+    with pytest.raises(gb.GearbowError, match="no order is called '9× input'"):
+        response.orders("g1").amplitude("9× input")
+    response.speed = gb.SpeedProfile.ramp(1.0, 2.0, duration=1.0)
+    with pytest.raises(gb.GearbowError, match="constant speed"):
+        response.orders("g1")
+    with pytest.raises(gb.GearbowError, match="constant speed"):
+        gb.waterfall([response], "g1")
+
+
+@pytest.mark.parametrize("window", list(WINDOWS))
+def test_a_sine_on_a_line_reads_its_amplitude(window):
+    time = np.arange(1000) * 1e-3
+    signal = 4.0 + 3.0 * np.cos(2 * np.pi * 50.0 * time + 0.3)
+    frequency, amplitude = amplitudes(time, signal, window)
+    peak = np.argmax(amplitude)
+    assert frequency[peak] == pytest.approx(50.0)
+    # The published coefficients of the flat top have nine digits.
+    assert amplitude[peak] == pytest.approx(3.0, rel=1e-8)
+
+
+def test_a_flat_top_reads_an_amplitude_between_lines():
+    time = np.arange(1000) * 1e-3
+    _, amplitude = amplitudes(time, np.cos(2 * np.pi * 50.5 * time), "flat top")
+    assert amplitude.max() == pytest.approx(1.0, rel=2e-3)  # 0.01 dB of Heinzel et al.
+    _, hann = amplitudes(time, np.cos(2 * np.pi * 50.5 * time), "hann")
+    assert hann.max() == pytest.approx(0.849, rel=1e-2)  # its scalloping loss, 1.42 dB
+
+
+@pytest.mark.parametrize(
+    ("of", "quantity", "label", "unit"),
+    [
+        ("g1", None, "g1 v", "m"),
+        (("input", 0.1), "w", "input at 0.1 m w", "m"),
+        ("g2", "twist", "g2 twist", "rad"),
+        (("g1", "g2"), None, "g1/g2 force", "N"),
+        (("g1", "g2"), "contact_ratio", "g1/g2 contact ratio", "1"),
+        (("bearing", "input", 0.0), "z", "bearing input at 0 m z", "N"),
+        ("energy", None, "energy", "J"),
+    ],
+)
+def test_any_channel_has_a_spectrum(of, quantity, label, unit):
+    spectrum = recorded(rows=64).spectrum(of, quantity)
+    assert (spectrum.label, spectrum.unit) == (label, unit)
+    assert spectrum.amplitudes.shape == spectrum.frequencies_hz.shape == (32,)
+    assert spectrum.plot().axes[0].get_ylabel() == f"{label} [{unit}]"
+
+
+def test_impossible_requests_are_named():
+    response = recorded(rows=64)
+    with pytest.raises(gb.ChannelError, match="has v, w, twist, got 'u'"):
+        response.spectrum("g1", "u")
+    with pytest.raises(gb.ChannelError, match="was not recorded"):
+        response.spectrum("g7")
+    with pytest.raises(gb.SceneError, match="window: must be one of"):
+        response.spectrum("g1", window="box")
+    with pytest.raises(gb.GearbowError, match="unknown"):
+        response.orders("g1")
+
+
+def test_a_run_holds_the_bow_at_the_order_of_its_shaft(tmp_path):
+    system = train()
+    turn = 2 * np.pi / (0.5 * SPEED)
+    response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
+    found = response.orders("g1", "v")
+    linear = abs(system.synchronous([SPEED]).displacement("g1")[0, 0, 0])
+    # The moving line of action bends the motion away from the linear one: to second order.
+    assert found.amplitude("1× input") == pytest.approx(linear, rel=1e-2)
+    # So do the lightly damped modes that the start leaves behind.
+    assert found.rest < 1e-2 * linear
+    response.save(tmp_path / "run.npz")
+    again = gb.Response.load(tmp_path / "run.npz")
+    assert again.kinematics == response.kinematics
+    np.testing.assert_array_equal(again.orders("g1", "v").amplitudes, found.amplitudes)
+    assert len(found.plot(5).axes[0].get_yticks()) == 5
+
+
+def test_a_waterfall_has_a_ridge_along_each_order():
+    system = train()
+    speeds = (150.0, 50.0, 100.0)
+    runs = [system.simulate(1.0, speed, output_step=1e-3, record=["g1"]) for speed in speeds]
+    result = gb.waterfall(runs, "g1")
+    np.testing.assert_array_equal(result.speeds, (50.0, 100.0, 150.0))
+    peaks = result.frequencies_hz[result.amplitudes.argmax(axis=1)]
+    # Lines of 1 s stand 1 Hz apart.
+    np.testing.assert_allclose(peaks, result.speeds / (2 * np.pi), atol=0.51)
+    panel = result.plot().axes[0]
+    assert "1× input" in {text.get_text() for text in panel.texts}
+    with pytest.raises(gb.GearbowError, match="different frequencies"):
+        gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
+    with pytest.raises(gb.GearbowError, match="at least one run"):
+        gb.waterfall([], "g1")
