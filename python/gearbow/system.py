@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._core import Model
@@ -26,11 +25,14 @@ from gearbow._run import (
 )
 from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
+from gearbow.balance import balance
+from gearbow.campbell import campbell, critical_speed_map
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
 from gearbow.response import Response
-from gearbow.results import Matrices, Static, Synchronous
+from gearbow.results import Matrices, Static
 from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
+from gearbow.synchronous import synchronous
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
@@ -292,30 +294,6 @@ class RotorSystem:
             system=self,
         )
 
-    def synchronous(self, speeds: ArrayLike) -> Synchronous:
-        """Find the linear response to bow and unbalance, without time stepping.
-
-        Parameters
-        ----------
-        speeds : array_like, shape (speeds,) or scalar
-            Speeds of the reference shaft [rad/s].
-
-        Returns
-        -------
-        Synchronous
-            Complex amplitudes for each speed and each shaft as the source.
-
-        Raises
-        ------
-        SceneError
-            If a speed is impossible.
-        """
-        wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
-        amplitudes = self._model.synchronous(wanted)
-        return Synchronous(
-            speeds=wanted, shafts=tuple(self._model.shafts), amplitudes=amplitudes, system=self
-        )
-
     def static(self, geometry: str = "live") -> Static:
         """Find the equilibrium under torque, gravity and the non-linear meshes.
 
@@ -491,6 +469,10 @@ class RotorSystem:
         return response
 
     tradeoff = tradeoff
+    campbell = campbell
+    critical_speed_map = critical_speed_map
+    synchronous = synchronous
+    balance = balance
 
     def _lateral(self, name: At) -> list[int]:
         """Give the indices of v and w somewhere."""
