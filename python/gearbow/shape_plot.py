@@ -25,10 +25,10 @@ __all__ = ["shape"]
 
 #: The largest motion, over the diagonal of what is drawn.
 ENLARGED = 0.07
+#: The largest twist that is drawn [rad], where that is less.
+TWISTED = 0.8
 #: Points around a shaft or a gear.
 AROUND = np.linspace(0.0, 2.0 * np.pi, 25)
-#: Free space between shafts that no mesh puts in a place, over their largest radius.
-APART = 4.0
 
 
 class _Motion(NamedTuple):
@@ -86,11 +86,12 @@ def shape(modes: "Modes", number: int) -> Figure:
     lever = np.array([_lever(system, dof) for dof in system.dofs])
     moving = shape_ * lever
     factor = ENLARGED * float(np.linalg.norm(extent)) / float(np.abs(moving).max())
+    twists = [abs(x) for x, dof in zip(shape_, system.dofs, strict=True) if dof[2] == "twist"]
+    factor = min(factor, TWISTED / max([*twists, TWISTED / factor]))
     turned = _turned(shape_, moving) * factor
 
     with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(12.0, 7.6))
-        # All of the figure: what reaches out of the box of the axes is not cut off.
         axes: Any = figure.add_axes((0.0, 0.06, 1.0, 0.82), projection="3d")
         for index, shaft in enumerate(system.shafts):
             at, colour = places[shaft.name], _colour(index)
@@ -107,12 +108,15 @@ def shape(modes: "Modes", number: int) -> Figure:
             shaft = next(shaft for shaft in system.shafts if shaft.name == bearing.shaft)
             foot = places[bearing.shaft] + [bearing.position, 0.0, -_outer(shaft, bearing.position)]
             axes.plot(*foot[:, np.newaxis], "^", color="black", markersize=10)
+        # What reaches out of the box of the axes is not cut off.
+        for artist in axes.get_children():
+            artist.set_clip_on(False)
         axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.35)
         axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
         axes.xaxis.labelpad = axes.yaxis.labelpad = 14
         axes.locator_params(nbins=4)
         axes.view_init(elev=22.0, azim=-58.0)
-        figure.legend(loc="lower center", ncols=len(system.shafts))
+        figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
         figure.suptitle(
             f"mode {number}: {modes.frequencies_hz[number - 1]:.1f} Hz, {modes.whirl[number - 1]}, "
             f"damping {100.0 * modes.damping_ratios[number - 1]:.2f} %\n"
@@ -122,18 +126,12 @@ def shape(modes: "Modes", number: int) -> Figure:
 
 
 def _places(system: "RotorSystem") -> dict[str, Array]:
-    """Where the left end of every shaft lies at rest: meshes say how shafts stand together."""
+    """Say where the left end of every shaft lies at rest: meshes tell how shafts stand together."""
     gears = {gear.name: gear for gear in system.gears}
-    found: dict[str, Array] = {}
-    for shaft in system.shafts:
-        if shaft.name in found:
-            continue
-        lowest = min((place[2] - _reach(system, shaft) for place in found.values()), default=None)
-        start = 0.0 if lowest is None else lowest - APART * _reach(system, shaft)
-        found[shaft.name] = np.array([0.0, 0.0, start])
-        while step := next(_next(system, gears, found), None):
-            name, place = step
-            found[name] = place
+    found = {system.shafts[0].name: np.zeros(3)}
+    while step := next(_next(system, gears, found), None):
+        name, place = step
+        found[name] = place
     return found
 
 
