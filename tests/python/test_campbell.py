@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -172,6 +174,34 @@ def test_meetings_do_not_depend_on_the_speeds_that_were_asked():
     assert [m.speed for m in coarse.intersections] == pytest.approx(
         [m.speed for m in fine.intersections], rel=1e-10
     )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_meetings_are_modes_on_bearings_of_every_kind(seed: int):
+    # unlike and cross-coupled bearings, a third of critical damping in all modes for some
+    noise = np.random.default_rng(seed)
+    cross = 1e6 * noise.uniform(-1.0, 1.0, (2, 2)) * (1.0 - np.eye(2))
+    scene = replace(
+        scenes.PAIR,
+        elements=2,
+        bearing_stiffness=np.diag(10.0 ** noise.uniform(6.0, 8.5, 2)) + cross,
+        bearing_damping=np.diag(10.0 ** noise.uniform(1.0, 5.0, 2)),
+        angles=(noise.uniform(0.0, 6.0),),
+        modal_damping=0.3 if seed % 2 else None,
+    )
+    system = scene.package()
+    coarse, fine = (system.campbell(np.linspace(0.0, 3000.0, count), count=8) for count in (6, 41))
+    assert len(coarse.intersections) > 5
+    # a mode that is followed, whatever the steps, meets its lines where it does
+    meetings = [sorted((m.line.name, m.speed) for m in c.intersections) for c in (coarse, fine)]
+    assert [name for name, _ in meetings[0]] == [name for name, _ in meetings[1]]
+    assert [x for _, x in meetings[0]] == pytest.approx([x for _, x in meetings[1]], rel=1e-8)
+    for meeting in coarse.intersections:
+        frequency = 2 * np.pi * meeting.frequency_hz
+        ratio = meeting.damping_ratio
+        value = frequency * (1j - ratio / np.sqrt(1.0 - ratio**2))
+        # damped eigenvalues are less well conditioned than those of `same_as_modes`
+        assert np.abs(system.modes(meeting.speed).eigenvalues - value).min() < 1e-7 * frequency
 
 
 def test_a_free_disk_starts_to_wobble_from_nothing():
