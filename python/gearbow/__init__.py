@@ -8,7 +8,8 @@ response, equilibrium or a time history. SI units and radians throughout.
 from gearbow._core import __version__
 from gearbow.balance import Balance
 from gearbow.bow import Bow
-from gearbow.campbell import Campbell, CriticalSpeedMap, ExcitationLine, Intersection
+from gearbow.campbell import Campbell, ExcitationLine, Intersection
+from gearbow.critical import CriticalSpeedMap
 from gearbow.energy import EnergyBalance
 from gearbow.errors import (
     ChannelError,
@@ -20,12 +21,13 @@ from gearbow.errors import (
     StabilityError,
 )
 from gearbow.modes import Modes
+from gearbow.peak import Peak
 from gearbow.response import Event, MeshResponse, Response
 from gearbow.results import Matrices, Static
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
 from gearbow.speed import SpeedProfile
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
-from gearbow.synchronous import Peak, Synchronous
+from gearbow.synchronous import Synchronous
 from gearbow.system import RotorSystem
 from gearbow.tradeoff import Recommendation, Tradeoff, Trial
 

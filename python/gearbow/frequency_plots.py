@@ -15,7 +15,8 @@ from gearbow.errors import GearbowError
 from gearbow.plots import PALETTE, _colour, _figure, _label, _legend
 
 if TYPE_CHECKING:
-    from gearbow.campbell import Campbell, CriticalSpeedMap
+    from gearbow.campbell import Campbell
+    from gearbow.critical import CriticalSpeedMap
     from gearbow.synchronous import Synchronous
 
 __all__ = ["MARKS", "bode", "campbell", "critical_speed_map"]

@@ -26,7 +26,8 @@ from gearbow._run import (
 from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.balance import balance
-from gearbow.campbell import campbell, critical_speed_map
+from gearbow.campbell import campbell
+from gearbow.critical import critical_speed_map
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
 from gearbow.response import Response
