@@ -63,19 +63,11 @@ def rao() -> Iterable[str]:
 
 def nelson() -> Iterable[str]:
     """Find speeds at which a stepped rotor whirls with its own turning, or against it."""
-    rotor = load("nelson_1976")
-
-    def critical(whirl: str, number: int) -> float:
-        def above(speed: float) -> float:
-            modes = rotor.modes(speed=speed)
-            own = modes.frequencies_hz[np.array(modes.whirl) == whirl]
-            return TAU * float(own[number]) - speed
-
-        return bisect(above, 1e3 * RPM, 1.2e5 * RPM) / RPM
-
+    campbell = load("nelson_1976").campbell(np.linspace(0.0, 1.1e5, 12) * RPM, count=8)
     published = {"backward": (15470, 46612, 64752), "forward": (17159, 49983, 96457)}
     for whirl, speeds in published.items():
-        computed = [critical(whirl, number) for number in range(len(speeds))]
+        found = [meeting.speed / RPM for meeting in campbell.criticals if meeting.whirl == whirl]
+        computed = found[: len(speeds)]
         quantity = f"critical speeds, {whirl} [rpm]"
         yield row("stepped rotor, Nelson and McVaugh 1976", quantity, speeds, computed, 0)
 

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Noise, basis, everything, largest, motion, train};
-use gearbow::analysis::{equilibrium, synchronous};
+use gearbow::analysis::{Part, equilibrium, synchronous};
 use gearbow::exponential::{Clock, Control, Field, Output, Ports, Rule, Selection, Stepper, Table, run};
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
@@ -108,7 +108,7 @@ fn planes_that_do_not_couple_are_no_harder() {
 /// What a field needs on top of its linear motion.
 fn field<'m>(basis: &'m Basis, geometry: Geometry, linear: &Linear) -> (Field<'m>, Ports) {
     let reference = equilibrium(basis, geometry, SPEED).unwrap();
-    let amplitudes = synchronous(basis, SPEED).unwrap();
+    let amplitudes = synchronous(basis, SPEED, Part::Both).unwrap();
     Field::new(motion(basis, geometry, SPEED, 0.0), linear, reference, &amplitudes).unwrap()
 }
 

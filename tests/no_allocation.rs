@@ -6,7 +6,7 @@ mod common;
 use allocation_counter::{AllocationInfo, measure};
 use common::{Noise, basis, motion, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, Plan, simulate};
-use gearbow::analysis::{Spectrum, equilibrium, synchronous};
+use gearbow::analysis::{Part, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{self, Clock, Field, Output, Rule, Selection, Stepper, Table};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
@@ -210,7 +210,7 @@ fn exponential(
     let n = basis.model.len();
     let linear = basis.linear(speed, None).unwrap();
     let reference = equilibrium(&basis, geometry, speed).unwrap();
-    let amplitudes = synchronous(&basis, speed).unwrap();
+    let amplitudes = synchronous(&basis, speed, Part::Both).unwrap();
     let (field, ports) = Field::new(motion(&basis, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;

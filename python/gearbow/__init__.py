@@ -6,7 +6,10 @@ response, equilibrium or a time history. SI units and radians throughout.
 """
 
 from gearbow._core import __version__
+from gearbow.balance import Balance
 from gearbow.bow import Bow
+from gearbow.campbell import Campbell, ExcitationLine, Intersection
+from gearbow.critical import CriticalSpeedMap
 from gearbow.energy import EnergyBalance
 from gearbow.errors import (
     ChannelError,
@@ -19,26 +22,33 @@ from gearbow.errors import (
 )
 from gearbow.modes import Modes
 from gearbow.orders import Order, Orders, Spectrum, Waterfall, waterfall
+from gearbow.peak import Peak
 from gearbow.response import Event, MeshResponse, Response
-from gearbow.results import Matrices, Static, Synchronous
+from gearbow.results import Matrices, Static
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
 from gearbow.speed import SpeedProfile
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
+from gearbow.synchronous import Synchronous
 from gearbow.system import RotorSystem
 from gearbow.tradeoff import Recommendation, Tradeoff, Trial
 
 __all__ = [
     "STEEL",
+    "Balance",
     "Bearing",
     "Bow",
+    "Campbell",
     "ChannelError",
     "ContactError",
     "ConvergenceError",
+    "CriticalSpeedMap",
     "Disk",
     "EnergyBalance",
     "Event",
+    "ExcitationLine",
     "Gear",
     "GearbowError",
+    "Intersection",
     "Material",
     "Matrices",
     "Mesh",
@@ -46,6 +56,7 @@ __all__ = [
     "Modes",
     "Order",
     "Orders",
+    "Peak",
     "Recommendation",
     "Response",
     "RotorSystem",

@@ -8,7 +8,7 @@ from typing_extensions import Self
 from gearbow._types import (
     Array,
     At,
-    ComplexArray,
+    CampbellData,
     Dof,
     MatricesData,
     ModesData,
@@ -16,6 +16,7 @@ from gearbow._types import (
     Record,
     RunData,
     StaticData,
+    SynchronousData,
 )
 
 __all__ = ["Model", "__version__", "check_speed"]
@@ -42,7 +43,17 @@ class Model:
     def indices(self, at: At) -> tuple[int | None, int | None, int | None]: ...
     def matrices(self) -> MatricesData: ...
     def modes(self, speed: float, count: int | None = None) -> ModesData: ...
-    def synchronous(self, speeds: Array) -> ComplexArray: ...
+    def campbell(self, speeds: Array, count: int, harmonics: int) -> CampbellData: ...
+    def critical_speeds(self, excitation: float) -> list[tuple[float, str]]: ...
+    def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData: ...
+    def peaks(
+        self,
+        speeds: Array,
+        index: int,
+        source: int,
+        excitation: str,
+        slow_roll: float | None,
+    ) -> list[tuple[float, float, float, float]]: ...
     def static(self, geometry: str = "live") -> StaticData: ...
     def default_output_step(self, duration: float, speed: Plain, start: float) -> float: ...
     def simulate(

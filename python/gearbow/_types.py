@@ -40,6 +40,29 @@ class ModesData(TypedDict):
     shapes: ComplexArray
 
 
+class CampbellData(TypedDict):
+    """Modes at k speeds, m of them in every row, and where they meet excitation lines."""
+
+    eigenvalues: ComplexArray
+    whirl: list[list[str]]
+    lines: list[tuple[str, list[str], int]]
+    orders: Array
+    meeting_modes: list[int]
+    meeting_lines: list[int]
+    meeting_speeds: Array
+    meeting_eigenvalues: ComplexArray
+    meeting_whirl: list[str]
+
+
+class SynchronousData(TypedDict):
+    """Amplitudes by speed, source and degree of freedom; bearing forces as (y, z) pairs."""
+
+    amplitudes: ComplexArray
+    bearings: list[tuple[str, float]]
+    bearing_force: ComplexArray
+    bow: ComplexArray
+
+
 class StaticData(TypedDict):
     """Static equilibrium: n degrees of freedom, the meshes and the bearings."""
 

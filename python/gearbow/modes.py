@@ -151,22 +151,29 @@ class Modes:
         )
         return table
 
-    def plot(self, count: int = 6) -> "Figure":
-        """Draw the first shapes along the shafts.
+    def plot(self, number: int | None = None, *, count: int = 6) -> "Figure":
+        """Draw one mode of the whole train in space, or the first shapes along the shafts.
 
         Parameters
         ----------
+        number : int, optional
+            The mode to draw in space, from 1 as in the table; None is the overview.
         count : int
-            How many modes.
+            How many modes of the overview.
 
         Returns
         -------
         matplotlib.figure.Figure
-            One panel for each mode.
-        """
-        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+            The train with shafts, gears and bearings to scale, or one panel for each mode.
 
-        return plots.modes(self, count)
+        Raises
+        ------
+        GearbowError
+            If there is no such mode.
+        """
+        from gearbow import plots, shape_plot  # noqa: PLC0415  # matplotlib is an extra
+
+        return plots.modes(self, count) if number is None else shape_plot.shape(self, number)
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gearbow.energy import EnergyBalance
     from gearbow.modes import Modes
     from gearbow.response import Response
-    from gearbow.results import Synchronous
+    from gearbow.synchronous import Synchronous
 
 __all__ = [
     "KINDS",

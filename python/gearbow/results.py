@@ -1,21 +1,16 @@
-"""What a system answers without a time history: matrices, synchronous response, equilibrium."""
+"""What a system answers without a time history: matrices and equilibrium."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gearbow._lookup import locate
-from gearbow._types import Array, At, ComplexArray, Dof, StaticData
+from gearbow._types import Array, At, Dof, StaticData
 from gearbow.errors import ChannelError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from gearbow.system import RotorSystem
 
-__all__ = ["Matrices", "MeshState", "Static", "Synchronous"]
+__all__ = ["Matrices", "MeshState", "Static"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,120 +48,6 @@ class Matrices:
     damping: Array
     gyroscopic: Array
     dofs: tuple[Dof, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Synchronous:
-    """Linear response to bow and unbalance, without time stepping.
-
-    Every shaft s excites the whole train at its own speed r_s Ω: the motion is Σ_s Re(a_s exp(i r_s
-    Ω t)).
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (speeds,)
-        Speeds Ω of the reference shaft [rad/s].
-    shafts : tuple of str
-        The shafts as sources of excitation.
-    amplitudes : ndarray, shape (speeds, shafts, n)
-        Complex amplitudes a_s of each degree of freedom [m, rad].
-    system : RotorSystem
-        The system that was asked.
-
-    Examples
-    --------
-    A shaft that turns slowly runs out by its bow, and by more on the way to its critical speed:
-
-    >>> import numpy as np
-    >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
-    >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8, bow=bow)
-    >>> response = gb.RotorSystem(shafts=[rotor], bearings=bearings).synchronous([1.0, 300.0])
-    >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(6)
-    array([0.0001  , 0.000129])
-    """
-
-    speeds: Array
-    shafts: tuple[str, ...]
-    amplitudes: ComplexArray
-    system: "RotorSystem" = field(repr=False)
-
-    def displacement(self, name: At) -> ComplexArray:
-        """Complex amplitudes of the lateral displacement somewhere.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts, 2)
-            Amplitudes a of v and w [m] for each speed and each shaft as the source: shaft s adds
-            Re(a exp(i r_s Ω t)).
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        return self.amplitudes[:, :, self.system._lateral(name)]
-
-    def twist(self, name: At) -> ComplexArray:
-        """Complex amplitudes of the twist somewhere.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts)
-            Amplitudes [rad] for each speed and each shaft as the source.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no twist.
-        """
-        return self.amplitudes[:, :, self.system._twist(name)]
-
-    def orbit(self, name: At) -> Array:
-        """Largest semi-axis of the orbit that each shaft causes somewhere.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts)
-            Semi-axis [m], the sum of the forward and the backward circle that an elliptic orbit is
-            made of.
-        """
-        v, w = np.moveaxis(self.displacement(name), -1, 0)
-        semi_axis: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
-        return semi_axis
-
-    def plot(self, names: Sequence[At]) -> "Figure":
-        """Draw the largest semi-axis of the orbits against the speed.
-
-        Parameters
-        ----------
-        names : sequence of str or tuple of (str, float)
-            Gears, disks or (shaft, position [m]).
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            One panel for each name, one line for each shaft as the source.
-        """
-        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
-
-        return plots.synchronous(self, names)
 
 
 @dataclass(frozen=True)

@@ -26,13 +26,17 @@ from gearbow._run import (
 )
 from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
+from gearbow.balance import balance
+from gearbow.campbell import campbell
+from gearbow.critical import critical_speed_map
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
 from gearbow.orders.kinematics import Kinematics
 from gearbow.response import Response
-from gearbow.results import Matrices, Static, Synchronous
+from gearbow.results import Matrices, Static
 from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
 from gearbow.speed import SpeedProfile
+from gearbow.synchronous import synchronous
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
@@ -294,30 +298,6 @@ class RotorSystem:
             system=self,
         )
 
-    def synchronous(self, speeds: ArrayLike) -> Synchronous:
-        """Find the linear response to bow and unbalance, without time stepping.
-
-        Parameters
-        ----------
-        speeds : array_like, shape (speeds,) or scalar
-            Speeds of the reference shaft [rad/s].
-
-        Returns
-        -------
-        Synchronous
-            Complex amplitudes for each speed and each shaft as the source.
-
-        Raises
-        ------
-        SceneError
-            If a speed is impossible.
-        """
-        wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
-        amplitudes = self._model.synchronous(wanted)
-        return Synchronous(
-            speeds=wanted, shafts=tuple(self._model.shafts), amplitudes=amplitudes, system=self
-        )
-
     def static(self, geometry: str = "live") -> Static:
         """Find the equilibrium under torque, gravity and the non-linear meshes.
 
@@ -493,6 +473,10 @@ class RotorSystem:
         return response
 
     tradeoff = tradeoff
+    campbell = campbell
+    critical_speed_map = critical_speed_map
+    synchronous = synchronous
+    balance = balance
 
     def _response(
         self, data: RunData, rows: NDArray[np.intp] | None, speed: float | SpeedProfile

@@ -4,6 +4,7 @@ use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::solvers::Solve;
+use faer::traits::ComplexField;
 use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
@@ -41,16 +42,31 @@ pub(super) fn copy<T: Copy + nalgebra::Scalar>(matrix: MatRef<'_, T>) -> DMatrix
 /// By the QR algorithm. faer's default from 128 rows on, divide and conquer, leaves residuals of 1e-6‖A‖ where
 /// eigenvalues repeat, as those of the two bending planes of a shaft do.
 pub(super) fn symmetric_eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), DecompositionError> {
+    self_adjoint_eigen(matrix.as_ref())
+}
+
+/// The same of a Hermitian matrix.
+///
+/// # Errors
+/// [`DecompositionError::Eigenvalues`] if the iteration does not converge.
+pub fn hermitian_eigen(
+    matrix: &DMatrix<Complex<f64>>,
+) -> Result<(Vec<f64>, DMatrix<Complex<f64>>), DecompositionError> {
+    let (values, vectors) = self_adjoint_eigen(view(matrix))?;
+    Ok((values.into_iter().map(|value| value.re).collect(), copy(vectors.as_ref())))
+}
+
+fn self_adjoint_eigen<T: ComplexField>(matrix: MatRef<'_, T>) -> Result<(Vec<T>, Mat<T>), DecompositionError> {
     let n = matrix.nrows();
-    let mut params = <SelfAdjointEvdParams as Auto<f64>>::auto();
+    let mut params = <SelfAdjointEvdParams as Auto<T>>::auto();
     params.recursion_threshold = usize::MAX;
     let params = Spec::new(params);
-    let (mut values, mut vectors) = (Diag::<f64>::zeros(n), Mat::zeros(n, n));
-    let mut memory = MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, params));
+    let (mut values, mut vectors) = (Diag::<T>::zeros(n), Mat::zeros(n, n));
+    let mut memory = MemBuffer::new(self_adjoint_evd_scratch::<T>(n, ComputeEigenvectors::Yes, Par::Seq, params));
     let stack = MemStack::new(&mut memory);
-    self_adjoint_evd(matrix.as_ref(), values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, params)
+    self_adjoint_evd(matrix, values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, params)
         .map_err(|_| DecompositionError::Eigenvalues)?;
-    Ok(((0..n).map(|i| values.column_vector()[i]).collect(), vectors))
+    Ok(((0..n).map(|i| values.column_vector()[i].clone()).collect(), vectors))
 }
 
 /// Eigenvalues and right eigenvectors of a general real matrix.

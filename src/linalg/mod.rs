@@ -5,5 +5,5 @@ mod dense;
 mod pencil;
 
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
-pub use dense::{DecompositionError, Eigen, eigen, solve, solve_complex};
+pub use dense::{DecompositionError, Eigen, eigen, hermitian_eigen, solve, solve_complex};
 pub use pencil::{SymmetricPencil, symmetric_pencil};

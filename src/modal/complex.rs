@@ -56,24 +56,38 @@ pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError>
     let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
     let lateral = real::lateral_mask(model);
     let mass = model.mass_matrix();
-    let to_physical = |coordinates: &DVector<Complex<f64>>| {
-        let parts = |part: fn(&Complex<f64>) -> f64| &real.vectors * coordinates.map(|value| part(&value));
-        let (re, im) = (parts(|value| value.re), parts(|value| value.im));
-        DVector::from_fn(re.len(), |i, _| Complex::new(re[i], im[i]))
+    let named = |(eigenvalue, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| {
+        let shape = normalised(physical(real, coordinates));
+        let whirl = classify(model, speed, eigenvalue, &shape, &mass, &lateral);
+        Mode { eigenvalue, shape, whirl }
     };
-    let mut modes: Vec<Mode> = eigenvalues
-        .into_iter()
-        .zip(&coordinates)
-        .map(|(eigenvalue, coordinates)| {
-            let shape = normalised(to_physical(coordinates));
-            let whirl = classify(model, speed, eigenvalue, &shape, &mass, &lateral);
-            Mode { eigenvalue, shape, whirl }
-        })
-        .collect();
+    let mut modes: Vec<Mode> = eigenvalues.into_iter().zip(&coordinates).map(named).collect();
     modes.sort_by(|a, b| {
         a.eigenvalue.im.total_cmp(&b.eigenvalue.im).then(a.eigenvalue.norm().total_cmp(&b.eigenvalue.norm()))
     });
     Ok(modes)
+}
+
+/// The name of the mode of λ = `eigenvalue` and η = `coordinates` in undamped modes.
+///
+/// # Errors
+/// [`DecompositionError`] if the undamped modes cannot be found.
+pub fn whirl(
+    basis: &Basis,
+    speed: f64,
+    eigenvalue: Complex<f64>,
+    coordinates: &DVector<Complex<f64>>,
+) -> Result<Whirl, DecompositionError> {
+    let model = &basis.model;
+    let shape = physical(basis.real_modes(speed)?, coordinates);
+    Ok(classify(model, speed, eigenvalue, &shape, &model.mass_matrix(), &real::lateral_mask(model)))
+}
+
+/// φ = Φη.
+fn physical(real: &RealModes, coordinates: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let part = |part: fn(&Complex<f64>) -> f64| &real.vectors * coordinates.map(|value| part(&value));
+    let (re, im) = (part(|value| value.re), part(|value| value.im));
+    DVector::from_fn(re.len(), |i, _| Complex::new(re[i], im[i]))
 }
 
 /// The first-order form over y = (x of elastic modes, η̇ of moving ones, η of null motions, η̇ of those that nothing
@@ -225,7 +239,8 @@ fn damped(real: &RealModes, order: &FirstOrder) -> Result<Pairs, DecompositionEr
     Ok((eigenvalues, coordinates))
 }
 
-fn project(real: &RealModes, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+/// ΦᵀAΦ.
+pub(super) fn project(real: &RealModes, matrix: &DMatrix<f64>) -> DMatrix<f64> {
     real.vectors.transpose() * (matrix * &real.vectors)
 }
 

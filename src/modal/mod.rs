@@ -3,10 +3,12 @@
 mod complex;
 mod linear;
 mod pairs;
+mod quadratic;
 mod real;
 mod whirl;
 
-pub use complex::{Mode, modes};
+pub use complex::{Mode, modes, whirl};
 pub use linear::{Form, LANES, Linear, Pair, WORST};
+pub use quadratic::{OnLine, Quadratic};
 pub use real::{Basis, RealModes};
 pub use whirl::Whirl;

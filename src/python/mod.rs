@@ -2,6 +2,7 @@
 
 mod convert;
 mod errors;
+mod frequency;
 mod model;
 mod simulate;
 mod speed;

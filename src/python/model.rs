@@ -1,13 +1,13 @@
 //! `_core.Model`: a checked and assembled system.
 
 use nalgebra::Complex;
-use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
-use super::convert::{outside_matrix, outside_vector, stack, table};
-use super::simulate;
+use super::convert::{outside_matrix, outside_vector, table};
+use super::{frequency, simulate};
 use crate::analysis::{self, AnalysisError};
 use crate::mesh::Geometry;
 use crate::modal::{self, Basis};
@@ -158,24 +158,42 @@ impl PyModel {
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn campbell<'py>(
+        &self,
+        py: Python<'py>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        count: usize,
+        harmonics: u32,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        frequency::campbell(self, py, &speeds, count, harmonics)
+    }
+
+    fn critical_speeds(&self, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
+        frequency::critical_speeds(self, py, excitation)
+    }
+
+    #[pyo3(signature = (speeds, excitation="both"))]
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn synchronous<'py>(
         &self,
         py: Python<'py>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        excitation: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        frequency::synchronous(self, py, &speeds, excitation)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn peaks(
+        &self,
+        py: Python<'_>,
         speeds: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
-        let speeds = speeds.as_array().to_vec();
-        for (index, speed) in speeds.iter().enumerate() {
-            Path::entry("speeds", index).finite(*speed)?;
-        }
-        let at = |speed: &f64| analysis::synchronous(&self.basis, *speed);
-        let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
-        let model = self.model();
-        let values: Vec<Complex<f64>> = amplitudes
-            .iter()
-            .flat_map(|sources| sources.column_iter())
-            .flat_map(|column| model.numbering.outside(column.into_owned().as_slice()))
-            .collect();
-        stack(py, values, speeds.len(), model.shafts.len(), model.len())
+        index: usize,
+        source: usize,
+        excitation: &str,
+        slow_roll: Option<f64>,
+    ) -> PyResult<Vec<(f64, f64, f64, f64)>> {
+        frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 
     #[pyo3(signature = (geometry="live"))]

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::super::AnalysisError;
 use super::super::synchronous::synchronous_of;
+use super::super::{AnalysisError, Part};
 use super::initial::Start;
 use super::{Initial, Options};
 use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
@@ -51,7 +51,7 @@ impl<'m> Coordinates<'m> {
                 None => linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft)),
                 Some(_) => None,
             };
-            let amplitude = known.map_or_else(|| synchronous_of(basis, speed, speed, shaft), Ok)?;
+            let amplitude = known.map_or_else(|| synchronous_of(basis, speed, speed, shaft, Part::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
         }
         let field = Field::new(motion, &linear, start.equilibrium.clone(), &amplitudes);

@@ -1,0 +1,74 @@
+"""Figures of docs/frequency.md: a geared pair and a bowed rotor over the speed.
+
+Run with ``python examples/frequency.py``; it writes into ``docs/figures``.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+import gearbow as gb
+
+FIGURES = Path(__file__).parent.parent / "docs" / "figures"
+
+
+def train() -> gb.RotorSystem:
+    """Describe two shafts with a gear each, the second with an overhung flywheel."""
+    return gb.RotorSystem(
+        disks=[gb.Disk("flywheel", "output", 0.7, 15.0, 0.15, 0.3)],
+        shafts=[
+            gb.Shaft(
+                "input",
+                length=0.5,
+                outer_diameter=0.04,
+                elements=6,
+                bow=gb.Bow.half_sine(1e-4),
+            ),
+            gb.Shaft("output", length=0.7, outer_diameter=0.05, elements=8),
+        ],
+        gears=[
+            gb.Gear("pinion", "input", 0.2, teeth=25, module=3e-3, face_width=0.03),
+            gb.Gear("wheel", "output", 0.2, teeth=50, module=3e-3, face_width=0.03),
+        ],
+        meshes=[gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.05)],
+        bearings=[
+            gb.Bearing(name, x, stiffness=1e8, damping=2e3)
+            for name in ("input", "output")
+            for x in (0.0, 0.5)
+        ],
+    )
+
+
+def rotor() -> gb.RotorSystem:
+    """Describe a bowed shaft with two disks."""
+    return gb.RotorSystem(
+        shafts=[
+            gb.Shaft(
+                "rotor", length=1.0, outer_diameter=0.05, elements=8, bow=gb.Bow.half_sine(1e-4)
+            )
+        ],
+        disks=[
+            gb.Disk("left", "rotor", 0.3, 20.0, 0.1, 0.2, unbalance=1e-3j),
+            gb.Disk("right", "rotor", 0.7, 30.0, 0.2, 0.4),
+        ],
+        bearings=[gb.Bearing("rotor", x, stiffness=2e7, damping=1e5) for x in (0.0, 1.0)],
+    )
+
+
+def main() -> None:
+    """Draw."""
+    bowed = rotor()
+    pair = train()
+    response = bowed.synchronous(np.linspace(5.0, 600.0, 400))
+    figures = {
+        "campbell": pair.campbell(np.linspace(0.0, 2500.0, 41), count=8).plot(),
+        "critical_speed_map": bowed.critical_speed_map(np.geomspace(1e5, 1e10, 41)).plot(3),
+        "bode": response.bode(["left", "right"]),
+        "mode_shape": pair.modes(speed=300.0).plot(2),
+    }
+    for name, figure in figures.items():
+        figure.savefig(FIGURES / f"{name}.png", dpi=80)
+
+
+if __name__ == "__main__":
+    main()

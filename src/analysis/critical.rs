@@ -1,0 +1,29 @@
+//! Undamped critical speeds, straight from the eigenproblem.
+
+use super::AnalysisError;
+use crate::modal::{self, Basis, Quadratic, Whirl};
+use crate::scene::Path;
+
+/// An undamped critical speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Critical {
+    /// Ω of the reference shaft, rad/s.
+    pub speed: f64,
+    /// How the train whirls there.
+    pub whirl: Whirl,
+}
+
+/// Speeds Ω, ascending, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng. Ind. 98,
+/// 1976, who write it over the whirl ratio).
+///
+/// # Errors
+/// [`AnalysisError`] if `excitation` is not positive, or a decomposition fails.
+pub fn critical_speeds(basis: &Basis, excitation: f64) -> Result<Vec<Critical>, AnalysisError> {
+    Path::root("excitation").positive(excitation)?;
+    let found = Quadratic::new(basis, 1.0)?.critical(excitation)?;
+    let named = |met: modal::OnLine| {
+        let whirl = modal::whirl(basis, met.speed, met.eigenvalue, &met.coordinates)?;
+        Ok(Critical { speed: met.speed, whirl })
+    };
+    found.into_iter().map(named).collect()
+}

@@ -1,0 +1,120 @@
+//! Answers over the speed, as Python takes them: Campbell diagrams, critical speeds, synchronous response, peaks.
+
+use nalgebra::Complex;
+use numpy::{IntoPyArray, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::convert::{stack, table};
+use super::model::PyModel;
+use super::simulate;
+use crate::analysis::{self, Part, Source};
+use crate::scene::{Path, SceneError};
+
+/// The part of the excitation of this name.
+fn part(name: &str) -> Result<Part, SceneError> {
+    match name {
+        "both" => Ok(Part::Both),
+        "bow" => Ok(Part::Bow),
+        "unbalance" => Ok(Part::Unbalance),
+        _ => Err(SceneError::new("excitation", format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
+    }
+}
+
+/// Speeds that are numbers.
+fn finite(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
+    let speeds = speeds.as_array().to_vec();
+    for (index, speed) in speeds.iter().enumerate() {
+        Path::entry("speeds", index).finite(*speed)?;
+    }
+    Ok(speeds)
+}
+
+/// A Campbell diagram: eigenvalues (speeds, modes), lines, and where they meet.
+pub fn campbell<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    speeds: &PyReadonlyArray1<'py, f64>,
+    count: usize,
+    harmonics: u32,
+) -> PyResult<Bound<'py, PyDict>> {
+    let speeds = speeds.as_array().to_vec();
+    let found = py.detach(|| analysis::campbell(&model.basis, &speeds, count, harmonics))?;
+    let modes = found.eigenvalues.first().map_or(0, Vec::len);
+    let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let line = |line: &analysis::Line| match line.source {
+        Source::Shaft(shaft) => ("shaft", vec![model.basis.model.scene.shafts[shaft].name.as_str()], line.harmonic),
+        Source::Mesh(mesh) => ("mesh", model.basis.model.gear_names(mesh).to_vec(), line.harmonic),
+    };
+    let meetings = &found.meetings;
+    let list = |of: fn(&analysis::Meeting) -> usize| meetings.iter().map(of).collect::<Vec<_>>();
+    let dict = PyDict::new(py);
+    dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), speeds.len(), modes)?)?;
+    dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
+    dict.set_item("lines", found.lines.iter().map(line).collect::<Vec<_>>())?;
+    dict.set_item("orders", found.lines.iter().map(|line| line.order).collect::<Vec<_>>().into_pyarray(py))?;
+    dict.set_item("meeting_modes", list(|meeting| meeting.mode))?;
+    dict.set_item("meeting_lines", list(|meeting| meeting.line))?;
+    let at: Vec<_> = meetings.iter().map(|meeting| meeting.speed).collect();
+    let eigenvalues: Vec<_> = meetings.iter().map(|meeting| meeting.eigenvalue).collect();
+    dict.set_item("meeting_speeds", at.into_pyarray(py))?;
+    dict.set_item("meeting_eigenvalues", eigenvalues.into_pyarray(py))?;
+    dict.set_item("meeting_whirl", meetings.iter().map(|meeting| meeting.whirl.to_string()).collect::<Vec<_>>())?;
+    Ok(dict)
+}
+
+/// Undamped critical speeds with their whirl.
+pub fn critical_speeds(model: &PyModel, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
+    let found = py.detach(|| analysis::critical_speeds(&model.basis, excitation))?;
+    Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
+}
+
+/// Amplitudes (speeds, shafts, n), bearing forces, and the bow of every shaft.
+pub fn synchronous<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    speeds: &PyReadonlyArray1<'_, f64>,
+    excitation: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (speeds, part) = (finite(speeds)?, part(excitation)?);
+    let at = |speed: &f64| analysis::synchronous(&model.basis, *speed, part);
+    let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
+    let assembled = &model.basis.model;
+    let bearings = simulate::bearing_nodes(assembled);
+    let (mut values, mut forces) = (Vec::new(), Vec::new());
+    for (sources, speed) in amplitudes.iter().zip(&speeds) {
+        for (column, shaft) in sources.column_iter().zip(&assembled.shafts) {
+            let column = column.into_owned();
+            values.extend(assembled.numbering.outside(column.as_slice()));
+            forces.extend(analysis::bearing_forces(assembled, &bearings, shaft.ratio * speed, &column).concat());
+        }
+    }
+    let dict = PyDict::new(py);
+    let (rows, shafts) = (speeds.len(), assembled.shafts.len());
+    dict.set_item("amplitudes", stack(py, values, rows, shafts, assembled.len())?)?;
+    dict.set_item("bearing_force", stack(py, forces, rows, shafts, 2 * bearings.len())?)?;
+    dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
+    let bow: Vec<Complex<f64>> = assembled.numbering.outside(analysis::bow(assembled).as_slice());
+    dict.set_item("bow", bow.into_pyarray(py))?;
+    Ok(dict)
+}
+
+/// (N_c, amplitude, N₁, N₂) of every peak; NaN where the range ends before.
+pub fn peaks(
+    model: &PyModel,
+    py: Python<'_>,
+    speeds: &PyReadonlyArray1<'_, f64>,
+    index: usize,
+    source: usize,
+    excitation: &str,
+    slow_roll: Option<f64>,
+) -> PyResult<Vec<(f64, f64, f64, f64)>> {
+    let (speeds, part) = (finite(speeds)?, part(excitation)?);
+    let index = model.basis.model.numbering.dofs()[index].index;
+    let probe = analysis::Probe { index, source, part, slow_roll };
+    let found = py.detach(|| analysis::peaks(&model.basis, probe, &speeds))?;
+    let open = f64::NAN;
+    let row =
+        |peak: &analysis::Peak| (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open));
+    Ok(found.iter().map(row).collect())
+}

@@ -1,0 +1,91 @@
+"""Figures over the speed and in space show the numbers they are made from."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.shape_plot import _places
+from reference import scenes
+from reference.bows import HalfSine
+
+
+@pytest.fixture(autouse=True)
+def unchanged_settings():
+    before = dict(mpl.rcParams)
+    yield
+    assert dict(mpl.rcParams) == before
+
+
+def named(panel, label: str) -> list[np.ndarray]:
+    """Ordinates of the lines in a panel that have this label."""
+    lines = [line for line in panel.get_lines() if line.get_label() == label]
+    return [np.asarray(line.get_ydata()) for line in lines]
+
+
+def test_a_diagram_draws_frequencies_lines_and_meetings(tmp_path):
+    campbell = scenes.v1().campbell(np.linspace(0.0, 200.0, 9), count=5)
+    figure = campbell.plot()
+    upper, lower = figure.axes
+    drawn = np.concatenate(
+        [np.asarray(line.get_ydata(), dtype=float) for line in upper.get_lines()]
+    )
+    for values in campbell.frequencies_hz.flat:
+        assert np.abs(drawn - values).min() == 0.0
+    met = upper.get_lines()[-1].get_xydata()
+    assert met[:, 0] == pytest.approx([m.speed for m in campbell.intersections])
+    assert {text.get_text() for text in upper.texts} == {line.name for line in campbell.lines}
+    assert lower.get_ylabel() == "damping ratio [%]"
+    figure.savefig(tmp_path / "figure.png", dpi=40)
+
+
+def test_a_map_draws_every_whirl():
+    found = scenes.v2().critical_speed_map([1e6, 1e7])
+    (panel,) = found.plot(count=2).axes
+    np.testing.assert_array_equal(named(panel, "forward")[0], found.lines("forward")[:, 0])
+    assert len(panel.get_lines()) == 4
+    assert panel.get_xscale() == panel.get_yscale() == "log"
+
+
+def test_bode_draws_amplitude_and_phase():
+    system = scenes.Geared(bows={"middle": HalfSine(1e-4, 0.5)}).package()
+    response = system.synchronous(np.linspace(10.0, 300.0, 12))
+    upper, lower = response.bode(["g2", "g3"]).axes
+    assert named(upper, "g2")[0] == pytest.approx(np.degrees(response.phase("g2")[:, 1]))
+    assert lower.get_lines()[1].get_ydata() == pytest.approx(1e6 * response.orbit("g3")[:, 1])
+    source = response.bode("g1", source="middle").axes[1].get_lines()[0].get_ydata()
+    assert source == pytest.approx(1e6 * response.orbit("g1")[:, 1])
+
+
+@pytest.mark.parametrize("number", [1, 2, 5])
+def test_a_mode_in_space_names_itself(number: int, tmp_path):
+    modes = scenes.Geared().package().modes(speed=100.0, count=6)
+    figure = modes.plot(number)
+    title = figure.get_suptitle()
+    assert title.startswith(f"mode {number}: {modes.frequencies_hz[number - 1]:.1f} Hz")
+    assert modes.whirl[number - 1] in title
+    assert title.endswith(modes.names()[number - 1])
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.texts] == ["input", "middle", "output"]
+    figure.savefig(tmp_path / "figure.png", dpi=40)
+
+
+def test_shafts_stand_where_their_meshes_put_them():
+    angles = (0.3, 2.0)
+    system = scenes.Geared(angles=angles).package()
+    places = _places(system)
+    distance = 0.003 * (25 + 50) / 2
+    assert places["input"] == pytest.approx(np.zeros(3))
+    # gears in mesh share a plane: 0.25 on the input shaft is 0.125 on the middle one
+    first = [0.125, distance * np.cos(0.3), distance * np.sin(0.3)]
+    assert places["middle"] == pytest.approx(first)
+    second = [0.125, distance * np.cos(2.0), distance * np.sin(2.0)]
+    assert places["output"] == pytest.approx(np.add(first, second))
+
+
+def test_there_is_no_such_mode():
+    modes = scenes.v3().modes(count=4)
+    with pytest.raises(gb.GearbowError, match="there is no mode 5; there are 4, from 1"):
+        modes.plot(5)
