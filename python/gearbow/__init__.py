@@ -9,6 +9,7 @@ from gearbow._core import __version__
 from gearbow.bow import Bow
 from gearbow.energy import EnergyBalance
 from gearbow.errors import (
+    AccuracyWarning,
     ChannelError,
     ContactError,
     ConvergenceError,
@@ -28,6 +29,7 @@ from gearbow.tradeoff import Recommendation, Tradeoff, Trial
 
 __all__ = [
     "STEEL",
+    "AccuracyWarning",
     "Bearing",
     "Bow",
     "ChannelError",

@@ -25,6 +25,8 @@ const FURTHER: usize = 12;
 const STEPS_A_BOUNCE: f64 = 8.0;
 /// Steps of ETDRK4 are this part of the longest, unless one is asked for.
 const EXPLICIT: f64 = 0.1;
+/// Ticks are counted in 64 bits; one is left for the last step.
+const MOST_TICKS: f64 = 9.2e18;
 /// Gauss nodes of a step.
 const STAGES: usize = 3;
 
@@ -47,6 +49,12 @@ pub(super) fn run(
         return Err(SceneError::new("linear", message).into());
     }
     let clock = clock(basis, options, &linear, &field)?;
+    if end / clock.tick() > MOST_TICKS {
+        let longest = clock.longest;
+        let message =
+            format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
+        return Err(SceneError::new("duration", message).into());
+    }
     let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
     let table = Table::new(&linear, rule, &ports, clock.longest, clock.event, field.spins());
     let mut state = enter(basis, options, &linear, &field, start);

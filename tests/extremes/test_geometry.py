@@ -1,0 +1,119 @@
+"""Elements, slenderness, walls and numbers of elements far from what a shaft drawing has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from conftest import Hold
+from systems import GRAVITY, MIDDLE, E, apart, rotor, sag
+
+
+def test_a_short_element_changes_nothing(hold: Hold):
+    # The same shaft with and without the short element; it makes the mesh finer, by less than its length.
+    def answers(short: float) -> np.ndarray:
+        segments = [(0.3, 3), (short, 1), (0.7 - short, 4)]
+        system = rotor(1e8, 100.0, segments=segments, bow=gb.Bow.half_sine(1e-4), gravity=GRAVITY)
+        place = ("rotor", 0.3)
+        run = system.simulate(0.02, 200.0, initial="rest", record=[place], times=[0.02])
+        return np.concatenate(
+            [
+                system.modes(200.0, count=4).frequencies_hz,
+                1e6 * system.static().displacement(place)[1:],
+                1e6 * np.abs(system.synchronous([200.0]).displacement(place)).ravel(),
+                1e6 * run.displacement(place)[0],
+            ]
+        )
+
+    plain = answers(0.0)
+    worst = 0.0
+    for short in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
+        off = np.abs(answers(short) / plain - 1)
+        # rtol is 1e-6 a step; a finer mesh moves what is excited from rest by its share
+        worst = max(
+            worst, off[:-2].max() / max(short, 1e-4), off[-2:].max() / max(10 * short, 1e-1)
+        )
+    with pytest.warns(
+        gb.AccuracyWarning, match=r"shortest element, 1\.000e-8 m, on shaft \"rotor\" at 0\.3 m"
+    ):
+        answers(1e-8)
+    hold(
+        "an element of length l beside others of 0.1 m leaves modes, equilibrium and synchronous response right to l",
+        "1e-2 to 1e-6 m",
+        worst,
+        1e-1,
+        "`AccuracyWarning` names the shortest element",
+    )
+
+
+def test_equilibrium_of_slender_and_of_deep_shafts(hold: Hold):
+    worst = 0.0
+    for over in (0.5, 1.0, 10.0, 100.0, 400.0):
+        diameters, length = (0.1, 0.0), 0.05 * over
+        stiffness = 1e2 * E * np.pi * 0.05**4 / 4 / length**3
+        system = rotor(stiffness, length=length, diameters=diameters, gravity=GRAVITY)
+        hangs = -system.static().displacement(("rotor", length / 2))[1]
+        worst = max(worst, abs(hangs / sag(length, diameters, stiffness) - 1))
+    hold(
+        "the sag of a shaft under its weight is the closed form",
+        "length over radius 0.5 to 400",
+        worst,
+        1e-9,
+    )
+
+
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
+def test_slenderness_that_is_warned_of(hold: Hold):
+    worst = 0.0
+    for over in (1e3, 1e4):
+        diameters, length = (0.1, 0.0), 0.05 * over
+        stiffness = 1e2 * E * np.pi * 0.05**4 / 4 / length**3
+        system = rotor(stiffness, length=length, diameters=diameters, gravity=1e-6 * GRAVITY)
+        hangs = -1e6 * system.static().displacement(("rotor", length / 2))[1]
+        worst = max(worst, abs(hangs / sag(length, diameters, stiffness) - 1))
+    hold(
+        "the same, warned of",
+        "length over radius 1e3 to 1e4",
+        worst,
+        1e-6,
+        "`AccuracyWarning` with the slowest and the fastest frequency",
+    )
+
+
+def test_walls_of_tubes(hold: Hold):
+    worst = 0.0
+    for wall in (0.5, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5):
+        diameters = (0.1, 0.1 * (1 - wall))
+        system = rotor(1e6, diameters=diameters, gravity=GRAVITY)
+        worst = max(
+            worst, abs(-system.static().displacement(MIDDLE)[1] / sag(1.0, diameters, 1e6) - 1)
+        )
+    # the difference of the radii has lost as many digits
+    hold("a thin tube hangs as the closed form", "wall over radius 0.5 to 1e-5", worst, 1e-9)
+
+
+def test_one_to_many_elements(hold: Hold):
+    # A weight is carried to the nodes exactly, however many there are.
+    worst = 0.0
+    for count in (2, 10, 50, 100):
+        system = rotor(1e7, elements=count, gravity=GRAVITY)
+        worst = max(
+            worst, abs(-system.static().displacement(MIDDLE)[1] / sag(1.0, (0.05, 0.0), 1e7) - 1)
+        )
+    hold("the number of elements does not matter to the sag", "2 to 100 elements", worst, 1e-9)
+
+
+def test_a_bow_as_long_as_one_element():
+    # One element alone: straight lines of bending between its ends, still a system that answers.
+    system = gb.RotorSystem(
+        shafts=[
+            gb.Shaft(
+                "rotor", length=1.0, outer_diameter=0.05, elements=1, bow=gb.Bow.half_sine(1e-4)
+            )
+        ],
+        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
+    )
+    run = system.simulate(0.01, 100.0, record=[("rotor", 1.0)])
+    assert np.isfinite(run.displacement(("rotor", 1.0))).all()
+    assert apart(system.modes(count=1).frequencies_hz, [98.0]) < 0.2
