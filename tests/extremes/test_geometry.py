@@ -49,35 +49,18 @@ def test_a_short_element_changes_nothing(hold: Hold):
 
 def test_equilibrium_of_slender_and_of_deep_shafts(hold: Hold):
     worst = 0.0
-    for over in (0.5, 1.0, 10.0, 100.0, 400.0):
+    for over in (0.5, 1.0, 10.0, 100.0, 1e3, 1e4):
         diameters, length = (0.1, 0.0), 0.05 * over
         stiffness = 1e2 * E * np.pi * 0.05**4 / 4 / length**3
-        system = rotor(stiffness, length=length, diameters=diameters, gravity=GRAVITY)
-        hangs = -system.static().displacement(("rotor", length / 2))[1]
-        worst = max(worst, abs(hangs / sag(length, diameters, stiffness) - 1))
-    hold(
-        "the sag of a shaft under its weight is the closed form",
-        "length over radius 0.5 to 400",
-        worst,
-        1e-9,
-    )
-
-
-@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
-def test_slenderness_that_is_warned_of(hold: Hold):
-    worst = 0.0
-    for over in (1e3, 1e4):
-        diameters, length = (0.1, 0.0), 0.05 * over
-        stiffness = 1e2 * E * np.pi * 0.05**4 / 4 / length**3
+        # a weight of a millionth, so that 500 m of shaft hang by less than that
         system = rotor(stiffness, length=length, diameters=diameters, gravity=1e-6 * GRAVITY)
         hangs = -1e6 * system.static().displacement(("rotor", length / 2))[1]
         worst = max(worst, abs(hangs / sag(length, diameters, stiffness) - 1))
     hold(
-        "the same, warned of",
-        "length over radius 1e3 to 1e4",
+        "the sag of a shaft under its weight is the closed form",
+        "length over radius 0.5 to 1e4",
         worst,
-        1e-6,
-        "`AccuracyWarning` with the slowest and the fastest frequency",
+        1e-9,
     )
 
 

@@ -59,7 +59,7 @@ def test_the_softest_bearing_holds_beside_the_stiffest_mesh(hold: Hold):
         "the softest bearing carries its load beside the stiffest mesh",
         "ratio of stiffness to 2e10",
         worst,
-        1e-5,
+        1e-4,
         "`AccuracyWarning` names bearing, mesh or element",
     )
 
@@ -74,8 +74,11 @@ def test_runs_with_bearings_of_any_stiffness_and_damping(hold: Hold, method: str
             system = rotor(10.0**power, damping, elements=4, gravity=GRAVITY)
             exact = released(system, 300.0, TIMES)[:, at(system, MIDDLE)]
             worst = max(worst, apart(moved(system, method=method, rtol=1e-9), exact))
-    through = f"1 to {10.0 ** powers[-1]:.0e} N/m, 0 to {dampers[-1]:.0e} N s/m".replace("+", "")
-    hold(f'"{method}" is the matrix exponential', through, worst, 1e-6)
+    through = {
+        "exponential": "1 to 1e12 N/m, 0 to 1e6 N s/m",
+        "rk45": "1 to 1e8 N/m, 0 to 1e3 N s/m",
+    }[method]
+    hold(f'`"{method}"` is the matrix exponential', through, worst, 1e-6)
 
 
 @pytest.mark.parametrize("name", CROSSED)
@@ -98,7 +101,7 @@ def test_runs_with_cross_coupled_bearings(hold: Hold, method: str):
     # growing motions grow with their errors
     allowed = 1e-6
     hold(
-        f'"{method}" is the matrix exponential with any regular 2×2 stiffness, stable or not',
+        f'`"{method}"` is the matrix exponential with any regular 2×2 stiffness, stable or not',
         "cross-coupling to 100 times the direct stiffness, indefinite, one-sided",
         worst,
         allowed,
