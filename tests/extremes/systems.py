@@ -48,19 +48,18 @@ def train(
     bow: gb.Bow | None = None,
     torque: float = 250.0,
     elements: int = 4,
-    bodies: Any = None,
+    first: float = 0.0,
     **mesh: Any,
 ) -> gb.RotorSystem:
-    """Two shafts with a gear each in the middle."""
+    """Two shafts with a gear each in the middle; both may begin with a short element."""
     names = ("a", "b")
+    lengths = [(first, 1), (0.25 - first, elements // 2), (0.25, elements // 2)]
+    segments = [gb.Segment(x, 0.05, elements=n) for x, n in lengths if x > 0]
     gear = {"module": 3e-3, "face_width": 0.03}
     return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=elements, bow=bow) for x in names
-        ],
+        shafts=[gb.Shaft(x, segments=segments, bow=bow) for x in names],
         gears=[
-            gb.Gear(f"g{x}", x, 0.25, teeth=z, **gear, **(bodies or {}))
-            for x, z in zip(names, teeth, strict=True)
+            gb.Gear(f"g{x}", x, 0.25, teeth=z, **gear) for x, z in zip(names, teeth, strict=True)
         ],
         meshes=[gb.Mesh("ga", "gb", **({"stiffness": 2e8, "damping_ratio": 0.05} | mesh))],
         bearings=[
