@@ -36,7 +36,7 @@ def test_a_short_element_changes_nothing(hold: Hold):
         "1e-5 to 1e-7 m",
         worst,
         1e-6,
-        "`AccuracyWarning` names the shortest element, here from 1e-6 m on, with twist from 1e-4 m on",
+        "`AccuracyWarning` names the shortest element, from 1e-6 m on",
     )
 
 
@@ -47,8 +47,18 @@ def test_runs_do_not_see_a_short_element(hold: Hold):
         return system.simulate(5e-3, 100.0, rtol=1e-9, output_step=1e-4).displacement("ga")
 
     plain = run(0.0)
-    worst = max(apart(run(short), plain) for short in (1e-4, 1e-5, 1e-6))
-    hold("nor does a run of a train see it", "1e-4 to 1e-6 m", worst, 1e-5)
+    worst = max(apart(run(short), plain) for short in (1e-3, 1e-4, 1e-5))
+    # twist makes a short element ten times as fast as bending does, and the estimate of the warning is met
+    with pytest.warns(gb.AccuracyWarning, match=r"may take up to 8e-3 .* shortest element"):
+        beyond = apart(run(1e-6), plain)
+    assert worst < beyond < 8e-3
+    hold(
+        "nor does a run of a train see it",
+        "1e-3 to 1e-5 m",
+        worst,
+        1e-5,
+        "`AccuracyWarning` from 5e-5 m on; at 1e-6 m a run is off by 1e-4 to 1e-3",
+    )
 
 
 def test_equilibrium_of_slender_and_of_deep_shafts(hold: Hold):
