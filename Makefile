@@ -40,7 +40,7 @@ test-rust:
 	cargo test --locked --no-fail-fast
 
 test-python: $(VENV)/.dev
-	$(BIN)/python -m pytest --pyargs gearbow tests/python README.md docs
+	$(BIN)/python -m pytest --pyargs gearbow tests/python tests/extremes README.md docs
 
 check: lint types documents test
 

@@ -12,6 +12,7 @@ from gearbow.campbell import Campbell, ExcitationLine, Intersection
 from gearbow.critical import CriticalSpeedMap
 from gearbow.energy import EnergyBalance
 from gearbow.errors import (
+    AccuracyWarning,
     ChannelError,
     ContactError,
     ConvergenceError,
@@ -34,6 +35,7 @@ from gearbow.tradeoff import Recommendation, Tradeoff, Trial
 
 __all__ = [
     "STEEL",
+    "AccuracyWarning",
     "Balance",
     "Bearing",
     "Bow",

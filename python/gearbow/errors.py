@@ -1,4 +1,4 @@
-"""The exceptions and the warning that gearbow raises; one tree, so that one ``except`` catches all.
+"""The exceptions, one tree for one ``except`` to catch, and the warnings of gearbow.
 
 This module imports nothing from the package: the compiled core imports it.
 """
@@ -6,6 +6,7 @@ This module imports nothing from the package: the compiled core imports it.
 from typing import Any
 
 __all__ = [
+    "AccuracyWarning",
     "ChannelError",
     "ContactError",
     "ConvergenceError",
@@ -63,3 +64,24 @@ class ChannelError(GearbowError, KeyError):
 
 class SceneWarning(UserWarning):
     """A description that is possible but looks like a slip, e.g. unlike base pitches."""
+
+
+class AccuracyWarning(UserWarning):
+    """An answer that may be worth less than it looks.
+
+    Frequencies may be so far apart that round-off takes digits of the slow motions, a tolerance may
+    be below round-off, a displacement larger than the shafts, where the equations hold for small
+    ones. The text says by how much, and what is the cause.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import gearbow as gb
+    >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e20) for x in (0.0, 1.0)]
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     modes = gb.RotorSystem(shafts=[shaft], bearings=bearings).modes()
+    >>> str(caught[0].message)
+    '...the fastest is that of bearings[0], of 1.000e20 N/m'
+    """

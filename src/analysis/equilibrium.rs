@@ -14,6 +14,8 @@ use crate::scene::SceneError;
 
 /// A load on a null motion below this part of what acts there is round-off.
 const BALANCED: f64 = 1e-9;
+/// The part of the load that the stiffness of null motions may carry, round-off.
+const CARRIED: f64 = 1e-6;
 /// Newton has converged when the energy of its step is below this part of that of the load: displacements to 1e-13.
 const CONVERGED: f64 = 1e-26;
 /// Round-off of a stiff scene may not allow that: a step that stopped shrinking below this part has converged too.
@@ -42,7 +44,8 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
     let mut previous = f64::INFINITY;
     for _ in 0..ITERATIONS {
         let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
-        let residual = load - &linear * &q - force;
+        // Summed from strains: rigid motion, large beside them in soft bearings, leaves no round-off.
+        let residual = load - model.static_force(&q) - force;
         let step =
             solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);
@@ -60,6 +63,7 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
             // A flank that would pull has parted; the other one carries.
             let pulls = pulling(model, geometry, speed, &flanks, &q)?;
             if pulls.is_empty() {
+                check_held(&(&held * &q), load)?;
                 return Ok(q);
             }
             for mesh in pulls {
@@ -96,6 +100,16 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
         return Err(error.into());
     }
     Ok(())
+}
+
+/// Bearings whose stiffness is neither symmetric nor regular hold what their null motions do not tell: what those got for
+/// a stiffness must carry nothing.
+fn check_held(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    if carried.norm() <= CARRIED * load.norm() {
+        return Ok(());
+    }
+    let message = "the stiffness of a bearing is singular, and pushes where it does not hold: no static equilibrium";
+    Err(SceneError::new("bearings", message).into())
 }
 
 /// ΣF ∂δ/∂q and its derivative.

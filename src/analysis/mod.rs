@@ -1,6 +1,7 @@
 //! What is asked of a model: modes over the speed, critical speeds, equilibrium, synchronous response, motion.
 
 mod campbell;
+mod caution;
 mod critical;
 mod equilibrium;
 mod error;
@@ -10,6 +11,7 @@ mod stability;
 mod synchronous;
 
 pub use campbell::{Campbell, Line, Meeting, Source, campbell, lines};
+pub use caution::{beyond, conditioning};
 pub use critical::{Critical, critical_speeds};
 pub use equilibrium::equilibrium;
 pub use error::AnalysisError;

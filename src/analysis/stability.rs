@@ -6,6 +6,7 @@ use crate::integrate::tableau::Tableau;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::mesh::Coupling;
 use crate::modal::Basis;
+use crate::model::Support;
 
 /// Bounds of the eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +26,8 @@ impl Spectrum {
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
         let model = &basis.model;
-        let omega_max = (basis.real_modes(speed)?.highest().powi(2) + stiffening(basis, speed)).sqrt();
+        let beside = stiffening(basis, speed) + circulating(basis);
+        let omega_max = (basis.real_modes(speed)?.highest().powi(2) + beside).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
@@ -66,6 +68,25 @@ fn stiffening(basis: &Basis, speed: f64) -> f64 {
         excess * gradient.dot(&accelerated)
     };
     model.meshes.iter().enumerate().map(stiffer).sum()
+}
+
+/// A bound of what bearings that do more than restore add to ω_max²: the norm of K − K_restoring times (M⁻¹)_ii each.
+fn circulating(basis: &Basis) -> f64 {
+    let model = &basis.model;
+    let add = |support: &Support| {
+        let norm = support.circulating().as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        // v and w have the same inertia.
+        let mut accelerated = vec![0.0; model.len()];
+        accelerated[support.index] = 1.0;
+        for shaft in &model.shafts {
+            shaft.solve_mass(&mut accelerated);
+        }
+        norm * accelerated[support.index]
+    };
+    model.supports.iter().map(add).sum()
 }
 
 /// The largest eigenvalue of M⁻¹C for the dampers of bearings and meshes: that of the small matrix dᵀM⁻¹d, where each

@@ -3,7 +3,7 @@
 //! In undamped modes η, with the displacement of each elastic one scaled by its ω (x = ωη), the motion is
 //!
 //! ```text
-//! ẋ = ω η̇,        d(η̇)/dt = −ω x − D η̇ − N ω⁻¹ x,        D = Φᵀ(C + ΩG)Φ,    N = Φᵀ K_skew Φ
+//! ẋ = ω η̇,        d(η̇)/dt = −ω x − D η̇ − N ω⁻¹ x,        D = Φᵀ(C + ΩG)Φ,    N = Φᵀ(K − K_restoring)Φ
 //! ```
 //!
 //! Without damping the matrix is skew, so its eigenvalues are as well conditioned as they can be; faer does not
@@ -18,7 +18,7 @@ use super::{Basis, real};
 use crate::linalg::{DecompositionError, eigen};
 use crate::model::Model;
 
-/// Entries of D below this part of its largest do not couple a null motion to anything.
+/// Entries of D or N below this part of its largest do not couple a null motion to anything.
 const UNCOUPLED: f64 = 1e-12;
 
 /// One mode of vibration: a conjugate pair of eigenvalues, or a real one.
@@ -100,7 +100,7 @@ pub(super) struct FirstOrder {
     pub moving: Vec<usize>,
     /// The matrix over the first two parts of y, which depend on nothing else.
     pub matrix: DMatrix<f64>,
-    /// Whether there is neither damping nor gyroscopic coupling nor a bearing that is not symmetric.
+    /// Whether there is neither damping nor gyroscopic coupling nor a bearing that does more than restore.
     pub undamped: bool,
     /// Null motions, and those of them that nothing couples to anything.
     null: Vec<usize>,
@@ -113,15 +113,16 @@ pub(super) fn first_order(basis: &Basis, speed: f64) -> Result<FirstOrder, Decom
     let real = basis.real_modes(speed)?;
     let n = real.frequencies.len();
     let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
-    let supports = model.support_stiffness_matrix();
-    let skew = (&supports - supports.transpose()) / 2.0;
-    let undamped = damping.amax() == 0.0 && skew.amax() == 0.0;
-    let (damping, skew) = (project(real, &damping), project(real, &skew));
+    let circulating = model.circulating_matrix();
+    let undamped = damping.amax() == 0.0 && circulating.amax() == 0.0;
+    let (damping, circulating) = (project(real, &damping), project(real, &circulating));
 
     let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
     let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
-    let negligible = UNCOUPLED * damping.amax();
-    let coupled = |i: usize| damping.row(i).amax() > negligible || damping.column(i).amax() > negligible;
+    let (damped, driven) = (UNCOUPLED * damping.amax(), UNCOUPLED * circulating.amax());
+    let coupled = |i: usize| {
+        damping.row(i).amax() > damped || damping.column(i).amax() > damped || circulating.row(i).amax() > driven
+    };
     let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
     let alone = null.iter().copied().filter(|i| !coupled(*i)).collect();
     let (e, m) = (elastic.len(), moving.len());
@@ -133,7 +134,7 @@ pub(super) fn first_order(basis: &Basis, speed: f64) -> Result<FirstOrder, Decom
         }
         for (column, j) in elastic.iter().enumerate() {
             let own = if i == j { real.frequencies[*j] } else { 0.0 };
-            matrix[(e + row, column)] = -own - skew[(*i, *j)] / real.frequencies[*j];
+            matrix[(e + row, column)] = -own - circulating[(*i, *j)] / real.frequencies[*j];
             if i == j {
                 matrix[(column, e + row)] = own;
             }

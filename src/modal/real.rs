@@ -2,7 +2,8 @@
 //!
 //! Motions without stiffness are found first and exactly. A shaft resists no rigid motion, so the null space of K is
 //! that of bearings and meshes alone over the rigid motions of the shafts: four of bending and one of twist each, a
-//! small eigenproblem. A train on bearings has one, its rolling.
+//! small eigenproblem. A train on bearings has one, its rolling. It is a matter of where springs stand, not of how stiff
+//! they are: the softest bearing holds a shaft beside the stiffest mesh.
 //!
 //! The eigensolver's own ω² is wrong by ε·ω_max², which a stiff bearing or a short element makes large beside the low
 //! ones. Its vectors are good, so ω² is taken from them once more as a Rayleigh quotient, whose error is of second
@@ -10,14 +11,14 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::Linear;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::{Kind, Model};
 use crate::scene::Node;
 
-/// Rigid motions resisted by less than this part of the stiffest are not resisted: round-off leaves 1e-15.
+/// Rigid motions that springs of unit stiffness resist by less than this are not resisted: round-off leaves 1e-15.
 const NULL: f64 = 1e-13;
 /// Squares of frequencies that differ by less than this part are equal: round-off tells no more of them apart.
 const EQUAL: f64 = 1e-12;
@@ -35,12 +36,10 @@ pub struct RealModes {
 
 impl RealModes {
     fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
-        let supports = model.support_stiffness_matrix();
-        // A cross-coupled bearing is not symmetric; its skew part belongs to the damped problem.
-        let connections = (&supports + supports.transpose()) / 2.0 + model.mesh_stiffness_matrix(speed);
         let mass = model.mass_matrix();
-        let null = null_motions(model, &connections, &mass)?;
-        let stiffness = model.shaft_stiffness_matrix() + connections;
+        let null = null_motions(model, speed, &mass)?;
+        // What a bearing does beside restoring, as by cross-coupling, belongs to the damped problem.
+        let stiffness = model.shaft_stiffness_matrix() + model.restoring_matrix() + model.mesh_stiffness_matrix(speed);
         let known = null.ncols();
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
         let vectors = aligned(model, vectors, known, |shape| {
@@ -183,19 +182,46 @@ fn aligned(model: &Model, mut vectors: DMatrix<f64>, known: usize, square: impl 
     vectors
 }
 
-/// Orthonormal motions (in M) that neither the shafts nor the `connections` resist, one a column.
-fn null_motions(
-    model: &Model,
-    connections: &DMatrix<f64>,
-    mass: &DMatrix<f64>,
-) -> Result<DMatrix<f64>, DecompositionError> {
-    let rigid = rigid_motions(model);
-    let over = |matrix: &DMatrix<f64>| rigid.transpose() * matrix * &rigid;
-    let reduced = over(connections);
-    let pencil = symmetric_pencil(&reduced, &over(mass), &DMatrix::zeros(reduced.nrows(), 0))?;
-    let stiffest = pencil.values.amax();
-    let free: Vec<usize> = (0..pencil.values.len()).filter(|i| pencil.values[*i] <= NULL * stiffest).collect();
-    Ok(rigid * pencil.vectors.select_columns(&free))
+/// Orthonormal motions (in M) that neither shafts nor bearings nor meshes resist, one a column.
+fn null_motions(model: &Model, speed: f64, mass: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
+    let mut rigid = rigid_motions(model);
+    let mut deflections = deflections(model, speed) * &rigid;
+    // Translation, tilt and twist have units of their own: each motion is scaled to deflect the springs by one in all.
+    for (mut motion, mut deflection) in rigid.column_iter_mut().zip(deflections.column_iter_mut()) {
+        let size = deflection.norm();
+        if size > 0.0 {
+            motion /= size;
+            deflection /= size;
+        }
+    }
+    let none = |size| DMatrix::zeros(size, 0);
+    let size = rigid.ncols();
+    let pencil =
+        symmetric_pencil(&(deflections.transpose() * deflections), &DMatrix::identity(size, size), &none(size))?;
+    let free: Vec<usize> = (0..size).filter(|i| pencil.values[*i] <= NULL).collect();
+    let motions = rigid * pencil.vectors.select_columns(&free);
+    let kinetic = motions.transpose() * mass * &motions;
+    let size = free.len();
+    Ok(motions * symmetric_pencil(&DMatrix::identity(size, size), &kinetic, &none(size))?.vectors)
+}
+
+/// What springs of unit stiffness in the place of bearings and meshes are deflected by, one a row.
+fn deflections(model: &Model, speed: f64) -> DMatrix<f64> {
+    let mut rows = Vec::new();
+    for support in &model.supports {
+        for [along_v, along_w] in support.directions() {
+            let mut row = RowDVector::zeros(model.len());
+            (row[support.index], row[support.index + 1]) = (along_v, along_w);
+            rows.push(row);
+        }
+    }
+    for (index, mesh) in model.meshes.iter().enumerate() {
+        let sigma = model.sigma(index, speed);
+        let mut row = RowDVector::zeros(model.len());
+        mesh.gradient(sigma, mesh.normal_at_rest(sigma), |column, slope| row[column] += slope);
+        rows.push(row);
+    }
+    if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
 }
 
 /// The rigid motions of every shaft on its own, one a column.

@@ -36,6 +36,24 @@ impl Model {
         matrix
     }
 
+    /// The restoring part of it.
+    pub fn restoring_matrix(&self) -> DMatrix<f64> {
+        let mut matrix = self.zeros();
+        for support in &self.supports {
+            add_support(&mut matrix, support.index, &support.restoring);
+        }
+        matrix
+    }
+
+    /// What is left without it.
+    pub fn circulating_matrix(&self) -> DMatrix<f64> {
+        let mut matrix = self.zeros();
+        for support in &self.supports {
+            add_support(&mut matrix, support.index, &support.circulating());
+        }
+        matrix
+    }
+
     /// Stiffness of the meshes alone, linearised at rest.
     pub fn mesh_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
         self.mesh_matrix(speed, |mesh| self.meshes[mesh].stiffness)

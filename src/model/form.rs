@@ -1,6 +1,6 @@
 //! Energies as quadratic forms, summed over elements, bodies, bearings and meshes.
 
-use super::Model;
+use super::{Model, Support};
 
 impl Model {
     /// vᵀMv.
@@ -32,15 +32,14 @@ impl Model {
                 sum += damping.quadratic::<1>(&v[chain.start..]);
             }
         }
-        let supports = self.supports.iter();
-        sum + supports.map(|support| form(&support.damping, [v[support.index], v[support.index + 1]])).sum::<f64>()
+        sum + self.form_of_supports(v, |support| &support.damping)
     }
 
-    /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells.
+    /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells; of bearings the restoring part.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let strained = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        self.shaft_form(q) + self.support_form(q) + strained.sum::<f64>()
+        self.shaft_form(q) + self.form_of_supports(q, |support| &support.restoring) + strained.sum::<f64>()
     }
 
     /// qᵀKq of the shafts alone.
@@ -59,8 +58,11 @@ impl Model {
 
     /// qᵀKq of the bearings alone.
     pub fn support_form(&self, q: &[f64]) -> f64 {
-        let supports = self.supports.iter();
-        supports.map(|support| form(&support.stiffness, [q[support.index], q[support.index + 1]])).sum()
+        self.form_of_supports(q, |support| &support.stiffness)
+    }
+
+    fn form_of_supports(&self, q: &[f64], of: impl Fn(&Support) -> &[[f64; 2]; 2]) -> f64 {
+        self.supports.iter().map(|support| form(of(support), [q[support.index], q[support.index + 1]])).sum()
     }
 }
 

@@ -21,7 +21,7 @@ pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{Coordinates, Coupling};
-use crate::scene::{Node, Scene, SceneError};
+use crate::scene::{Bearing, Node, Scene, SceneError};
 
 /// A bearing on its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +30,58 @@ pub struct Support {
     pub index: usize,
     /// Stiffness over (v, w), N/m.
     pub stiffness: [[f64; 2]; 2],
+    /// The symmetric stiffness that stands for it in undamped modes and in the energy norm: it resists what K resists,
+    /// and pushes nothing away.
+    pub restoring: [[f64; 2]; 2],
     /// Damping over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
+}
+
+impl Support {
+    /// A bearing on the coordinates from `index` on.
+    fn new(index: usize, bearing: &Bearing) -> Self {
+        let (stiffness, damping) = (bearing.stiffness, bearing.damping);
+        Self { index, stiffness, restoring: restoring(&stiffness), damping }
+    }
+
+    /// The directions that it resists, orthogonal and of unit length.
+    pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let [[a, b], [_, d]] = self.restoring;
+        let (mean, half) = (a / 2.0 + d / 2.0, ((a - d) / 2.0).hypot(b));
+        let (sine, cosine) = (b.atan2((a - d) / 2.0) / 2.0).sin_cos();
+        let both = [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])];
+        both.into_iter()
+            .filter(move |(stiffness, _)| *stiffness > NOTHING * (mean + half))
+            .map(|(_, direction)| direction)
+    }
+
+    /// What the stiffness has beside its restoring part.
+    pub fn circulating(&self) -> [[f64; 2]; 2] {
+        std::array::from_fn(|i| std::array::from_fn(|j| self.stiffness[i][j] - self.restoring[i][j]))
+    }
+}
+
+/// Stiffness below this part of the largest is round-off.
+const NOTHING: f64 = 1e-12;
+/// A symmetric part below this share of the whole says nothing of what a bearing resists.
+const WEAK: f64 = 1e-3;
+
+/// The symmetric part of K where that is positive definite; else the factor (KᵀK)^½ of its polar decomposition, which
+/// has the null space of K (Higham 2008, chapter 8).
+fn restoring(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let norm = k.as_flattened().iter().fold(0.0_f64, |norm, value| norm.hypot(*value));
+    let cross = k[0][1] / 2.0 + k[1][0] / 2.0;
+    let lowest = k[0][0] / 2.0 + k[1][1] / 2.0 - ((k[0][0] - k[1][1]) / 2.0).hypot(cross);
+    let diagonal = k[0][1] == 0.0 && k[1][0] == 0.0;
+    if diagonal || lowest > WEAK * norm {
+        return [[k[0][0], cross], [cross, k[1][1]]];
+    }
+    // √S = (S + √det S)/√(tr S + 2√det S), with √det S = |det K|; of K over its norm, so that no square overflows.
+    let k = k.map(|row| row.map(|value| value / norm));
+    let square = |i: usize, j: usize| k[0][i] * k[0][j] + k[1][i] * k[1][j];
+    let root = (k[0][0] * k[1][1] - k[0][1] * k[1][0]).abs();
+    let trace = (square(0, 0) + square(1, 1) + 2.0 * root).sqrt();
+    std::array::from_fn(|i| std::array::from_fn(|j| norm * (square(i, j) + if i == j { root } else { 0.0 }) / trace))
 }
 
 /// An assembled scene.
@@ -66,7 +116,7 @@ impl Model {
             .iter()
             .filter_map(|bearing| {
                 let index = numbering.translation(bearing.node)?;
-                Some(Support { index, stiffness: bearing.stiffness, damping: bearing.damping })
+                Some(Support::new(index, bearing))
             })
             .collect();
         let meshes: Vec<_> = scene
@@ -109,6 +159,11 @@ impl Model {
             }
         }
         force
+    }
+
+    /// Indices of v and w of all nodes.
+    pub fn translations(&self) -> impl Iterator<Item = usize> + '_ {
+        self.numbering.dofs().iter().filter(|dof| matches!(dof.kind, Kind::V | Kind::W)).map(|dof| dof.index)
     }
 
     /// Names of the driving and the driven gear of a mesh.

@@ -1,7 +1,9 @@
-//! Errors of the core as the exceptions of `gearbow.errors`.
+//! Errors of the core as the exceptions of `gearbow.errors`, and its warning.
 
-use pyo3::PyErr;
+use std::ffi::CString;
+
 use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::{PyErr, PyResult, PyTypeInfo, Python};
 
 use crate::analysis::AnalysisError;
 use crate::linalg::DecompositionError;
@@ -10,6 +12,13 @@ pyo3::import_exception!(gearbow.errors, SceneError);
 pyo3::import_exception!(gearbow.errors, StabilityError);
 pyo3::import_exception!(gearbow.errors, ContactError);
 pyo3::import_exception!(gearbow.errors, ConvergenceError);
+pyo3::import_exception!(gearbow.errors, AccuracyWarning);
+
+/// Warns whoever called the function of the package that called the core.
+pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    let text = CString::new(text).unwrap_or_default();
+    PyErr::warn(py, &AccuracyWarning::type_object(py), &text, 2)
+}
 
 impl From<crate::scene::SceneError> for PyErr {
     fn from(error: crate::scene::SceneError) -> Self {

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
+use super::errors::warn;
 use super::model::PyModel;
 use super::simulate;
 use crate::analysis::{self, Part, Source};
@@ -78,8 +79,18 @@ pub fn synchronous<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
     let at = |speed: &f64| analysis::synchronous(&model.basis, *speed, part);
+    model.warn_of_conditioning(py, 0.0)?;
     let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
     let assembled = &model.basis.model;
+    for (index, amplitudes) in amplitudes.iter().enumerate() {
+        let largest = assembled
+            .translations()
+            .map(|i| amplitudes.row(i).iter().map(|value| value.norm()).fold(0.0, f64::max))
+            .fold(0.0, f64::max);
+        if let Some(text) = analysis::beyond(assembled, largest) {
+            warn(py, format!("speeds[{index}]: {text}"))?;
+        }
+    }
     let bearings = simulate::bearing_nodes(assembled);
     let (mut values, mut forces) = (Vec::new(), Vec::new());
     for (sources, speed) in amplitudes.iter().zip(&speeds) {

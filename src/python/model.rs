@@ -1,5 +1,7 @@
 //! `_core.Model`: a checked and assembled system.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use nalgebra::Complex;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -7,6 +9,7 @@ use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{outside_matrix, outside_vector, table};
+use super::errors::warn;
 use super::{frequency, simulate};
 use crate::analysis::{self, AnalysisError};
 use crate::mesh::Geometry;
@@ -19,6 +22,8 @@ use crate::scene::{Node, Path, Scene, SceneError, System};
 pub struct PyModel {
     system: System,
     pub(super) basis: Basis,
+    /// Whether it was said that round-off takes digits.
+    warned: AtomicBool,
 }
 
 /// A gear or disk, or a shaft and a position on it.
@@ -31,11 +36,20 @@ enum At {
 impl PyModel {
     fn build(system: System) -> Result<Self, SceneError> {
         let model = Model::new(Scene::new(&system)?)?;
-        Ok(Self { system, basis: Basis::new(model) })
+        Ok(Self { system, basis: Basis::new(model), warned: AtomicBool::new(false) })
     }
 
     fn model(&self) -> &Model {
         &self.basis.model
+    }
+
+    /// Warns once of digits that round-off takes.
+    pub(super) fn warn_of_conditioning(&self, py: Python<'_>, speed: f64) -> PyResult<()> {
+        let found = py.detach(|| analysis::conditioning(&self.basis, speed))?;
+        match found {
+            Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
+            _ => Ok(()),
+        }
     }
 
     pub(super) fn place(&self, node: Node) -> (&str, f64) {
@@ -140,6 +154,7 @@ impl PyModel {
     #[pyo3(signature = (speed, count=None))]
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         Path::root("speed").finite(speed)?;
+        self.warn_of_conditioning(py, speed)?;
         let mut modes = py.detach(|| modal::modes(&self.basis, speed))?;
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
@@ -200,8 +215,13 @@ impl PyModel {
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str) -> PyResult<Bound<'py, PyDict>> {
         let geometry = self::geometry(geometry)?;
         let model = self.model();
+        self.warn_of_conditioning(py, 0.0)?;
         let found = py.detach(|| analysis::equilibrium(&self.basis, geometry, 0.0))?;
         let q = found.as_slice();
+        let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
+        if let Some(text) = analysis::beyond(model, largest) {
+            warn(py, text)?;
+        }
         let rest = vec![0.0; model.len()];
         let mut fields: [Vec<f64>; 8] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
@@ -254,7 +274,7 @@ impl PyModel {
             speed: super::speed::speed(speed)?,
             method: simulate::method(method, linear)?,
             step,
-            rtol,
+            rtol: simulate::attainable(py, rtol)?,
             stages,
             modes,
             initial: simulate::initial(initial)?,
@@ -262,6 +282,7 @@ impl PyModel {
             geometry: self::geometry(geometry)?,
             start,
         };
+        self.warn_of_conditioning(py, 0.0)?;
         simulate::simulate(self, py, &options, record, progress)
     }
 }

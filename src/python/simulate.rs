@@ -5,12 +5,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
+use super::errors::warn;
 use super::model::{self, PyModel};
 use super::speed;
-use crate::analysis::AnalysisError;
 use crate::analysis::simulate::{
     self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response, round_below, sample_step,
 };
+use crate::analysis::{AnalysisError, beyond};
 use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
@@ -30,6 +31,18 @@ pub fn method(name: &str, linear: Option<&str>) -> Result<Method, SceneError> {
             Err(SceneError::new("linear", format!("is a choice of \"rk4\" alone, not of \"{}\"", method.name())))
         }
     }
+}
+
+/// The smallest `rtol` that round-off leaves to a step.
+const SMALLEST: f64 = 1e-13;
+
+/// A tolerance that can be met.
+pub fn attainable(py: Python<'_>, rtol: f64) -> PyResult<f64> {
+    if rtol > 0.0 && rtol < SMALLEST {
+        warn(py, format!("rtol: {rtol:e} is below what round-off leaves to a step; taken as {SMALLEST:e}"))?;
+        return Ok(SMALLEST);
+    }
+    Ok(rtol)
 }
 
 /// One entry of `record`.
@@ -78,8 +91,13 @@ pub fn simulate<'py>(
     let outcome = py.detach(|| simulate::simulate(&owner.basis, options, &plan, &mut watch));
     match outcome {
         Ok(response) => {
+            let largest = response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let response = response_dict(owner, py, &plan, response)?;
-            if let Some(Err(error)) = progress.map(|progress| progress.call1(py, (1.0,))) {
+            let mut told = beyond(&owner.basis.model, largest).map_or(Ok(()), |text| warn(py, text));
+            if let Some(progress) = progress.filter(|_| told.is_ok()) {
+                told = progress.call1(py, (1.0,)).map(|_| ());
+            }
+            if let Err(error) = told {
                 error.value(py).setattr("partial", response)?;
                 return Err(error);
             }

@@ -31,6 +31,8 @@ const SAMPLES: f64 = 20.0;
 const STEPS_A_BOUNCE: f64 = 8.0;
 /// Steps of ETDRK4 are this part of the longest, unless one is asked for.
 const EXPLICIT: f64 = 0.1;
+/// Ticks are counted in 64 bits; one is left for the last step.
+const MOST_TICKS: f64 = 9.2e18;
 /// Gauss nodes of a step.
 const STAGES: usize = 3;
 
@@ -53,6 +55,12 @@ pub(super) fn run(
         return Err(SceneError::new("linear", message).into());
     }
     let clock = clock(basis, options, &linear, &field)?;
+    if end / clock.tick() > MOST_TICKS {
+        let longest = clock.longest;
+        let message =
+            format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
+        return Err(SceneError::new("duration", message).into());
+    }
     let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
     let table = Table::new(&linear, rule, &ports, clock.longest, clock.event, field.spins());
     let mut state = enter(basis, options, &linear, &field, start);
@@ -84,7 +92,11 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
             let most = part * 2.0 * std::f64::consts::PI / (STEPS_A_CYCLE * fastest);
             // Halved so many times, it is what responses are recorded at unless they are asked for otherwise.
             let sample = sample_step(model, speed);
-            if sample.is_finite() { sample * 2.0_f64.powi((most / sample).log2().floor() as i32) } else { round_below(most) }
+            if sample.is_finite() {
+                sample * 2.0_f64.powi((most / sample).log2().floor() as i32)
+            } else {
+                round_below(most)
+            }
         }
     };
     let [least, most] = EVENT;

@@ -1,0 +1,57 @@
+"""Run the tests of this folder and print what they hold as the tables of docs/limits.md."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+
+
+class Limits:
+    """A plugin that collects what the fixture `hold` notes, by the file that it stands in."""
+
+    def __init__(self) -> None:
+        self.rows: dict[str, list[tuple[str, str, float, float, str]]] = defaultdict(list)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        for name, value in report.user_properties if report.when == "call" else ():
+            if name == "limit":
+                self.rows[report.location[0]].append(value)
+
+
+def below(value: float) -> str:
+    """Round an error up, so that another machine prints the same: a small one to a power of ten."""
+    if value > 0.05:
+        return f"{math.ceil(10 * value) / 10:g}"
+    return f"1e{math.ceil(math.log10(value)):d}" if value > 0 else "0"
+
+
+def table(rows: list[tuple[str, str, float, float, str]]) -> str:
+    lines = [
+        "| promise | driven through | held to | found below | beyond |",
+        "|---|---|---|---|---|",
+    ]
+    for promise, through, found, allowed, beyond in rows:
+        held = f"{allowed:g}".replace("e-0", "e-") if allowed > 1e-300 else "0"
+        lines.append(f"| {promise} | {through} | {held} | {below(found)} | {beyond} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    limits = Limits()
+    options = ["-p", "no:terminal", "-p", "no:cacheprovider", str(HERE)]
+    failed = pytest.main(options, plugins=[limits])
+    if failed:
+        sys.exit(f"the tests in {HERE.name} do not pass")
+    for file, rows in sorted(limits.rows.items()):
+        theme = Path(file).stem.removeprefix("test_").replace("_", " ")
+        print(f"\n**{theme.capitalize()}**\n\n{table(rows)}")
+
+
+if __name__ == "__main__":
+    main()
