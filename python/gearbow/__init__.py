@@ -10,6 +10,7 @@ from gearbow.bow import Bow
 from gearbow.energy import EnergyBalance
 from gearbow.errors import (
     ChannelError,
+    CheckpointWarning,
     ContactError,
     ConvergenceError,
     GearbowError,
@@ -31,6 +32,7 @@ __all__ = [
     "Bearing",
     "Bow",
     "ChannelError",
+    "CheckpointWarning",
     "ContactError",
     "ConvergenceError",
     "Disk",

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from gearbow._checkpoint import Checkpoint
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
 from gearbow._lookup import require
@@ -24,13 +25,14 @@ from gearbow._run import (
     reported,
     whole,
 )
-from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
+from gearbow._types import Array, At, Dof, Pause, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.modes import Modes
 from gearbow.response import Response
 from gearbow.results import Matrices, Static, Synchronous
 from gearbow.scene import Bearing, Disk, Gear, Mesh, Shaft, Torque
+from gearbow.speed import SpeedProfile
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
@@ -355,6 +357,8 @@ class RotorSystem:
         geometry: str = "live",
         start: float | None = None,
         progress: bool | Progress | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+        every: float = 60.0,
     ) -> Response:
         """Integrate the equations of motion at a constant or a changing speed.
 
@@ -408,6 +412,12 @@ class RotorSystem:
             Time at the start [s]; 0 by default.
         progress : bool or callable, optional
             True shows a bar; a callable is given the fraction that is done.
+        checkpoint : str or path-like, optional
+            A ``.npz`` or ``.nc`` file that the run is kept in while it goes on, what was recorded
+            so far included. The same call goes on from there to the same bits as a run that
+            nothing stopped; at the end the file is the response, and the same call reads it.
+        every : float, optional
+            Wall-clock time between two writings of that file [s]. It is replaced as a whole.
 
         Returns
         -------
@@ -417,7 +427,7 @@ class RotorSystem:
         Raises
         ------
         SceneError
-            If an argument is impossible.
+            If an argument is impossible, or the checkpoint is of another run.
         StabilityError
             If the step is above the limit of stability, or the run diverged.
         ContactError
@@ -425,6 +435,11 @@ class RotorSystem:
         KeyboardInterrupt
             At Ctrl-C. This and every other error that ends a run has `.response`: what was
             computed.
+
+        Warns
+        -----
+        CheckpointWarning
+            If the checkpoint cannot be written, on a full disk for one; the run goes on.
 
         Examples
         --------
@@ -461,34 +476,61 @@ class RotorSystem:
         else:
             raise SceneError("times: cannot be given together with output_step")
 
+        asked: dict[str, Any] = {
+            "duration": duration,
+            "speed": plain_speed(speed),
+            "method": method,
+            "linear": linear,
+            "step": None if step is None else number(step, "step"),
+            "rtol": 1e-6 if rtol is None else number(rtol, "rtol"),
+            "stages": None if stages is None else whole(stages, "stages"),
+            "modes": None if modes is None else whole(modes, "modes"),
+            "initial": state,
+            "record": [record] if isinstance(record, str) else [place(r) for r in record],
+            "geometry": geometry,
+            "start": begin,
+        }
+
+        file = None
+        if checkpoint is not None:
+            scene, rest = self.description, {"times": wanted, "rows": rows, "accuracy": accuracy}
+            file = Checkpoint(checkpoint, every, {"scene": scene, **asked, **rest})
+            if file.complete is not None:
+                return file.complete
+        response = self._run(asked, speed, (wanted, rows), progress, file)
+        if expected is not None:
+            expected.explain(response)
+        if file is not None:
+            file.finish(response)
+        return response
+
+    def _run(
+        self,
+        asked: dict[str, Any],
+        speed: float | SpeedProfile,
+        times: tuple[Array, NDArray[np.intp] | None],
+        progress: bool | Progress | None,
+        file: Checkpoint | None,
+    ) -> Response:
+        """Run in one go, or by the file; what ends the run early carries what there is."""
+        wanted, rows = times
+
+        def core(left: Array, pause: Pause | None, report: Progress | None) -> RunData:
+            return self._model.simulate(**asked, times=left, pause=pause, progress=report)
+
         try:
-            with reported(progress, duration) as report:
-                data = self._model.simulate(
-                    duration,
-                    plain_speed(speed),
-                    method=method,
-                    linear=linear,
-                    step=None if step is None else number(step, "step"),
-                    rtol=1e-6 if rtol is None else number(rtol, "rtol"),
-                    stages=None if stages is None else whole(stages, "stages"),
-                    modes=None if modes is None else whole(modes, "modes"),
-                    initial=state,
-                    times=wanted,
-                    record=[record] if isinstance(record, str) else [place(r) for r in record],
-                    geometry=geometry,
-                    start=begin,
-                    progress=report,
-                )
+            with reported(progress, asked["duration"]) as report:
+                if file is None:
+                    data = core(wanted, None, report)
+                else:
+                    data = file.run(core, wanted, speed, report)
         except BaseException as error:
             partial: RunData | None = getattr(error, "partial", None)
             if partial is not None:
                 error.response = Response(in_order(partial, rows), speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             raise
-        response = Response(in_order(data, rows), speed)
-        if expected is not None:
-            expected.explain(response)
-        return response
+        return Response(in_order(data, rows), speed)
 
     tradeoff = tradeoff
 
