@@ -18,7 +18,7 @@ export PYO3_PYTHON := $(abspath $(BIN)/python)
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make random        what holds for every scene, on 2,700 random ones, other ones every time"
+	@echo "make random        what holds for every scene, on 2,000 random ones, other ones every time"
 	@echo "make fuzz          a million descriptions that nobody would write: each gets an answer"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make bench         what a step costs"

@@ -282,7 +282,7 @@ SAME = {
 }
 
 
-@scenes(70)
+@scenes(45)
 def test_the_choice_of_axes_names_and_units_is_free(scene: Drawn):
     wanted = motion(scene.run(), scene)
     for change in SAME.values():
@@ -314,7 +314,7 @@ def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Dr
 # --- energy ----------------------------------------------------------------------------------------
 
 
-@scenes(70)
+@scenes(40)
 def test_energy_is_neither_made_nor_lost(scene: Drawn):
     # Works are summed by a rule of three points a step: steps of "rk45" resolve what is fastest; those of
     # "exponential" are longer than what damping ends at once where a bent shaft lets go.
@@ -337,7 +337,7 @@ def test_the_methods_agree(scene: Drawn):
     assert_near(motion(scene.run(method="rk45", rtol=1e-9), scene), exact, 1e-6 * part)
 
 
-@scenes(20)
+@scenes(25)
 def test_two_threads_give_the_bits_of_one(scene: Drawn):
     alone = scene.run()
     with ThreadPoolExecutor(2) as pool:
