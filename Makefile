@@ -11,13 +11,15 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check bench bench-check bench-accept compare fmt wheel readme figures study measure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz bench bench-check bench-accept compare fmt wheel readme figures study measure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
+	@echo "make random        what holds for every scene, on 2,000 random ones, other ones every time"
+	@echo "make fuzz          a million descriptions that nobody would write: each gets an answer"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
@@ -41,6 +43,14 @@ test-rust:
 
 test-python: $(VENV)/.dev
 	$(BIN)/python -m pytest --pyargs gearbow tests/python tests/extremes README.md docs
+
+# Other cases every time: those of the tests are always the same.
+random: $(VENV)/.dev
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py
+
+fuzz: $(VENV)/.dev
+	GEARBOW_CASES=350 cargo test --locked --test fuzz
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py
 
 check: lint types documents test
 

@@ -138,6 +138,7 @@ fn whole_run(method: Method, system: &System, geometry: Geometry, duration: f64)
         times: Vec::new(),
         geometry,
         start: 0.0,
+        pause: None,
     };
     let plan = Plan::new(&basis.model, &[]).unwrap();
     let run = || simulate(&basis, &options, &plan, &mut |_| true).unwrap().statistics;

@@ -165,5 +165,6 @@ fn options(duration: f64) -> Options {
         times: Vec::new(),
         geometry: Geometry::Live,
         start: 0.0,
+        pause: None,
     }
 }

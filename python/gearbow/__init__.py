@@ -14,6 +14,7 @@ from gearbow.energy import EnergyBalance
 from gearbow.errors import (
     AccuracyWarning,
     ChannelError,
+    CheckpointWarning,
     ContactError,
     ConvergenceError,
     GearbowError,
@@ -41,6 +42,7 @@ __all__ = [
     "Bow",
     "Campbell",
     "ChannelError",
+    "CheckpointWarning",
     "ContactError",
     "ConvergenceError",
     "CriticalSpeedMap",

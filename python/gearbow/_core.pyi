@@ -12,6 +12,7 @@ from gearbow._types import (
     Dof,
     MatricesData,
     ModesData,
+    Pause,
     Plain,
     Record,
     RunData,
@@ -73,4 +74,5 @@ class Model:
         geometry: str,
         start: float,
         progress: Callable[[float], object] | None,
+        pause: Pause | None,
     ) -> RunData: ...

@@ -17,6 +17,10 @@ from gearbow.speed import SpeedProfile
 SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
 
+#: More recorded times than this are refused: the gears of a pair alone would fill 10 GB.
+MOST_TIMES = 100_000_000
+
+
 def number(value: object, name: str) -> float:
     """Read an argument that must be a number."""
     try:
@@ -90,13 +94,22 @@ def grid(start: float, duration: float, step: float) -> Array:
         return np.array([start])  # the core knows what to say of such a duration
     if not 0.0 < step < np.inf:
         raise SceneError(f"output_step: must be positive and finite, got {step!r}")
-    count = int(np.floor(duration / step * (1.0 + 1e-12))) + 1
+    with np.errstate(over="ignore"):
+        steps = np.floor(np.float64(duration) / step * (1.0 + 1e-12))
+    if not steps < MOST_TIMES:
+        raise SceneError(
+            f"output_step: {step!r} s in a run of {duration!r} s asks for {steps:.3g} times, "
+            f"more than the {MOST_TIMES:.0e} that a response may hold"
+        )
+    count = int(steps) + 1
     times: Array = np.minimum(start + step * np.arange(count), start + duration)
     return times
 
 
 def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     """Give the rows in the order the user asked for; a partial run has only the first."""
+    data = data.copy()
+    data.pop("pause", None)
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]

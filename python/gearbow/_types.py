@@ -73,7 +73,17 @@ class StaticData(TypedDict):
     bearing_force: Array
 
 
-class RunData(TypedDict):
+#: Where a run was stopped: its final state, and what it had counted and seen.
+Pause: TypeAlias = tuple[dict[str, Any], dict[str, Plain]]
+
+
+class _Paused(TypedDict, total=False):
+    """What the same run needs beside its final state to go on."""
+
+    pause: dict[str, Plain]
+
+
+class RunData(_Paused):
     """What a simulation recorded at k times."""
 
     time: Array

@@ -8,6 +8,7 @@ from typing import Any
 __all__ = [
     "AccuracyWarning",
     "ChannelError",
+    "CheckpointWarning",
     "ContactError",
     "ConvergenceError",
     "GearbowError",
@@ -60,6 +61,10 @@ class ChannelError(GearbowError, KeyError):
 
     # KeyError prints the repr of its argument, which makes a sentence unreadable.
     __str__ = Exception.__str__
+
+
+class CheckpointWarning(UserWarning):
+    """The file of a long run could not be written; the run goes on, the file is as it was."""
 
 
 class SceneWarning(UserWarning):

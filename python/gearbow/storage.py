@@ -7,6 +7,9 @@ response can be continued.
 
 import json
 import os
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,8 +50,8 @@ _CHANNELS = {
 }
 
 
-def save(response: Response, path: str | os.PathLike[str]) -> None:
-    """Write a response to a ``.npz`` or ``.nc`` file.
+def save(response: Response, path: str | os.PathLike[str], **more: Any) -> None:
+    """Write a response to a ``.npz`` or ``.nc`` file, whole or not at all.
 
     Parameters
     ----------
@@ -56,16 +59,45 @@ def save(response: Response, path: str | os.PathLike[str]) -> None:
         The response.
     path : str or path-like
         The file; its suffix tells the format.
+    **more
+        What else is kept beside it, as plain data; `read` gives it back.
 
     Raises
     ------
     GearbowError
         If the suffix is another.
+    OSError
+        If it cannot be written; a file that was there is still there.
     """
-    if _suffix(path) == ".nc":
-        to_xarray(response).to_netcdf(path, engine="h5netcdf")
+    metadata = _metadata(response, more)
+    if suffix(path) == ".nc":
+        dataset = to_xarray(response).assign_attrs(metadata=metadata)
+        with _replacing(path) as trial:
+            dataset.to_netcdf(trial, engine="h5netcdf")
         return
-    np.savez(path, metadata=np.array(_metadata(response)), **_arrays(response))  # type: ignore[arg-type]
+    with _replacing(path) as trial:
+        np.savez(trial, metadata=np.array(metadata), **_arrays(response))  # type: ignore[arg-type]
+
+
+@contextmanager
+def _replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a name to write to; the file is replaced once all is on the disk, or not at all."""
+    path = Path(path).resolve()
+    trial = path.with_name(f".{path.stem}.part{path.suffix}")
+    try:
+        yield trial
+        with trial.open("rb+") as file:
+            os.fsync(file.fileno())
+        trial.replace(path)
+    except BaseException:
+        trial.unlink(missing_ok=True)
+        raise
+    if os.name == "posix":  # where the new name is in a folder that can be synchronised itself
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
 
 
 def load(path: str | os.PathLike[str]) -> Response:
@@ -86,8 +118,31 @@ def load(path: str | os.PathLike[str]) -> Response:
     GearbowError
         If the suffix is another, or the file holds something else.
     """
+    return read(path)[0]
+
+
+def read(path: str | os.PathLike[str]) -> tuple[Response, dict[str, Any]]:
+    """Read a file that `save` wrote, with all that stands beside the arrays.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A ``.npz`` or ``.nc`` file.
+
+    Returns
+    -------
+    response : Response
+        The response, the same to the last bit.
+    about : dict
+        Everything else, and what `save` was given beside it.
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is another, or the file holds something else.
+    """
     try:
-        arrays, metadata = (_read_netcdf if _suffix(path) == ".nc" else _read_npz)(path)
+        arrays, metadata = (_read_netcdf if suffix(path) == ".nc" else _read_npz)(path)
         about = json.loads(metadata)
     except KeyError as error:
         raise GearbowError(f"{path}: not a response of gearbow, it has no {error}") from None
@@ -118,7 +173,7 @@ def load(path: str | os.PathLike[str]) -> Response:
     )
     response.expected_error, response.accuracy = about["expected_error"], about["accuracy"]
     response.kinematics = Kinematics._from_plain(about.get("kinematics"))
-    return response
+    return response, about
 
 
 def to_xarray(response: Response) -> "xr.Dataset":
@@ -161,7 +216,7 @@ def to_xarray(response: Response) -> "xr.Dataset":
     coordinates["axis"] = ("axis", np.array(["y", "z"]))
     if "time" in arrays:
         coordinates["time"] = ("time", response.time, {"units": "s"})
-    dataset = xr.Dataset(variables, coordinates, {"metadata": _metadata(response)})
+    dataset = xr.Dataset(variables, coordinates, {"metadata": _metadata(response, {})})
     for variable in dataset.variables.values():
         # Every value is a value, none stands for a missing one.
         variable.encoding["_FillValue"] = None
@@ -235,7 +290,7 @@ def _arrays(response: Response) -> dict[str, NDArray[Any]]:
     }
 
 
-def _metadata(response: Response) -> str:
+def _metadata(response: Response, more: dict[str, Any]) -> str:
     """Put what is not an array into text, in which a float reads back as the same one."""
     data = response._data
     arrays = _arrays(response)
@@ -262,15 +317,18 @@ def _metadata(response: Response) -> str:
                 if not values.size
             },
             "complex": [name for name, values in arrays.items() if np.iscomplexobj(values)],
+            **more,
         }
     )
 
 
 def _read_npz(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], str]:
-    with np.load(path, allow_pickle=False) as file:
-        return {name: file[name] for name in file.files if name != "metadata"}, str(
-            file["metadata"]
-        )
+    try:
+        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        raise GearbowError(f"{path}: not a response of gearbow: {error}") from None
+    return arrays, str(arrays.pop("metadata"))
 
 
 def _read_netcdf(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], str]:
@@ -289,8 +347,25 @@ def _read_netcdf(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]],
     return arrays, metadata
 
 
-def _suffix(path: str | os.PathLike[str]) -> str:
-    suffix = Path(path).suffix
-    if suffix not in {".npz", ".nc"}:
+def suffix(path: str | os.PathLike[str]) -> str:
+    """Tell the format of a file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    str
+        ".npz" or ".nc".
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is another.
+    """
+    ending = Path(path).suffix
+    if ending not in {".npz", ".nc"}:
         raise GearbowError(f"{path}: the name of a response's file ends with .npz or .nc")
-    return suffix
+    return ending

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearbow._checkpoint import Checkpoint
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
 from gearbow._lookup import require
@@ -24,7 +25,7 @@ from gearbow._run import (
     reported,
     whole,
 )
-from gearbow._types import Array, At, Dof, Plain, Progress, Record, RunData
+from gearbow._types import Array, At, Dof, Pause, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.balance import balance
 from gearbow.campbell import campbell
@@ -337,6 +338,8 @@ class RotorSystem:
         geometry: str = "live",
         start: float | None = None,
         progress: bool | Progress | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+        every: float = 60.0,
     ) -> Response:
         """Integrate the equations of motion at a constant or a changing speed.
 
@@ -390,6 +393,12 @@ class RotorSystem:
             Time at the start [s]; 0 by default.
         progress : bool or callable, optional
             True shows a bar; a callable is given the fraction that is done.
+        checkpoint : str or path-like, optional
+            A ``.npz`` or ``.nc`` file that the run is kept in while it goes on, what was recorded
+            so far included. The same call goes on from there to the same bits as a run that
+            nothing stopped; at the end the file is the response, and the same call reads it.
+        every : float, optional
+            Wall-clock time between two writings of that file [s]. It is replaced as a whole.
 
         Returns
         -------
@@ -399,7 +408,7 @@ class RotorSystem:
         Raises
         ------
         SceneError
-            If an argument is impossible.
+            If an argument is impossible, or the checkpoint is of another run.
         StabilityError
             If the step is above the limit of stability, or the run diverged.
         ContactError
@@ -407,6 +416,11 @@ class RotorSystem:
         KeyboardInterrupt
             At Ctrl-C. This and every other error that ends a run has `.response`: what was
             computed.
+
+        Warns
+        -----
+        CheckpointWarning
+            If the checkpoint cannot be written, on a full disk for one; the run goes on.
 
         Examples
         --------
@@ -443,34 +457,61 @@ class RotorSystem:
         else:
             raise SceneError("times: cannot be given together with output_step")
 
+        asked: dict[str, Any] = {
+            "duration": duration,
+            "speed": plain_speed(speed),
+            "method": method,
+            "linear": linear,
+            "step": None if step is None else number(step, "step"),
+            "rtol": 1e-6 if rtol is None else number(rtol, "rtol"),
+            "stages": None if stages is None else whole(stages, "stages"),
+            "modes": None if modes is None else whole(modes, "modes"),
+            "initial": state,
+            "record": [record] if isinstance(record, str) else [place(r) for r in record],
+            "geometry": geometry,
+            "start": begin,
+        }
+
+        file = None
+        if checkpoint is not None:
+            scene, rest = self.description, {"times": wanted, "rows": rows, "accuracy": accuracy}
+            file = Checkpoint(checkpoint, every, {"scene": scene, **asked, **rest})
+            if file.complete is not None:
+                return file.complete
+        response = self._run(asked, speed, (wanted, rows), progress, file)
+        if expected is not None:
+            expected.explain(response)
+        if file is not None:
+            file.finish(response)
+        return response
+
+    def _run(
+        self,
+        asked: dict[str, Any],
+        speed: float | SpeedProfile,
+        times: tuple[Array, NDArray[np.intp] | None],
+        progress: bool | Progress | None,
+        file: Checkpoint | None,
+    ) -> Response:
+        """Run in one go, or by the file; what ends the run early carries what there is."""
+        wanted, rows = times
+
+        def core(left: Array, pause: Pause | None, report: Progress | None) -> RunData:
+            return self._model.simulate(**asked, times=left, pause=pause, progress=report)
+
         try:
-            with reported(progress, duration) as report:
-                data = self._model.simulate(
-                    duration,
-                    plain_speed(speed),
-                    method=method,
-                    linear=linear,
-                    step=None if step is None else number(step, "step"),
-                    rtol=1e-6 if rtol is None else number(rtol, "rtol"),
-                    stages=None if stages is None else whole(stages, "stages"),
-                    modes=None if modes is None else whole(modes, "modes"),
-                    initial=state,
-                    times=wanted,
-                    record=[record] if isinstance(record, str) else [place(r) for r in record],
-                    geometry=geometry,
-                    start=begin,
-                    progress=report,
-                )
+            with reported(progress, asked["duration"]) as report:
+                if file is None:
+                    data = core(wanted, None, report)
+                else:
+                    data = file.run(core, wanted, speed, report)
         except BaseException as error:
             partial: RunData | None = getattr(error, "partial", None)
             if partial is not None:
                 error.response = self._response(partial, rows, speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             raise
-        response = self._response(data, rows, speed)
-        if expected is not None:
-            expected.explain(response)
-        return response
+        return self._response(data, rows, speed)
 
     tradeoff = tradeoff
     campbell = campbell

@@ -16,6 +16,8 @@ use crate::scene::SceneError;
 const BALANCED: f64 = 1e-9;
 /// The part of the load that the stiffness of null motions may carry, round-off.
 const CARRIED: f64 = 1e-6;
+/// Part of a null motion that is round-off where it should not move.
+const ROUND_OFF: f64 = 1e-12;
 /// Newton has converged when the energy of its step is below this part of that of the load: displacements to 1e-13.
 const CONVERGED: f64 = 1e-26;
 /// Round-off of a stiff scene may not allow that: a step that stopped shrinking below this part has converged too.
@@ -80,7 +82,9 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
     for column in null.column_iter() {
         let drive: f64 = column.dot(load);
         let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
-        if drive.abs() <= BALANCED * acting {
+        // Of a motion that does not move at a load, round-off is left there.
+        let nothing = ROUND_OFF * column.amax() * load.lp_norm(1);
+        if drive.abs() <= (BALANCED * acting).max(nothing) {
             continue;
         }
         let numbering = &model.numbering;

@@ -154,20 +154,23 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let switches = stepper.field.motion.switching().is_some();
+        let mut looks = Statistics::new();
         if switches {
-            stepper.look(state.elapsed, &state.y, statistics)?;
+            stepper.look(state.elapsed, &state.y, &mut looks)?;
             if state.laws.is_empty() {
                 stepper.field.laws(state.elapsed, &stepper.begin, &mut state.laws)?;
             }
             stepper.field.motion.set_laws(&state.laws);
         }
-        stepper.look(state.elapsed, &state.y, statistics)?;
+        stepper.look(state.elapsed, &state.y, &mut looks)?;
+        statistics.begin(looks.evaluations);
         let mut read = |q: &mut [f64], v: &mut [f64]| output.read(&stepper.field, state.elapsed, &state.y, q, v);
         observer.switched(state.elapsed, &mut read, &state.laws);
         let mut asked = 0;
         while state.elapsed < end || observer.next().is_some() {
-            asked += 1;
-            if asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
+            // Between two changes at one tick nothing stops: the count of them is no part of the state.
+            asked += u64::from(self.at_once == 0);
+            if self.at_once == 0 && asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
                 return Err(Halt::Interrupted);
             }
             let (level, error) = self.attempt(stepper, state, statistics)?;
@@ -226,6 +229,11 @@ impl Driver {
         ticks - count % ticks
     }
 
+    /// The step to try next, s.
+    fn next_step(&self) -> f64 {
+        self.clock.longest * 0.5_f64.powi(self.wanted as i32)
+    }
+
     /// Elapsed time at a tick.
     fn at(&self, tick: u64) -> f64 {
         self.base + tick as f64 * self.clock.tick()
@@ -240,7 +248,7 @@ impl Driver {
         // An event that the law's change lies ahead of counts until it is passed.
         state.carry = (before + state.carry - state.elapsed).max(0.0);
         state.previous_error = error;
-        state.next_step = self.clock.longest * 0.5_f64.powi(self.wanted as i32);
+        state.next_step = self.next_step();
         state.memory.truncate(1);
         if stepper.remembers() && ticks == self.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
@@ -497,6 +505,8 @@ impl Driver {
         state.count += change.ticks;
         state.elapsed = reached;
         state.carry = since;
+        // What the step that was cut short has shown of its error holds for those to come.
+        state.next_step = self.next_step();
         state.memory.truncate(1);
         statistics.events += 1;
         self.at_once = if change.ticks == 0 { self.at_once + 1 } else { 0 };

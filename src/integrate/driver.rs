@@ -193,11 +193,12 @@ pub fn run<const S: usize>(
     let mut events = Events::new(system, state).map_err(at(state.elapsed))?;
     observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), &state.laws);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
-    statistics.evaluations += 1;
+    statistics.begin(1);
     let (mut asked, mut adopted) = (0, 0);
     while state.elapsed < end || observer.next().is_some() {
-        asked += 1;
-        if asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
+        // Between two laws adopted at one instant nothing stops: the count of them is no part of the state.
+        asked += u64::from(adopted == 0);
+        if adopted == 0 && asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
             return Err(at(state.elapsed)(Halt::Interrupted));
         }
         let taken = match control {

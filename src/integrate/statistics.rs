@@ -53,6 +53,11 @@ impl Statistics {
         Self { steps: 0, rejected: 0, evaluations: 0, events: 0, at_limit: 0, shortest: f64::INFINITY, longest: 0.0 }
     }
 
+    /// Counts the evaluations that a run begins with; one that was paused has counted them already.
+    pub fn begin(&mut self, evaluations: u64) {
+        self.evaluations = self.evaluations.max(evaluations);
+    }
+
     /// Counts a step.
     pub fn accept(&mut self, step: f64, at_limit: bool) {
         self.steps += 1;

@@ -249,7 +249,7 @@ impl PyModel {
         Ok(simulate::default_output_step(self.model(), duration, fastest))
     }
 
-    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress))]
+    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress, pause))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn simulate<'py>(
         &self,
@@ -268,6 +268,7 @@ impl PyModel {
         geometry: &str,
         start: f64,
         progress: Option<Py<PyAny>>,
+        pause: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let options = analysis::simulate::Options {
             duration,
@@ -281,6 +282,7 @@ impl PyModel {
             times: times.as_array().to_vec(),
             geometry: self::geometry(geometry)?,
             start,
+            pause: pause.map_or(Ok(None), simulate::pause)?,
         };
         self.warn_of_conditioning(py, 0.0)?;
         simulate::simulate(self, py, &options, record, progress)

@@ -9,10 +9,10 @@ use super::errors::warn;
 use super::model::{self, PyModel};
 use super::speed;
 use crate::analysis::simulate::{
-    self, Final, Initial, MESH_FIELDS, Method, Options, Plan, Request, Response, round_below, sample_step,
+    self, Final, Initial, MESH_FIELDS, Method, Options, Pause, Plan, Request, Response, Seen, round_below, sample_step,
 };
 use crate::analysis::{AnalysisError, beyond};
-use crate::integrate::State;
+use crate::integrate::{State, Statistics};
 use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::motion::{Anchor, Energies, SOURCES, Twofold};
@@ -146,6 +146,7 @@ fn response_dict<'py>(
     };
     dict.set_item("events", record.events.iter().map(event).collect::<Vec<_>>())?;
     dict.set_item("final", final_dict(py, &response.last)?)?;
+    dict.set_item("pause", pause_dict(py, &response.statistics, &response.seen)?)?;
 
     let count = response.statistics;
     let statistics = PyDict::new(py);
@@ -198,6 +199,43 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("memory", PyArray1::from_slice(py, &last.state.memory))?;
     dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
     Ok(dict)
+}
+
+/// What is needed beside the final state for the same run to go on; floats, whole numbers and lists of them.
+fn pause_dict<'py>(py: Python<'py>, count: &Statistics, seen: &Seen) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("counts", [count.steps, count.rejected, count.evaluations, count.events, count.at_limit])?;
+    dict.set_item("steps", [count.shortest, count.longest])?;
+    dict.set_item("events", seen.events)?;
+    let margins = seen.margins.iter().map(|margins| margins.map(|(at, [ratio, clearance])| [at, ratio, clearance]));
+    dict.set_item("margins", margins.collect::<Vec<_>>())?;
+    dict.set_item("works", seen.works)?;
+    dict.set_item("until", seen.until)?;
+    Ok(dict)
+}
+
+/// Where a run was stopped: the `final` and the `pause` of what it had computed.
+pub fn pause((last, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Option<Box<Pause>>> {
+    let Initial::Continue(last) = initial(&last)? else {
+        return Err(SceneError::new("pause", "must hold the final state of a run").into());
+    };
+    let item = |key: &str| seen.get_item(key);
+    let [steps, rejected, evaluations, events, at_limit] = item("counts")?.extract()?;
+    let [shortest, longest] = item("steps")?.extract()?;
+    let margins: Vec<Option<[f64; 3]>> = item("margins")?.extract()?;
+    Ok(Some(Box::new(Pause {
+        state: last.state,
+        statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
+        seen: Seen {
+            events: item("events")?.extract()?,
+            margins: margins
+                .into_iter()
+                .map(|seen| seen.map(|[at, ratio, clearance]| (at, [ratio, clearance])))
+                .collect(),
+            works: item("works")?.extract()?,
+            until: item("until")?.extract()?,
+        },
+    })))
 }
 
 /// The beginning of a run: a name, or the `final` of another run.

@@ -1,6 +1,7 @@
 //! The energy audit: works are integrated over the interpolated motion of every step, by the three-point Gauss rule,
 //! whose error is of higher order than that of the motion.
 
+use super::Seen;
 use crate::integrate::{Halt, System, Trajectory};
 use crate::mesh::Law;
 use crate::motion::Motion;
@@ -37,6 +38,16 @@ impl Audit {
             v: vec![0.0; len],
             laws: None,
         }
+    }
+
+    /// Goes on from what the same run has counted.
+    pub fn take_up(&mut self, seen: &Seen) {
+        (self.works, self.until) = (seen.works, seen.until);
+    }
+
+    /// Works, and the elapsed time up to which they count.
+    pub fn counted(&self) -> ([f64; 6], f64) {
+        (self.works, self.until)
     }
 
     /// Counts what is done within a step, up to `end`; returns the works until then.

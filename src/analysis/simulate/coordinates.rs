@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix};
 
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, Part};
+use super::Options;
 use super::initial::Start;
-use super::{Initial, Options};
 use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{Basis, Form, Linear};
@@ -65,11 +65,11 @@ impl<'m> Coordinates<'m> {
 }
 
 /// The state that a run begins with, in coordinates of the modes.
-pub(super) fn enter(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>, start: &Start) -> State {
+pub(super) fn enter(basis: &Basis, linear: &Linear, field: &Field<'_>, start: &Start) -> State {
     let mut state = start.state.clone();
     let own = linear.len();
     // The coordinates that a run left are taken up if they stand for the state beside them, to the last bit.
-    let resumes = matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last))
+    let resumes = start.resumes
         && state.memory.len() >= own
         && physical(linear, field, state.elapsed, &state.memory[..own]) == state.y;
     if resumes {

@@ -1,5 +1,6 @@
 //! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
 
+use super::pause::{Margins, Seen};
 use crate::integrate::Trajectory;
 use crate::mesh::{Centres, Coupling, Flank, Law};
 use crate::motion::Motion;
@@ -59,16 +60,29 @@ const MOST: usize = 1_000_000;
 #[derive(Clone, Debug)]
 pub(super) struct Events {
     pub list: Vec<Event>,
+    /// How many the same run had listed before it was paused.
+    before: usize,
     origin: f64,
     flanks: Vec<Option<Flank>>,
     /// Contact ratio less one, and tip clearance in metres, when last seen.
-    margins: Vec<Option<(f64, [f64; 2])>>,
+    margins: Vec<Option<Margins>>,
 }
 
 impl Events {
     pub fn new(motion: &Motion, origin: f64) -> Self {
         let meshes = motion.model().meshes.len();
-        Self { list: Vec::new(), origin, flanks: vec![None; meshes], margins: vec![None; meshes] }
+        Self { list: Vec::new(), before: 0, origin, flanks: vec![None; meshes], margins: vec![None; meshes] }
+    }
+
+    /// Goes on from what the same run has seen.
+    pub fn take_up(&mut self, seen: &Seen) {
+        self.before = seen.events;
+        self.margins.copy_from_slice(&seen.margins);
+    }
+
+    /// What was seen; the works are another's.
+    pub fn seen(&self) -> Seen {
+        Seen { events: self.before + self.list.len(), margins: self.margins.clone(), works: [0.0; 6], until: 0.0 }
     }
 
     /// Whether there is a mesh to watch at every step; the others are seen when they are recorded.
@@ -77,7 +91,7 @@ impl Events {
     }
 
     fn push(&mut self, elapsed: f64, mesh: usize, kind: Kind) {
-        if self.list.len() < MOST {
+        if self.before + self.list.len() < MOST {
             self.list.push(Event { time: self.origin + elapsed, mesh, kind });
         }
     }

@@ -63,7 +63,7 @@ pub(super) fn run(
     }
     let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
     let table = Table::new(&linear, rule, &ports, clock.longest, clock.event, field.spins());
-    let mut state = enter(basis, options, &linear, &field, start);
+    let mut state = enter(basis, &linear, &field, start);
     let mut stepper = Stepper::new(field, &linear, ports, table, clock.event);
     let control = match options.step {
         None if !options.is_explicit() => Control::Adaptive { rtol: options.rtol, floor: start.floor },

@@ -27,6 +27,8 @@ pub(super) struct Start {
     pub floor: f64,
     /// The state.
     pub state: State,
+    /// Whether a run with the same method and setting left it.
+    pub resumes: bool,
 }
 
 /// The beginning that the options ask for.
@@ -80,7 +82,16 @@ pub(super) fn start(
     let mut norm = Motion::along(basis, Geometry::Frozen, &course, zero())?;
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
     let floor = FLOOR * norm.norm(&whole);
-    Ok(Start { course, equilibrium: displacement, floor: floor.max(f64::MIN_POSITIVE), state })
+    let floor = floor.max(f64::MIN_POSITIVE);
+    let continues =
+        matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));
+    let Some(pause) = &options.pause else {
+        return Ok(Start { course, equilibrium: displacement, floor, state, resumes: continues });
+    };
+    if pause.state.y.len() != 2 * n || pause.seen.margins.len() != model.meshes.len() {
+        return Err(SceneError::new("pause", "is of a run of another system").into());
+    }
+    Ok(Start { course, equilibrium: displacement, floor, state: pause.state.clone(), resumes: true })
 }
 
 /// A linear synchronous motion as long as the shafts is that of a critical speed which nothing damps.

@@ -6,6 +6,7 @@ mod events;
 mod exponential;
 mod initial;
 mod options;
+mod pause;
 mod record;
 mod request;
 
@@ -14,6 +15,7 @@ use std::time::{Duration, Instant};
 pub use events::{Event, Kind};
 pub use exponential::{round_below, sample_step};
 pub use options::{Final, Initial, Method, Options};
+pub use pause::{Pause, Seen};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use request::{Plan, Point, Request};
 
@@ -39,6 +41,8 @@ pub struct Response {
     pub record: Record,
     /// The state to continue from.
     pub last: Final,
+    /// What was seen on the way, for the same run to go on where it was stopped.
+    pub seen: Seen,
     /// What it cost.
     pub statistics: Statistics,
     /// The fastest motion of the scene.
@@ -89,6 +93,10 @@ pub fn simulate(
         asked: Instant::now() - HEARTBEAT,
     };
     let (mut statistics, mut condition) = (Statistics::new(), None);
+    if let Some(pause) = &options.pause {
+        statistics = pause.statistics;
+        observer.recorder.take_up(&pause.seen, &pause.state.laws);
+    }
     // Where the speed changes, the modes do too, and modal damping is a matrix over all displacements.
     let modal = basis.model.scene.modal_damping > 0.0 && matches!(options.speed, Speed::Constant(_));
     let exact = matches!(options.method, Method::Exponential | Method::ExactRk4);
@@ -101,7 +109,7 @@ pub fn simulate(
             exponential::run(basis, options, coordinates, &start, end, &mut observer, &mut statistics)?
         } else {
             let Coordinates { linear, field, ports, output } = coordinates;
-            let mut state = enter(basis, options, &linear, &field, &start);
+            let mut state = enter(basis, &linear, &field, &start);
             let mut system = InModes::new(field, &linear, ports, output);
             let outcome = run.runge_kutta(&mut system, &mut state, &mut observer, &mut statistics)?;
             (leave(state, &linear, system.field()), outcome)
@@ -113,8 +121,10 @@ pub fn simulate(
     };
     // What was stopped goes on from where it stands.
     let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
+    let (record, seen) = observer.recorder.finish();
     let response = Response {
-        record: observer.recorder.finish(),
+        record,
+        seen,
         last: options.last(&start.course, reached, state),
         limited_by: limited_by(options, &statistics),
         statistics,

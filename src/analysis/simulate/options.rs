@@ -1,5 +1,6 @@
 //! What a run is asked to do, and the state that it leaves.
 
+use super::Pause;
 use crate::exponential::MOST_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
@@ -107,6 +108,8 @@ pub struct Options {
     pub geometry: Geometry,
     /// Time at which it begins, s.
     pub start: f64,
+    /// Where the same run was stopped, to go on from there; `times` are then those that it had still to record.
+    pub pause: Option<Box<Pause>>,
 }
 
 impl Options {

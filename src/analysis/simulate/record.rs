@@ -1,8 +1,8 @@
 //! Recording: the motion at the times asked for, of the coordinates asked for.
 
-use super::Plan;
 use super::audit::Audit;
 use super::events::{Event, Events};
+use super::{Plan, Seen};
 use crate::integrate::{Halt, System, Trajectory};
 use crate::mesh::MeshState;
 use crate::motion::{Energies, Motion};
@@ -152,10 +152,23 @@ impl<'a, 'm> Recorder<'a, 'm> {
         Ok(())
     }
 
-    /// What was recorded.
-    pub fn finish(mut self) -> Record {
+    /// Goes on as the recorder of the same run that has seen what is given, under the laws that held then.
+    pub fn take_up(&mut self, seen: &Seen, laws: &[i64]) {
+        self.motion.set_laws(laws);
+        self.events.take_up(seen);
+        if let Some(audit) = &mut self.audit {
+            audit.take_up(seen);
+        }
+    }
+
+    /// What was recorded, and what was seen.
+    pub fn finish(mut self) -> (Record, Seen) {
+        let mut seen = self.events.seen();
+        if let Some(audit) = &self.audit {
+            (seen.works, seen.until) = audit.counted();
+        }
         self.record.events = self.events.list;
-        self.record
+        (self.record, seen)
     }
 }
 

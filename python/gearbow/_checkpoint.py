@@ -1,0 +1,217 @@
+"""A long run that is kept in a file while it goes on, and taken up again from there.
+
+The file is a response like any other, of what was recorded so far; beside it stands where the run
+was stopped, and what it was asked, so that no other run goes on from it.
+"""
+
+import hashlib
+import json
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from gearbow import storage
+from gearbow._core import __version__
+from gearbow._run import number
+from gearbow._types import Array, Pause, Plain, Progress, RunData
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError
+from gearbow.response import Response
+from gearbow.speed import SpeedProfile
+
+#: A run of the core: the times that are left, where it was stopped, and what is told how far it is.
+Core: TypeAlias = Callable[[Array, Pause | None, Progress], RunData]
+
+
+class _Due(Exception):  # noqa: N818  # nothing went wrong
+    """It is time to write the file."""
+
+
+class Checkpoint:
+    """The file of one run, and what it holds.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; it need not be there.
+    every : float
+        Wall-clock time between two writings [s].
+    asked : mapping
+        All that makes the run this one, as plain data and arrays.
+
+    Raises
+    ------
+    SceneError
+        If the file is of another run, or no checkpoint; the text names what differs.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], every: object, asked: Mapping[str, Any]
+    ) -> None:
+        self.path = Path(path)
+        self.every = number(every, "every")
+        if not self.every > 0.0:
+            raise SceneError(f"every: must be positive, got {every!r}")
+        storage.suffix(self.path)
+        if not self.path.parent.is_dir():
+            raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
+        self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))
+        self._kept: RunData | None = None
+        self.complete: Response | None = None
+        if self.path.exists():
+            self._read()
+
+    def _read(self) -> None:
+        """Take up what the file holds."""
+        try:
+            response, about = storage.read(self.path)
+            known = about["checkpoint"]
+        except (GearbowError, KeyError) as error:
+            message = f"checkpoint: {self.path} is there and is none, nothing was run: {error}"
+            raise SceneError(message) from None
+        for where, was, now in _differences(known["asked"], self._asked):
+            raise SceneError(
+                f"checkpoint: {self.path} is of a run whose {where} was {was}, not {now}"
+            )
+        if known["pause"] is None:
+            self.complete = response
+        else:
+            self._kept = {**response._data, "pause": known["pause"]}
+
+    def run(
+        self,
+        core: Core,
+        times: Array,
+        speed: float | SpeedProfile,
+        progress: Progress | None,
+    ) -> RunData:
+        """Run to the end, and write the file on the way.
+
+        Parameters
+        ----------
+        core : callable
+            What runs.
+        times : ndarray
+            All times to record [s], ascending.
+        speed : float or SpeedProfile
+            Speed of the reference shaft [rad/s].
+        progress : callable or None
+            Called with the fraction done.
+
+        Returns
+        -------
+        mapping
+            What was recorded. What ends the run early carries it as ``partial``.
+        """
+        while True:
+            kept = self._kept
+            done = 0 if kept is None else kept["time"].size
+            pause = None if kept is None else (kept["final"], kept["pause"])
+            watch = _Watch(self.every, progress)
+            try:
+                return _joined(kept, core(times[done:], pause, watch))
+            except BaseException as error:
+                partial: RunData | None = getattr(error, "partial", None)
+                joined = kept if partial is None else _joined(kept, partial)
+                if joined is None:
+                    raise
+                self._kept = joined
+                if watch.fraction < 1.0:  # else it had ended, and only who was told has failed
+                    self._write(joined, speed)
+                if not isinstance(error, _Due):
+                    error.partial = joined  # type: ignore[attr-defined]
+                    raise
+
+    def _write(self, data: RunData, speed: float | SpeedProfile) -> None:
+        """Write what there is; whatever stops that, a full disk apart, carries it."""
+        try:
+            self._save(Response(data, speed), data["pause"])
+        except BaseException as error:
+            error.partial = data  # type: ignore[attr-defined]
+            raise
+
+    def finish(self, response: Response) -> None:
+        """Leave the whole response in the file.
+
+        Parameters
+        ----------
+        response : Response
+            The response.
+        """
+        self._save(response, None)
+
+    def _save(self, response: Response, pause: dict[str, Plain] | None) -> None:
+        try:
+            storage.save(response, self.path, checkpoint={"asked": self._asked, "pause": pause})
+        except OSError as error:
+            message = f"checkpoint: {self.path} could not be written and is as it was: {error}"
+            warnings.warn(message, CheckpointWarning, stacklevel=2)
+
+
+class _Watch:
+    """Tells how far a run is, and stops it when the file is due."""
+
+    def __init__(self, every: float, progress: Progress | None) -> None:
+        self.every = every
+        self.progress = progress
+        self.fraction = 0.0
+        self._begun: tuple[float, float] | None = None
+
+    def __call__(self, fraction: float) -> None:
+        self.fraction = fraction
+        now = time.monotonic()
+        # To assemble the run again takes its time too: the steps count, and there is one at least.
+        at, begun = self._begun = self._begun or (now, fraction)
+        if self.progress is not None:
+            self.progress(fraction)
+        if begun < fraction < 1.0 and now - at >= self.every:
+            raise _Due
+
+
+def _joined(first: RunData | None, second: RunData) -> RunData:
+    """Put what a run recorded behind what it had recorded before."""
+    if first is None:
+        return second
+
+    def both(a: Any, b: Any) -> Any:
+        if isinstance(a, dict):
+            return {name: both(values, b[name]) for name, values in a.items()}
+        return a if a is None else np.concatenate([a, b])
+
+    recorded: Any = {
+        name: both(first[name], second[name])
+        for name in (
+            *("time", "displacement", "twist", "bearing_force"),
+            *("mesh", "energy", "energy_terms"),
+        )
+    }
+    return {**second, **recorded, "events": [*first["events"], *second["events"]]}
+
+
+def _plain(value: Any) -> Any:
+    """Give arguments as what JSON can hold, an array as what identifies it."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, np.ndarray):
+        digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return {"length": value.size, "digest": digest}
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _differences(was: Any, now: Any, where: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Find where two pieces of plain data differ."""
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in {**was, **now}:
+            place = f"{where}.{name}".lstrip(".")
+            yield from _differences(was.get(name), now.get(name), place)
+    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
+        for i, (a, b) in enumerate(zip(was, now, strict=True)):
+            yield from _differences(a, b, f"{where}[{i}]")
+    elif repr(was) != repr(now):
+        yield where, was, now

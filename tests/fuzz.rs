@@ -1,0 +1,378 @@
+//! Descriptions that nobody would write: whatever stands in a file, the answer is a scene or an error that says where,
+//! soon and in little memory. `make fuzz` tries a million of them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use allocation_counter::measure;
+use gearbow::analysis::equilibrium;
+use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simulate};
+use gearbow::mesh::Geometry;
+use gearbow::modal::Basis;
+use gearbow::model::Model;
+use gearbow::scene::{Scene, SceneError, System};
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+/// Valid files, which the others are made of.
+const FILES: [&str; 5] = [
+    common::TRAIN,
+    EVERYTHING,
+    include_str!("../examples/rotors/friswell_2010.toml"),
+    include_str!("../examples/rotors/nelson_1976.toml"),
+    include_str!("../examples/rotors/rao_1998.toml"),
+];
+
+/// Everything that the others leave out.
+const EVERYTHING: &str = r#"
+reference = "b"
+modal_damping = 0.02
+rayleigh = [1.0, 1e-6]
+gravity = [0.0, -9.81]
+motion = "coupled"
+[[shafts]]
+name = "a"
+shear = false
+segments = [
+    { length = 0.2, outer_diameter = 0.05, inner_diameter = 0.01, elements = 2 },
+    { length = 0.3, outer_diameter = 0.06, elements = 1 },
+]
+material = { youngs_modulus = 2e11, density = 7800.0, shear_modulus = 8e10 }
+bow = { shape = "points", positions = [0.0, 0.2, 0.5], amplitudes = [0.0, 1e-4, 0.0], phases = [0.0, 0.3, 0.4] }
+[[shafts]]
+name = "b"
+length = 0.5
+outer_diameter = 0.05
+elements = 2
+bow = { shape = "mode", number = 2, amplitude = 1e-4, phase = 1.0 }
+[[shafts]]
+name = "c"
+length = 0.5
+outer_diameter = 0.05
+elements = 2
+bow = { shape = "sag", amplitude = 1e-4 }
+[[gears]]
+name = "g1"
+shaft = "a"
+position = 0.1
+teeth = 20
+module = 3e-3
+face_width = 0.02
+pressure_angle = 0.3490658503988659
+profile_shift = 0.1
+run_out = [1e-5, 0.0]
+[[gears]]
+name = "g2"
+shaft = "b"
+position = 0.1
+teeth = 30
+module = 3e-3
+face_width = 0.02
+unbalance = 1e-4
+[[gears]]
+name = "g3"
+shaft = "c"
+position = 0.1
+teeth = 25
+base_radius = 0.0352
+mass = 1.0
+diametral_inertia = 1e-3
+polar_inertia = 2e-3
+[[disks]]
+name = "d"
+shaft = "a"
+position = 0.5
+mass = 1.0
+diametral_inertia = 1e-3
+polar_inertia = 2e-3
+unbalance = [1e-4, 1e-5]
+[[meshes]]
+driver = "g1"
+driven = "g2"
+stiffness = { model = "parabolic", pair = 1e8, end_ratio = 0.6, engagement = 0.1, phase = "prescribed" }
+damping = 100.0
+backlash = 1e-5
+tip_relief = { amount = 1e-5, length = 2e-3, shape = "parabolic" }
+error = { tooth = [[1e-6, 0.0], [5e-7, 1.0]], driver = [[1e-6, 0.5]] }
+[[meshes]]
+driver = "g2"
+driven = "g3"
+stiffness = { model = "table", values = [1e8, 1.5e8, 1.2e8, 1.1e8] }
+damping_ratio = 0.02
+centre_line_angle = 1.0
+centre_distance = 0.0826
+[[bearings]]
+shaft = "a"
+position = 0.0
+stiffness = [[1e8, 1e6], [1e6, 1e8]]
+damping = [100.0, 200.0]
+[[bearings]]
+shaft = "b"
+position = 0.25
+stiffness = 1e8
+[[bearings]]
+shaft = "c"
+position = 0.0
+stiffness = 1e8
+[[bearings]]
+shaft = "c"
+position = 0.5
+stiffness = 1e8
+[[torques]]
+at = "g1"
+value = 10.0
+[[torques]]
+at = ["c", 0.5]
+balance = true
+"#;
+
+/// What stands where a number stood, or anything else.
+const WORDS: [&str; 40] = [
+    "0",
+    "-0.0",
+    "1",
+    "-1",
+    "2",
+    "3",
+    "1e-300",
+    "5e-324",
+    "1e-9",
+    "1e-3",
+    "0.5",
+    "1.0000000001",
+    "1e3",
+    "1e9",
+    "1e18",
+    "1e154",
+    "1e308",
+    "-1e308",
+    "nan",
+    "inf",
+    "-inf",
+    "1000000000",
+    "4294967295",
+    "9223372036854775807",
+    "18446744073709551616",
+    "true",
+    "false",
+    "\"\"",
+    "\"a\"",
+    "\"g1\"",
+    "\"gears\"",
+    "\"sharp\"",
+    "[]",
+    "[[]]",
+    "{}",
+    "[1.0, 2.0]",
+    "[[1.0, 0.0], [0.0, 1.0]]",
+    "1979-05-27",
+    "\"\\u0000\"",
+    "{ model = \"square\", pair = 1e8 }",
+];
+
+/// One change of a text.
+#[derive(Clone, Debug)]
+enum Change {
+    /// A word in the place of a word.
+    Word(Index, Index),
+    /// A word of the file in the place of another.
+    Swap(Index, Index),
+    /// A line less.
+    Drop(Index),
+    /// A line twice.
+    Repeat(Index, Index),
+    /// Bytes in the place of bytes.
+    Bytes(Index, u8, Vec<u8>),
+    /// An end before the end.
+    Cut(Index),
+}
+
+fn changes() -> impl Strategy<Value = Change> {
+    let at = any::<Index>;
+    prop_oneof![
+        8 => (at(), at()).prop_map(|(place, word)| Change::Word(place, word)),
+        3 => (at(), at()).prop_map(|(place, other)| Change::Swap(place, other)),
+        2 => at().prop_map(Change::Drop),
+        1 => (at(), at()).prop_map(|(line, place)| Change::Repeat(line, place)),
+        1 => (at(), 0_u8..9, prop::collection::vec(any::<u8>(), 0..5)).prop_map(|(at, old, new)| Change::Bytes(at, old, new)),
+        1 => at().prop_map(Change::Cut),
+    ]
+}
+
+/// Where the words of a text stand.
+fn words(text: &str) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut begin = None;
+    for (i, sign) in text.char_indices().chain([(text.len(), ' ')]) {
+        match (begin, sign.is_alphanumeric() || "._+-\"".contains(sign)) {
+            (None, true) => begin = Some(i),
+            (Some(from), false) => {
+                found.push((from, i));
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn changed(mut text: String, change: &Change) -> String {
+    let found = words(&text);
+    let mut lines: Vec<&str> = text.lines().collect();
+    match change {
+        _ if found.is_empty() || lines.is_empty() => {}
+        Change::Word(place, word) => {
+            let (from, to) = found[place.index(found.len())];
+            text.replace_range(from..to, WORDS[word.index(WORDS.len())]);
+        }
+        Change::Swap(place, other) => {
+            let ((from, to), (other, end)) = (found[place.index(found.len())], found[other.index(found.len())]);
+            let word = text[other..end].to_owned();
+            text.replace_range(from..to, &word);
+        }
+        Change::Drop(line) => {
+            lines.remove(line.index(lines.len()));
+            text = lines.join("\n");
+        }
+        Change::Repeat(line, place) => {
+            let line = lines[line.index(lines.len())];
+            lines.insert(place.index(lines.len()), line);
+            text = lines.join("\n");
+        }
+        Change::Bytes(place, old, new) => {
+            let mut bytes = text.into_bytes();
+            let at = place.index(bytes.len());
+            let end = (at + usize::from(*old)).min(bytes.len());
+            bytes.splice(at..end, new.iter().copied());
+            text = String::from_utf8_lossy(&bytes).into_owned();
+        }
+        Change::Cut(place) => {
+            let (end, _) = found[place.index(found.len())];
+            text.truncate(end);
+        }
+    }
+    text
+}
+
+fn texts() -> impl Strategy<Value = String> {
+    let changes = prop::collection::vec(changes(), 0..5);
+    let noise =
+        prop::collection::vec(any::<u8>(), 0..64).prop_map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    prop_oneof![
+        60 => (0..FILES.len(), changes)
+            .prop_map(|(file, changes)| changes.iter().fold(FILES[file].to_owned(), changed)),
+        1 => noise,
+    ]
+}
+
+/// No answer may take longer; most take less than a millisecond, and machines may be busy.
+const LONGEST: Duration = Duration::from_secs(20);
+/// No answer may take more memory, bytes; the largest scenes that are allowed take some.
+const MOST: u64 = 200 << 20;
+/// Scenes with more degrees of freedom are not run: it is the description that is tried here.
+const SMALL: usize = 80;
+
+/// What is tried now, and since when; whoever waits too long says what it was.
+static NOW: Mutex<Option<(Instant, String)>> = Mutex::new(None);
+
+fn watch() {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    ONCE.call_once(|| {
+        std::thread::spawn(|| {
+            loop {
+                std::thread::sleep(Duration::from_secs(1));
+                let now = NOW.lock().unwrap();
+                if let Some((_, text)) = now.as_ref().filter(|(since, _)| since.elapsed() > LONGEST) {
+                    eprintln!("no answer for {LONGEST:?} to:\n{text}");
+                    std::process::abort();
+                }
+            }
+        });
+    });
+}
+
+fn scene(text: &str) -> Result<Model, SceneError> {
+    Model::new(Scene::new(&System::from_toml(text)?)?)
+}
+
+/// A run of a few steps; that it fails with an error is as good as that it succeeds.
+fn run(model: Model) {
+    let n = model.len();
+    let basis = Basis::new(model);
+    let _ = equilibrium(&basis, Geometry::Live, 100.0).map(|found| assert_eq!(found.len(), n));
+    for method in [Method::Exponential, Method::Rk45] {
+        let options = Options {
+            duration: 1e-3,
+            speed: 100.0.into(),
+            method,
+            step: None,
+            rtol: 1e-4,
+            stages: None,
+            modes: None,
+            initial: Initial::Rest,
+            times: vec![0.0, 1e-3],
+            geometry: Geometry::Live,
+            start: 0.0,
+            pause: None,
+        };
+        let requests = ["gears", "meshes", "energy"].map(|name| Request::Name(name.to_owned()));
+        let plan = Plan::new(&basis.model, &requests).unwrap();
+        let mut asked = 0;
+        // Some scenes are stiff beyond measure: they are stopped.
+        let mut patience = |_| {
+            asked += 1;
+            asked < 3
+        };
+        if let Ok(response) = simulate(&basis, &options, &plan, &mut patience) {
+            assert_eq!(response.record.time.len(), 2);
+        }
+    }
+}
+
+fn answer(text: &str, runs: bool) {
+    *NOW.lock().unwrap() = Some((Instant::now(), text.to_owned()));
+    let mut found = None;
+    let info = measure(|| found = Some(scene(text)));
+    assert!(info.bytes_max < MOST, "{} MB for\n{text}", info.bytes_max >> 20);
+    match found.unwrap() {
+        Err(error) => assert!(!error.path.is_empty() && !error.message.is_empty(), "{error} for\n{text}"),
+        Ok(model) if runs && model.len() <= SMALL => run(model),
+        Ok(_) => {}
+    }
+    *NOW.lock().unwrap() = None;
+}
+
+proptest! {
+    #![proptest_config(common::cases(3000))]
+
+    #[test]
+    fn every_text_gets_an_answer(text in texts(), lot in 0..500) {
+        watch();
+        answer(&text, lot == 0);
+    }
+}
+
+#[test]
+fn the_files_are_valid() {
+    for file in FILES {
+        scene(file).unwrap();
+    }
+}
+
+#[test]
+fn absurd_sizes_are_refused_before_memory_is_asked_for() {
+    for (what, text) in [
+        ("elements", common::TRAIN.replace("elements = 4", "elements = 1000000000")),
+        ("elements", common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),
+        ("elements", common::TRAIN.replace("elements = 4", "elements = 3334")),
+    ] {
+        let mut found = None;
+        let info = measure(|| found = Some(scene(&text)));
+        let error = found.unwrap().unwrap_err().to_string();
+        assert!(error.starts_with("shafts[") && error.contains(what) && error.contains("10000"), "{error}");
+        assert!(info.bytes_max < 16 << 20, "{} bytes", info.bytes_max);
+    }
+}

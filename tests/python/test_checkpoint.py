@@ -1,0 +1,285 @@
+"""Long runs that are kept in a file: stopped anywhere and by anything, they end with the same bits."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow import storage
+from test_exponential_runs import SCENES, SHARP, SMOOTH, with_mesh
+from test_persistence import assert_same
+
+RECORD = ["gears", "meshes", "energy", "bearings"]
+SMOOTH_GAP = with_mesh(stiffness=SMOOTH, backlash=5e-6)
+RAMP = ([0.0, 0.02, 1.0], [500.0, 600.0, 600.0])
+# Every method, with and without changes of law, and how long it runs [s]: some tenths of a second of computing.
+RUNS: dict[str, tuple[Any, float, dict[str, Any]]] = {
+    "smooth": (with_mesh(stiffness=SMOOTH), 0.06, {}),
+    "rattling": (SCENES["rattling, live"][0], 0.045, {}),
+    "sharp, frozen": (with_mesh(stiffness=SHARP), 0.05, {"geometry": "frozen"}),
+    "etdrk4": (SCENES["etdrk4"][0], 0.016, SCENES["etdrk4"][1]),
+    "rk45": (SMOOTH_GAP, 0.1, {"method": "rk45"}),
+    "rk4": (with_mesh(stiffness=SHARP), 0.3, {"method": "rk4"}),
+    "changing": (with_mesh(stiffness=SMOOTH), 0.12, {"speed": RAMP}),
+    "synchronous": (SMOOTH_GAP, 0.045, {"initial": "synchronous"}),
+}
+
+
+def asked(name: str) -> dict[str, Any]:
+    _, duration, own = RUNS[name]
+    # off every grid, out of order, one of them twice
+    times = np.random.default_rng(7).uniform(0.0, duration, 40)
+    given = {"speed": 600.0, "initial": "rest", "record": RECORD, "times": [*times, times[3]]}
+    return {"duration": duration, **given, **own}
+
+
+def short() -> tuple[gb.RotorSystem, dict[str, Any]]:
+    """A run that is over before anything asks whether it is to go on."""
+    return RUNS["smooth"][0].package(), {"duration": 1e-3, "speed": 600.0, "output_step": 1e-4}
+
+
+class EnoughError(Exception):
+    pass
+
+
+class Stop:
+    """Ends a run as soon as it has taken a step."""
+
+    begun: float | None = None
+
+    def __call__(self, fraction: float) -> None:
+        self.begun = fraction if self.begun is None else self.begun
+        if self.begun < fraction < 1.0:
+            raise EnoughError
+
+
+@pytest.fixture
+def writings(monkeypatch):
+    """Count what is written."""
+    count: list[int] = []
+    write = storage.save
+
+    def counted(response: gb.Response, *args: Any, **more: Any) -> None:
+        count.append(response.time.size)
+        write(response, *args, **more)
+
+    monkeypatch.setattr(storage, "save", counted)
+    return count
+
+
+# --- the same bits -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_that_is_stopped_everywhere_is_the_whole(name, tmp_path, writings):
+    system, path = RUNS[name][0].package(), tmp_path / "run.npz"
+    whole = system.simulate(**asked(name))
+    # the run is taken apart at every question whether to go on, first within one call,
+    found = system.simulate(**asked(name), checkpoint=path, every=1e-9)
+    assert_same(found, whole)
+    assert_same(gb.Response.load(path), whole)
+    assert len(writings) > 2
+    # then from call to call
+    path.unlink()
+    for _ in range(100):
+        try:
+            found = system.simulate(**asked(name), checkpoint=path, progress=Stop())
+            break
+        except EnoughError as error:
+            done = np.unique(error.response.time)  # type: ignore[attr-defined]
+            assert np.array_equal(done, gb.Response.load(path).time)
+            assert done.size < whole.time.size
+    else:
+        pytest.fail("it has not come to its end")
+    assert_same(found, whole)
+    assert os.listdir(tmp_path) == ["run.npz"]  # noqa: PTH208
+
+
+def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
+    system, options = short()
+    path = tmp_path / "run.nc"
+    first = system.simulate(**options, checkpoint=path, accuracy="draft")
+    assert first.expected_error == 1e-2
+    monkeypatch.setattr(system, "_run", None)  # nothing runs
+    again = system.simulate(**options, checkpoint=path, accuracy="draft")
+    assert_same(again, first)
+    assert again.expected_error == first.expected_error
+
+
+# --- stopped by force ------------------------------------------------------------------------------
+
+KILLED = """
+import os, signal, sys
+from gearbow import storage
+from test_checkpoint import RUNS, asked
+
+count, replace = [], storage.Path.replace
+
+def twice(self, target):
+    count.append(target)
+    if len(count) == 3:  # all is written, under its other name
+        os.kill(os.getpid(), signal.SIGKILL)
+    return replace(self, target)
+
+storage.Path.replace = twice
+RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[1], every=1e-9)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_a_process_that_is_killed_while_it_writes_leaves_the_file_before(tmp_path):
+    path = tmp_path / "run.npz"
+    folder = Path(__file__).parent
+    ended = subprocess.run([sys.executable, "-c", KILLED, path], cwd=folder, check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert len(list(tmp_path.iterdir())) == 2
+    left = gb.Response.load(path)
+    system = RUNS["rattling"][0].package()
+    whole = system.simulate(**asked("rattling"))
+    assert left.time.size < whole.time.size
+    assert_same(system.simulate(**asked("rattling"), checkpoint=path), whole)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+
+
+def test_ctrl_c_leaves_the_newest_state(tmp_path):
+    path = tmp_path / "run.npz"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+
+    def interrupt(fraction: float) -> None:
+        if fraction > 0.0:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        system.simulate(**options, checkpoint=path, progress=interrupt)
+    left, kept = caught.value.response, gb.Response.load(path)  # type: ignore[attr-defined]
+    assert left.final["state"].tobytes() == kept.final["state"].tobytes()
+    # the file holds every time once, in order
+    assert np.array_equal(np.unique(left.time), kept.time)
+    assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
+
+
+def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkeypatch):
+    path = tmp_path / "run.npz"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    with pytest.raises(EnoughError):
+        system.simulate(**options, checkpoint=path, progress=Stop())
+    before = path.read_bytes()
+
+    def interrupted(file: Any, **_: Any) -> None:
+        Path(file).write_bytes(b"half of it")
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(np, "savez", interrupted)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            system.simulate(**options, checkpoint=path, every=1e-9)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+    # what was computed is not lost with it
+    assert caught.value.response.final["time"] > gb.Response.load(path).final["time"]  # type: ignore[attr-defined]
+    assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
+
+
+def test_a_run_that_cannot_go_on_says_so_again(tmp_path):
+    bow = gb.Bow.half_sine(8e-3)
+    system = RUNS["smooth"][0].package()
+    shafts = [gb.Shaft(**{**vars(shaft), "bow": bow}) for shaft in system.shafts]
+    bent = gb.RotorSystem(shafts, system.gears, system.meshes, system.bearings)
+    options = {"duration": 1.0, "speed": 100.0, "initial": "rest", "output_step": 1e-5}
+    texts = []
+    for _ in range(2):
+        with pytest.raises(gb.ContactError) as caught:
+            bent.simulate(**options, checkpoint=tmp_path / "run.npz")
+        texts.append(str(caught.value))
+        assert_same(gb.Response.load(tmp_path / "run.npz"), caught.value.response)
+    assert texts[0] == texts[1]
+
+
+# --- a full disk -----------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of a process")
+def test_a_full_disk_does_not_end_the_run(tmp_path):
+    import resource
+
+    path = tmp_path / "run.npz"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    whole = system.simulate(**options)
+    with pytest.raises(EnoughError):
+        system.simulate(**options, checkpoint=path, progress=Stop())
+    before = path.read_bytes()
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # no file may become longer
+    try:
+        with pytest.warns(gb.CheckpointWarning, match=r"run\.npz could not be written"):
+            found = system.simulate(**options, checkpoint=path, every=1e-9)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert_same(found, whole)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+    assert_same(system.simulate(**options, checkpoint=path), whole)
+
+
+# --- refused -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("other", "text"),
+    [
+        ({"duration": 2e-3}, r"whose duration was 0\.001, not 0\.002"),
+        ({"speed": 601.0}, "whose speed was"),
+        ({"rtol": 1e-7}, "whose rtol was 1e-06, not 1e-07"),
+        ({"method": "rk45"}, "whose method was exponential, not rk45"),
+        ({"output_step": 1e-5}, r"whose times\.length was 11, not 101"),
+        ({"record": ["ga"]}, "whose record was"),
+        ({"initial": "rest"}, "whose initial was synchronous, not rest"),
+        ({"geometry": "frozen"}, "whose geometry was live, not frozen"),
+        ({"accuracy": "engineering"}, "whose .* was"),
+    ],
+    ids=lambda value: "" if isinstance(value, str) else str(value),
+)
+def test_the_file_of_another_run_is_refused(tmp_path, other, text):
+    system, options = short()
+    path = tmp_path / "run.npz"
+    system.simulate(**options, checkpoint=path)
+    before = path.read_bytes()
+    with pytest.raises(gb.SceneError, match=f"^checkpoint: .*{text}"):
+        system.simulate(**{**options, **other}, checkpoint=path)
+    assert path.read_bytes() == before
+
+
+def test_the_file_of_another_system_is_refused(tmp_path):
+    system, options = short()
+    path = tmp_path / "run.npz"
+    system.simulate(**options, checkpoint=path)
+    other = with_mesh(stiffness={**SMOOTH, "pair": 1.6e8}).package()
+    where = r"scene\.meshes\[0\]\.stiffness\.pair was 150000000\.0, not 160000000\.0"
+    with pytest.raises(gb.SceneError, match=where):
+        other.simulate(**options, checkpoint=path)
+
+
+def test_a_file_that_is_no_checkpoint_is_left_alone(tmp_path):
+    system, options = short()
+    path = tmp_path / "run.npz"
+    system.simulate(**options).save(path)
+    whole = path.read_bytes()
+    for content in (whole, whole[: len(whole) // 2], b"", b"notes of a long day"):
+        path.write_bytes(content)
+        with pytest.raises(gb.SceneError, match=r"^checkpoint: .* is there and is none"):
+            system.simulate(**options, checkpoint=path)
+        assert path.read_bytes() == content
+    with pytest.raises(gb.SceneError, match=r"^checkpoint: there is no folder"):
+        system.simulate(**options, checkpoint=tmp_path / "missing" / "run.npz")
+    with pytest.raises(gb.GearbowError, match=r"ends with \.npz or \.nc"):
+        system.simulate(**options, checkpoint=tmp_path / "run.csv")
+    with pytest.raises(gb.SceneError, match=r"^every: must be positive, got 0"):
+        system.simulate(**options, checkpoint=tmp_path / "other.npz", every=0)

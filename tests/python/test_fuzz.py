@@ -1,0 +1,116 @@
+"""Descriptions that nobody would write, as Python gives them: a system or an error, never anything else.
+
+`make fuzz` tries many more, and texts beside them (`tests/fuzz.rs`).
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import gearbow as gb
+from gearbow._core import Model
+from test_response import train
+
+TIMES = os.environ.get("GEARBOW_CASES")
+
+leaves = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.integers(-3, 3),
+    st.floats(),
+    st.sampled_from([0.0, -1.0, 1e-300, 1e300, 10**9, 2**63, 2**64]),
+    st.text(max_size=5),
+    st.sampled_from(["g1", "input", "gears", "sharp", "half_sine", "square"]),
+    st.binary(max_size=3),
+    st.complex_numbers(),
+)
+anything = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=8), inner, max_size=4)
+    ),
+    max_leaves=8,
+)
+
+
+def places(data: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Give every place of a description."""
+    inner = data.items() if isinstance(data, dict) else enumerate(data)
+    found = []
+    for key, value in inner:
+        found.append((*path, key))
+        if isinstance(value, dict | list):
+            found += places(value, (*path, key))
+    return found
+
+
+SYSTEM = train().description
+PLACES = places(SYSTEM)
+
+
+@st.composite
+def descriptions(draw: st.DrawFn) -> Any:
+    if draw(st.integers(0, 19)) == 0:
+        return draw(anything)
+    description = copy.deepcopy(SYSTEM)
+    for _ in range(draw(st.integers(1, 3))):
+        *path, last = draw(st.sampled_from(PLACES))
+        here: Any = description
+        try:
+            for key in path:
+                here = here[key]
+            here[last] = draw(anything)
+        except (LookupError, TypeError):  # something else stands there by now
+            continue
+    return description
+
+
+@settings(
+    max_examples=250 * int(TIMES or 1),
+    derandomize=TIMES is None,
+    database=None,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
+@given(descriptions())
+def test_every_description_gets_an_answer(description: Any):
+    begun = time.monotonic()
+    try:
+        model = Model(description)
+    except gb.GearbowError:
+        pass
+    else:
+        assert Model(model.description()).to_toml() == model.to_toml()
+    assert time.monotonic() - begun < 20.0  # most take a millisecond, and machines may be busy
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"output_step": 1e-12}, "^output_step: .* 1e\\+13 times"),
+        ({"output_step": 5e-324}, "^output_step: "),
+        ({"output_step": 1e-10}, "^output_step: .* 1e\\+11 times"),
+    ],
+    ids=str,
+)
+def test_what_no_memory_holds_is_refused_before_it_is_asked_for(options, text):
+    with pytest.raises(gb.SceneError, match=text):
+        train().simulate(10.0, 100.0, **options)
+
+
+def test_more_elements_than_a_system_may_have_are_refused():
+    with pytest.raises(gb.SceneError, match=r"^shafts\[0\]: 1000000000 elements"):
+        gb.RotorSystem([gb.Shaft("a", length=1.0, outer_diameter=0.1, elements=10**9)])
+
+
+def test_as_many_times_as_are_allowed_are_laid():
+    assert np.size(train().simulate(1e-3, 100.0, output_step=1e-6, record=[]).time) == 1001
