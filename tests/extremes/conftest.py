@@ -11,11 +11,9 @@ import pytest
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "python")]
 
-Hold = Callable[..., None]
-
 
 @pytest.fixture
-def hold(record_property: Callable[[str, object], None]) -> Hold:
+def hold(record_property: Callable[[str, object], None]) -> Callable[..., None]:
     """hold(promise, through, found, allowed, beyond): `limits.py` prints what was held, docs/limits.md keeps it.
 
     `found` is the largest error met while the range `through` was driven through, `beyond` what happens outside it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from scipy.linalg import cholesky, expm, solve_triangular
 import gearbow as gb
 
 Array = NDArray[np.float64]
+Hold = Callable[..., None]  # what the fixture `hold` is
 E, G, RHO = 207e9, 207e9 / 2.6, 7850.0
 GRAVITY = 9.81
 MIDDLE = ("rotor", 0.5)

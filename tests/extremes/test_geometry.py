@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from conftest import Hold
-from systems import GRAVITY, MIDDLE, E, apart, rotor, sag, train
+from systems import GRAVITY, MIDDLE, E, Hold, apart, rotor, sag, train
 
 
 @pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from conftest import Hold
 from reference.teeth import TeethLaw, Toothed, propagate, tips
-from systems import apart, train
+from systems import Hold, apart, train
 
 SPEED, PAIR = 600.0, 1.5e8
 TORSION = Toothed(torque=80.0, mesh={"damping_ratio": 0.03})
@@ -100,7 +99,7 @@ def hammering(method: str, backlash: float, duration: float, rtol: float) -> gb.
 @pytest.mark.parametrize("backlash", [0.0, 1e-9, 1e-6, 1e-5])
 def test_hammering_flanks_by_two_methods(hold: Hold, backlash: float):
     runs = [hammering(method, backlash, 3e-3, 1e-9) for method in ("exponential", "rk45")]
-    assert len(runs[0].events) > 5
+    assert len(runs[0].events) > 3
     # flanks a nanometre apart meet on both sides within less time than a step resolves: in either order
     if backlash != 1e-9:
         assert [event.kind for event in runs[0].events] == [event.kind for event in runs[1].events]

@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import gearbow as gb
-from conftest import Hold
-from systems import MIDDLE, apart, rotor, train
+from systems import MIDDLE, Hold, apart, rotor, train
 
 BOW = gb.Bow.half_sine(1e-4, phase=0.4)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from conftest import Hold
-from systems import GRAVITY, MIDDLE, apart, at, released, rotor, sag, train
+from systems import GRAVITY, MIDDLE, Hold, apart, at, released, rotor, sag, train
 
 # What is warned of is held here.
 pytestmark = pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")

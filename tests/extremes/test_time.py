@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from conftest import Hold
-from systems import GRAVITY, MIDDLE, apart, at, rotor, train
+from systems import GRAVITY, MIDDLE, Hold, apart, at, rotor, train
 
 METHODS = ["exponential", "rk45", "rk4"]
 

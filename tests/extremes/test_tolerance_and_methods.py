@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from conftest import Hold
-from systems import GRAVITY, MIDDLE, apart, at, released, rotor, train
+from systems import GRAVITY, MIDDLE, Hold, apart, at, released, rotor, train
 
 STIFFNESS = {
     "mean": 2e8,
