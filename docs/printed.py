@@ -3,7 +3,8 @@
 Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. This script
 writes what the commands print now; with ``--check`` it changes nothing and fails if a block
 differs. Blocks that are ``measured by`` their command hold times, which are never twice the same,
-or errors near round-off, which are not on two machines: only ``--measured`` writes these, and nothing else. Blocks that are ``studied by`` their command
+or errors near round-off, which are not on two machines: only ``--measured`` writes these, and
+nothing else. Blocks that are ``studied by`` their command
 take minutes unless the runs of the study are kept: they are for ``--studied``.
 """
 
