@@ -109,7 +109,9 @@ struct Driver {
     jumps: [Vec<f64>; POINTS],
     loads: Vec<f64>,
     /// Where the ends of the paths of contact stand, at both ends of what is searched.
-    ends: [Vec<f64>; 2],
+    ends: [Vec<(f64, i64)>; 2],
+    /// The laws at the change that was found last.
+    after: Vec<i64>,
     /// Changes of law since the last tick.
     at_once: u32,
     /// Energy norm of the state.
@@ -139,6 +141,7 @@ impl Driver {
             jumps: std::array::from_fn(|_| vec![0.0; stepper.end_load.len()]),
             loads: vec![0.0; stepper.end_load.len()],
             ends: [Vec::new(), Vec::new()],
+            after: Vec::new(),
             at_once: 0,
             size: stepper.size(&state.y),
         }
@@ -338,13 +341,15 @@ impl Driver {
             }
             low = low.max(part);
         }
-        let Some(mut high) = high else {
+        let Some(high) = high else {
             return Ok(None);
         };
         let begin = low;
         // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
         // change is looked for again, near by, on what is then right at the change.
         let mut change = self.narrow(stepper, state, step, (low, high))?;
+        self.changed(stepper, state, step, change)?;
+        self.after.clone_from(&self.found);
         for _ in 0..REFINEMENTS {
             if !stepper.field.motion.moves_laws() || change - begin <= SAME {
                 break;
@@ -367,15 +372,14 @@ impl Driver {
                 break;
             }
             change = again;
+            self.changed(stepper, state, step, change)?;
+            self.after.clone_from(&self.found);
             if moved.abs() <= SAME {
                 break;
             }
         }
         self.off.fill(0.0);
-        high = high.max(change);
-        if !self.changed(stepper, state, step, change)? {
-            self.changed(stepper, state, step, high)?;
-        }
+        self.found.clone_from(&self.after);
         // The last tick before it, of those that events use unless the step itself is shorter.
         let unit = 1_u64 << (self.clock.finest - level.max(self.clock.event));
         let units = (1_u64 << (self.clock.finest - level)) / unit;
@@ -428,19 +432,18 @@ impl Driver {
         }
         let [from, to] = &self.ends;
         let mut first: Option<f64> = None;
-        for (which, (from, to)) in from.iter().zip(to).enumerate() {
+        for (which, ((from, _), (to, pair))) in from.iter().zip(to).enumerate() {
             // The first pair is the least whole number not below where the path begins; the last the greatest not above
             // where it ends.
-            let begins = which % 2 == 0;
-            let pair = if begins { f64::ceil } else { f64::floor };
-            if pair(*from) != pair(*to) {
-                let beyond = match (begins, to > from) {
-                    (true, true) | (false, false) => 0.0,
-                    (true, false) => -1.0,
-                    (false, true) => 1.0,
-                };
-                let bound = pair(*from) + beyond;
-                let at = low + (high - low) * ((bound - from) / (to - from)).clamp(0.0, 1.0);
+            let (found, beyond) = match (which % 2 == 0, to > from) {
+                (true, true) => (to.ceil(), 0.0),
+                (true, false) => (to.ceil(), -1.0),
+                (false, true) => (to.floor(), 1.0),
+                (false, false) => (to.floor(), 0.0),
+            };
+            let pair = *pair as f64;
+            if found != pair {
+                let at = low + (high - low) * ((pair + beyond - from) / (to - from)).clamp(0.0, 1.0);
                 first = Some(first.map_or(at, |first| first.min(at)));
             }
         }

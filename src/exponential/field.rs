@@ -238,11 +238,12 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
-    /// Where the ends of the paths of contact stand among the pairs of teeth that come and go at once, into `ends`.
+    /// Where the ends of the paths of contact stand among the pairs of teeth that come and go at once, each with the pair
+    /// that is the first or the last between them under the law that holds, into `ends`.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<f64>) -> Result<(), Halt> {
+    pub fn ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         ends.clear();
         let mut from = 0;
         for interface in &self.interfaces {

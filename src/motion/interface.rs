@@ -199,12 +199,12 @@ impl Interface {
         law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
-    /// Where the ends of the path of contact stand among the pairs of teeth that come and go at once, flank by flank, into
-    /// `ends`.
+    /// Where the ends of the path of contact stand among the pairs of teeth that come and go at once, each with the pair
+    /// that is the first or the last between them under the law that holds, flank by flank, into `ends`.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn ends(&self, motion: &Motion, elapsed: f64, u: &[f64], ends: &mut Vec<f64>) -> Result<(), Halt> {
+    pub fn ends(&self, motion: &Motion, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         if !self.coupling.teeth.is_sharp() {
             return Ok(());
         }
@@ -213,7 +213,9 @@ impl Interface {
         for back in [false, true] {
             if !back || self.coupling.backlash.is_some() {
                 let path = self.coupling.engagement(self.geometry, self.sigma, back, &turning, &q);
-                ends.extend(path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends());
+                let [low, high] = path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends();
+                let (first, last) = motion.laws[self.mesh].engaged[usize::from(back)];
+                ends.extend([(low, first), (high, last)]);
             }
         }
         Ok(())
