@@ -160,7 +160,7 @@ def each(key: str, *values: float) -> Settings:
 STEPS = each("h ω", 2.6, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 TOLERANCES = each("rtol", 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 #: Of two stages where the others have three.
-COARSE = {"rtol": 0.3, "stages": 2}
+COARSE = {"rtol": 0.08, "stages": 2}
 #: Of forces in a table, between which ROSS interpolates [s].
 TABLES = each("step", 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
 NEWMARK = each("step", 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 2e-6)
