@@ -8,8 +8,6 @@ response can be continued.
 import json
 import os
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._files import replacing
 from gearbow._run import plain_speed, read_speed
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
@@ -72,32 +71,11 @@ def save(response: Response, path: str | os.PathLike[str], **more: Any) -> None:
     metadata = _metadata(response, more)
     if suffix(path) == ".nc":
         dataset = to_xarray(response).assign_attrs(metadata=metadata)
-        with _replacing(path) as trial:
+        with replacing(path) as trial:
             dataset.to_netcdf(trial, engine="h5netcdf")
         return
-    with _replacing(path) as trial:
+    with replacing(path) as trial:
         np.savez(trial, metadata=np.array(metadata), **_arrays(response))  # type: ignore[arg-type]
-
-
-@contextmanager
-def _replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a name to write to; the file is replaced once all is on the disk, or not at all."""
-    path = Path(path).resolve()
-    trial = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
-        yield trial
-        with trial.open("rb+") as file:
-            os.fsync(file.fileno())
-        trial.replace(path)
-    except BaseException:
-        trial.unlink(missing_ok=True)
-        raise
-    if os.name == "posix":  # where the new name is in a folder that can be synchronised itself
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
 
 
 def load(path: str | os.PathLike[str]) -> Response:

@@ -348,8 +348,7 @@ impl Driver {
         // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
         // change is looked for again, near by, on what is then right at the change.
         let mut change = self.narrow(stepper, state, step, (low, high))?;
-        self.changed(stepper, state, step, change)?;
-        self.after.clone_from(&self.found);
+        self.keep_laws(stepper, state, step, change)?;
         for _ in 0..REFINEMENTS {
             if !stepper.field.motion.moves_laws() || change - begin <= SAME {
                 break;
@@ -372,8 +371,7 @@ impl Driver {
                 break;
             }
             change = again;
-            self.changed(stepper, state, step, change)?;
-            self.after.clone_from(&self.found);
+            self.keep_laws(stepper, state, step, change)?;
             if moved.abs() <= SAME {
                 break;
             }
@@ -381,10 +379,17 @@ impl Driver {
         self.off.fill(0.0);
         self.found.clone_from(&self.after);
         // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = 1_u64 << (self.clock.finest - level.max(self.clock.event));
-        let units = (1_u64 << (self.clock.finest - level)) / unit;
+        let unit = self.ticks(level.max(self.clock.event));
+        let units = self.ticks(level) / unit;
         let whole = ((change * units as f64).floor() as u64).min(units);
         Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
+    }
+
+    /// Keeps the laws that hold after a part of a step, on the scalars on which it was found.
+    fn keep_laws(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<(), Halt> {
+        self.changed(stepper, state, step, part)?;
+        self.after.clone_from(&self.found);
+        Ok(())
     }
 
     /// The part of a step at which the law changes between two parts of it, which hold the old and the new one.
@@ -397,9 +402,11 @@ impl Driver {
     ) -> Result<f64, Halt> {
         // Teeth travel at nearly even pace, so where the next one comes or goes is nearly foretold; closely around it the
         // law is asked for, less closely where that has missed. Whether flanks press is not foretold.
-        let mut apart = RESOLUTION / 2.0;
+        let (mut apart, mut foretold) = (RESOLUTION / 2.0, true);
         while high - low > RESOLUTION {
-            let Some(at) = self.foretell(stepper, state, step, (low, high))?.filter(|_| apart < NEAR) else {
+            let at = if foretold { self.foretell(stepper, state, step, (low, high))? } else { None };
+            let Some(at) = at else {
+                foretold = false;
                 let middle = (low + high) / 2.0;
                 if self.changed(stepper, state, step, middle)? {
                     high = middle
@@ -414,6 +421,7 @@ impl Driver {
                 }
             }
             apart *= WIDER;
+            foretold = apart < NEAR;
         }
         Ok(high)
     }

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from gearbow._files import replacing
 from gearbow.study.case import Case, cases, key
 from gearbow.study.measure import Measured, measure
 from gearbow.study.settings import Settings
@@ -79,8 +80,7 @@ def _make(settings: Settings, case: Case, path: Path) -> None:
     values = np.array([measured.signals[name] for name in names])
     # What changes, in single precision: seven digits of the swing, half the size.
     first = values[:, :1]
-    beside = path.with_suffix(f".{os.getpid()}.part")
-    with beside.open("wb") as file:
+    with replacing(path, writer=str(os.getpid())) as trial, trial.open("wb") as file:
         np.savez_compressed(
             file,
             turn=measured.turn,
@@ -89,7 +89,6 @@ def _make(settings: Settings, case: Case, path: Path) -> None:
             change=(values - first).astype(np.float32),
             events=np.array(measured.events, dtype=np.str_),
         )
-    beside.replace(path)
 
 
 def _read(path: Path) -> Measured | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearbow._files import replacing
 from gearbow.study.case import Case, system
 from gearbow.study.measure import UNITS
 from gearbow.study.runs import Results
@@ -114,9 +115,10 @@ def _row(case: Case) -> tuple[object, ...]:
 
 
 def _write(path: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    beside = path.with_suffix(f".{os.getpid()}.part")
-    with beside.open("w", encoding="utf-8", newline="") as file:
+    with (
+        replacing(path, writer=str(os.getpid())) as trial,
+        trial.open("w", encoding="utf-8", newline="") as file,
+    ):
         table = csv.writer(file, lineterminator="\n")
         table.writerow(titles)
         table.writerows(rows)
-    beside.replace(path)
