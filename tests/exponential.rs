@@ -34,7 +34,7 @@ fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) ->
 fn obeys(basis: &Basis, speed: f64, seed: u64) -> Result<(), TestCaseError> {
     let model = &basis.model;
     let n = model.len();
-    let linear = basis.linear(speed, None).unwrap();
+    let linear = basis.linear(speed).unwrap();
     let mut noise = Noise::new(seed);
     let (q, v) = (noise.vector(n, 1e-6), noise.vector(n, 1e-2));
     let z = linear.state(basis, &q, &v);
@@ -81,7 +81,7 @@ fn rolling_that_hardly_slows_keeps_its_digits() {
     // The train rolls freely; mass-proportional damping slows it at its own rate.
     for rate in [1e-9, 1e-6, 1e-3, 0.17, 10.0, 1e3] {
         let basis = basis(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
-        let linear = basis.linear(0.0, None).unwrap();
+        let linear = basis.linear(0.0).unwrap();
         assert!(linear.condition < 10.0, "{rate}: {}", linear.condition);
         for seed in 0..8 {
             obeys(&basis, 0.0, seed).unwrap();
@@ -137,7 +137,7 @@ fn apart(first: &[f64], second: &[f64]) -> f64 {
 fn a_table_without_modes_is_that_of_the_modes() {
     for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
         let basis = basis(&system);
-        let linear = basis.linear(SPEED, None).unwrap();
+        let linear = basis.linear(SPEED).unwrap();
         let whole = dense(&linear);
         for stages in 1..=4 {
             let (field, ports) = field(&basis, geometry, &linear);
@@ -245,7 +245,7 @@ impl Observer for Last {
 
 /// The motion that a train settles to but for its meshes, disturbed.
 fn disturbed(basis: &Basis, geometry: Geometry) -> [DVector<f64>; 2] {
-    let (q, v) = field(basis, geometry, &basis.linear(SPEED, None).unwrap()).0.carried(0.0);
+    let (q, v) = field(basis, geometry, &basis.linear(SPEED).unwrap()).0.carried(0.0);
     let noise = Noise::new(8).vector(q.len(), 1e-7);
     [q + DVector::from_vec(noise), v]
 }
@@ -297,7 +297,7 @@ fn a_run_without_modes_is_that_of_the_modes() {
     for (name, system) in [("mean", train()), ("sharp", sharp()), ("backlash", apart_by_backlash), ("damped", damped)] {
         for geometry in [Geometry::Live, Geometry::Frozen] {
             let basis = basis(&system);
-            let linear = basis.linear(SPEED, None).unwrap();
+            let linear = basis.linear(SPEED).unwrap();
             let mut whole = dense(&linear);
             // The norm of a matrix is a longer way to its radius.
             whole.radius = linear.radius;
@@ -318,7 +318,7 @@ fn a_run_without_modes_is_that_of_the_modes() {
 #[test]
 fn the_motion_within_a_step_meets_its_ends() {
     let basis = basis(&sharp());
-    let linear = basis.linear(SPEED, None).unwrap();
+    let linear = basis.linear(SPEED).unwrap();
     for (stages, form) in [(2, (*linear).clone()), (3, (*linear).clone()), (4, (*linear).clone()), (3, dense(&linear))]
     {
         let n = basis.model.len();

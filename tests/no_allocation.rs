@@ -209,7 +209,7 @@ fn exponential(
 ) -> ([AllocationInfo; 2], [Statistics; 3]) {
     let (basis, speed) = (basis(system), 100.0);
     let n = basis.model.len();
-    let linear = basis.linear(speed, None).unwrap();
+    let linear = basis.linear(speed).unwrap();
     let reference = equilibrium(&basis, geometry, speed).unwrap();
     let amplitudes = synchronous(&basis, speed, Part::Both).unwrap();
     let (field, ports) = Field::new(motion(&basis, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();

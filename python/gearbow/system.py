@@ -371,7 +371,8 @@ class RotorSystem:
         stages : int, optional
             Gauss nodes in a step of "exponential", 1 to 4: its order is twice that. None is 3.
         modes : int, optional
-            How many modes "exponential" keeps, those of the lowest frequencies; None is all.
+            How many modes "exponential" keeps, those that the loads of the scene move most; None is
+            all.
         initial : {"synchronous", "static", "rest"} or Response
             Where it starts: static equilibrium plus linear synchronous response, static equilibrium
             alone, or q = q̇ = 0. Errors and run-out of the teeth are part of neither equilibrium.

@@ -12,9 +12,9 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::complex::{FirstOrder, first_order};
+use super::Basis;
+use super::complex::first_order;
 use super::pairs::Pairs;
-use super::{Basis, RealModes};
 use crate::linalg::DecompositionError;
 
 /// Slots are padded to a multiple of this, so that loops over them need no remainder.
@@ -66,23 +66,17 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// The linear motion at `speed` of the reference shaft, with the mean mesh at rest; of `modes` pairs only, those of
-    /// the lowest frequency, where given.
+    /// The linear motion at `speed` of the reference shaft, with the mean mesh at rest.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn new(basis: &Basis, speed: f64, modes: Option<usize>) -> Result<Self, DecompositionError> {
+    pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
         let real = basis.real_modes(speed)?;
         let order = first_order(basis, speed)?;
         let pairs = Pairs::new(real, &order)?;
         let (form, right, left, condition) = match pairs {
-            Some(pairs) if pairs.condition <= WORST => {
-                let Pairs { pairs, right, left, condition } = pairs;
-                let keep = lowest(&pairs, modes.unwrap_or(pairs.len()));
-                let n = pairs.len();
-                let both: Vec<usize> = keep.iter().copied().chain(keep.iter().map(|slot| n + slot)).collect();
-                let pairs = keep.iter().map(|slot| pairs[*slot]).collect();
-                (Form::Pairs(pairs), right.select_columns(&both), left.select_rows(&both), condition)
+            Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
+                (Form::Pairs(pairs), right, left, condition)
             }
             other => {
                 let size = 2 * real.frequencies.len();
@@ -91,18 +85,70 @@ impl Linear {
                 (Form::Dense(order.whole()), identity.clone(), identity, condition)
             }
         };
-        Ok(Self::assemble(real, &order, form, &right, &left, condition))
+        let (q, v) = order.physical(real);
+        let (to_q, to_v) = order.measured(real);
+        let columns = [q * &right, v * &right, (&left * to_q).transpose(), (&left * to_v).transpose()];
+        Ok(Self::assemble(form, condition, columns))
     }
 
-    fn assemble(
-        real: &RealModes,
-        order: &FirstOrder,
-        form: Form,
-        right: &DMatrix<f64>,
-        left: &DMatrix<f64>,
-        condition: f64,
-    ) -> Self {
-        let used = right.ncols() / 2;
+    /// The motion of the pairs in `slots` alone; none of a motion that is not in pairs.
+    pub fn keeping(&self, slots: &[usize]) -> Option<Self> {
+        let Form::Pairs(pairs) = &self.form else {
+            return None;
+        };
+        let both: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
+        let pairs = slots.iter().map(|slot| pairs[*slot]).collect();
+        let columns = [
+            self.displacement.select_columns(&both),
+            self.velocity.select_columns(&both),
+            self.from_displacement.select_rows(&both).transpose(),
+            self.from_velocity.select_rows(&both).transpose(),
+        ];
+        Some(Self::assemble(Form::Pairs(pairs), self.condition, columns))
+    }
+
+    /// Of a state, a row or a column over all slots, the entries of the `slots` that this motion keeps.
+    pub fn of_kept(&self, all: &[f64], slots: &[usize]) -> Vec<f64> {
+        let mut kept = vec![0.0; self.len()];
+        for (to, from) in slots.iter().enumerate() {
+            kept[to] = all[*from];
+            kept[self.slots + to] = all[all.len() / 2 + from];
+        }
+        kept
+    }
+
+    /// The `count` slots that loads move most, in the order in which they stand, given columns b of the loads.
+    ///
+    /// A load that jumps now and then has amplitudes that fall with the frequency, so what it moves a mode by goes like
+    /// the static displacement |b|/|λ|² over |λ|. Of every load each mode has a share; its largest counts.
+    pub fn most_moved(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
+        let Form::Pairs(pairs) = &self.form else {
+            return Vec::new();
+        };
+        // What nothing restores is always kept.
+        let coasts = |pair: &Pair| matches!(pair, Pair::Coasting(_));
+        let mut largest: Vec<f64> = pairs.iter().map(|pair| if coasts(pair) { f64::INFINITY } else { 0.0 }).collect();
+        for column in columns {
+            let moved = |(slot, pair): (usize, &Pair)| match column[slot].hypot(column[self.slots + slot]) {
+                load if load > 0.0 && !coasts(pair) => load / pair.slowest().powi(3),
+                _ => 0.0,
+            };
+            let moved: Vec<f64> = pairs.iter().enumerate().map(moved).collect();
+            let total = moved.iter().sum::<f64>();
+            for (largest, moved) in largest.iter_mut().zip(moved).filter(|(_, moved)| *moved > 0.0) {
+                *largest = largest.max(moved / total);
+            }
+        }
+        let mut order: Vec<usize> = (0..pairs.len()).collect();
+        order.sort_by(|a, b| largest[*b].total_cmp(&largest[*a]));
+        order.truncate(count);
+        order.sort_unstable();
+        order
+    }
+
+    /// The motion with room in its slots, from the columns of its coordinates: Q, V, and what measures z, transposed.
+    fn assemble(form: Form, condition: f64, columns: [DMatrix<f64>; 4]) -> Self {
+        let used = columns[0].ncols() / 2;
         let slots = used.next_multiple_of(LANES);
         // The second coordinates begin at `slots`.
         let place = |column: usize| if column < used { column } else { slots + column - used };
@@ -113,8 +159,7 @@ impl Linear {
             }
             padded
         };
-        let (q, v) = order.physical(real);
-        let (to_q, to_v) = order.measured(real);
+        let [displacement, velocity, from_displacement, from_velocity] = columns.map(spread);
         let radius = match &form {
             Form::Pairs(pairs) => pairs.iter().map(Pair::radius).fold(0.0, f64::max),
             Form::Dense(matrix) => matrix.norm(),
@@ -148,10 +193,10 @@ impl Linear {
             slots,
             condition,
             radius,
-            displacement: spread(q * right),
-            velocity: spread(v * right),
-            from_displacement: spread((left * to_q).transpose()).transpose(),
-            from_velocity: spread((left * to_v).transpose()).transpose(),
+            displacement,
+            velocity,
+            from_displacement: from_displacement.transpose(),
+            from_velocity: from_velocity.transpose(),
         }
     }
 
@@ -292,17 +337,12 @@ impl Pair {
         }
     }
 
-    /// The frequency that it is kept by: those that do not oscillate come first, they are few.
-    fn frequency(&self) -> f64 {
-        if let Self::Oscillation(value) = self { value.norm() } else { 0.0 }
+    /// The smallest |λ|, rad/s.
+    fn slowest(&self) -> f64 {
+        match self {
+            Self::Real(values) => values[0].abs().min(values[1].abs()),
+            Self::Oscillation(_) => self.radius(),
+            Self::Coasting(_) => 0.0,
+        }
     }
-}
-
-/// Indices of the `count` slots of lowest frequency, in the order in which they stand.
-fn lowest(pairs: &[Pair], count: usize) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..pairs.len()).collect();
-    order.sort_by(|a, b| pairs[*a].frequency().total_cmp(&pairs[*b].frequency()));
-    order.truncate(count);
-    order.sort_unstable();
-    order
 }

@@ -87,7 +87,7 @@ pub struct Basis {
     linear: Mutex<Vec<Remembered>>,
 }
 
-type Remembered = ((f64, Option<usize>), Arc<Linear>);
+type Remembered = (f64, Arc<Linear>);
 
 /// A study asks for a handful of speeds again and again.
 const REMEMBERED: usize = 8;
@@ -107,23 +107,23 @@ impl Basis {
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }
 
-    /// The linear motion at `speed` of the reference shaft; of so many modes only, where given.
+    /// The linear motion at `speed` of the reference shaft.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn linear(&self, speed: f64, modes: Option<usize>) -> Result<Arc<Linear>, DecompositionError> {
+    pub fn linear(&self, speed: f64) -> Result<Arc<Linear>, DecompositionError> {
         // A panic elsewhere leaves the list as it was.
         let known = || self.linear.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known().iter().find(|(key, _)| *key == (speed, modes)).map(|(_, linear)| Arc::clone(linear));
+        let found = known().iter().find(|(key, _)| *key == speed).map(|(_, linear)| Arc::clone(linear));
         if let Some(linear) = found {
             return Ok(linear);
         }
-        let linear = Arc::new(Linear::new(self, speed, modes)?);
+        let linear = Arc::new(Linear::new(self, speed)?);
         let mut list = known();
         if list.len() >= REMEMBERED {
             list.remove(0);
         }
-        list.push(((speed, modes), Arc::clone(&linear)));
+        list.push((speed, Arc::clone(&linear)));
         Ok(linear)
     }
 

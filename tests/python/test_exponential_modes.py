@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -53,13 +52,13 @@ def test_the_error_falls_with_the_number_of_modes(initial: str):
     every = system.simulate(2e-3, SPEED, **run)
     n = len(system.dofs)
     errors = [
-        distance(system.simulate(2e-3, SPEED, modes=k * n // 5, **run), every) for k in range(1, 5)
+        distance(system.simulate(2e-3, SPEED, modes=count, **run), every) for count in (6, 10, 14)
     ]
-    # the mesh is as stiff as the shafts: it takes nearly all of them
-    assert all(b < 1.1 * a for a, b in pairwise(errors))
-    assert errors[-1] < 0.05 * errors[0]
-    assert errors[-1] > 1e-6  # they are left out
-    for count in (n, n + 5):
+    # those that the loads move most come first, so each four count for much
+    assert errors[0] > 4.0 * errors[1] > 16.0 * errors[2]
+    assert errors[2] > 1e-6  # they are left out
+    # twelve of thirty are across the line of action, and nothing moves them
+    for count in (18, n, n + 5):
         # as many as there are, added up in another order
         assert distance(system.simulate(2e-3, SPEED, modes=count, **run), every) < 1e-10
 

@@ -10,7 +10,7 @@ use super::Options;
 use super::initial::Start;
 use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
 use crate::integrate::State;
-use crate::modal::{Basis, Form, Linear};
+use crate::modal::{Basis, Linear};
 use crate::motion::{Motion, Speed};
 use crate::scene::SceneError;
 
@@ -38,19 +38,10 @@ impl<'m> Coordinates<'m> {
             );
             return Err(SceneError::new("method", message).into());
         };
-        let linear = basis.linear(speed, options.modes)?;
-        if let (Some(_), Form::Dense(_)) = (options.modes, &linear.form) {
-            let message =
-                format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
-            return Err(SceneError::new("modes", message).into());
-        }
+        let linear = basis.linear(speed)?;
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(basis.model.len(), basis.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-            // The synchronous motion takes all modes, whatever the vibration keeps.
-            let known = match options.modes {
-                None => linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft)),
-                Some(_) => None,
-            };
+            let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
             let amplitude = known.map_or_else(|| synchronous_of(basis, speed, speed, shaft, Part::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
         }
@@ -59,9 +50,36 @@ impl<'m> Coordinates<'m> {
             let [driver, driven] = basis.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
+        let (linear, ports) = match options.modes {
+            Some(count) => keeping(basis, &linear, &field, &ports, count)?,
+            None => (linear, ports),
+        };
         let output = Output::new(&field, &linear, selection);
         Ok(Self { linear, field, ports, output })
     }
+}
+
+/// The linear motion of the modes that the loads of a scene move most, and its ports. What is carried beside it, the
+/// equilibrium and the synchronous motion, is that of all modes.
+fn keeping(
+    basis: &Basis,
+    linear: &Linear,
+    field: &Field<'_>,
+    ports: &Ports,
+    count: usize,
+) -> Result<(Arc<Linear>, Ports), AnalysisError> {
+    let constant: Vec<(usize, f64)> = basis.model.constant_load.iter().copied().enumerate().collect();
+    let turning = field.motion.sources().flat_map(|shaft| field.motion.turning_forces(shaft));
+    let other = turning.chain([constant]).map(|load| linear.column(&load));
+    let loads: Vec<Vec<f64>> = ports.columns.iter().cloned().chain(other).collect();
+    let slots = linear.most_moved(&loads, count);
+    let Some(kept) = linear.keeping(&slots) else {
+        let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
+        return Err(SceneError::new("modes", message).into());
+    };
+    let pick = |row: &Vec<f64>| kept.of_kept(row, &slots);
+    let [rows, columns] = [&ports.rows, &ports.columns].map(|list| list.iter().map(pick).collect());
+    Ok((Arc::new(kept), Ports { rows, columns, meshes: ports.meshes }))
 }
 
 /// The state that a run begins with, in coordinates of the modes.
