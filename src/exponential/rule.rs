@@ -90,17 +90,6 @@ impl Rule {
         std::array::from_fn(|j| self.whole.get(j).map_or(0.0, |polynomial| evaluate(polynomial, tau)))
     }
 
-    /// Polynomial j of the whole and its derivatives at τ.
-    pub fn slopes(&self, j: usize, tau: f64) -> impl Iterator<Item = f64> + '_ {
-        let coefficients = &self.whole[j];
-        (0..coefficients.len()).map(move |order| {
-            // dⁿ τᵐ = m!/(m − n)! τᵐ⁻ⁿ
-            let falling = |power: usize| (power - order + 1..=power).map(|factor| factor as f64).product::<f64>();
-            let terms = coefficients.iter().enumerate().skip(order);
-            terms.map(|(power, a)| a * falling(power) * tau.powi((power - order) as i32)).sum()
-        })
-    }
-
     /// π(τ).
     pub fn missing(&self, tau: f64) -> f64 {
         evaluate(&self.missed, tau)

@@ -15,6 +15,8 @@ pub struct Sample {
     pub z: Vec<f64>,
     other: Vec<f64>,
     loads: Vec<f64>,
+    /// Coefficients of the loads over the parts of the step, of the highest power first, load after load.
+    course: Vec<f64>,
     /// Derivatives of the loads over time, order after order.
     derivatives: Vec<f64>,
     term: Vec<f64>,
@@ -24,12 +26,13 @@ impl Sample {
     /// Room for states of a stepper.
     pub fn new(stepper: &Stepper<'_>) -> Self {
         let len = stepper.linear.len();
-        let loads = stepper.field.loads();
+        let course = stepper.field.loads() * stepper.table.rule.whole.len();
         Self {
             z: vec![0.0; len],
             other: vec![0.0; len],
             loads: vec![0.0; stepper.loads.len()],
-            derivatives: vec![0.0; loads * stepper.table.rule.whole.len()],
+            course: vec![0.0; course],
+            derivatives: vec![0.0; course],
             term: vec![0.0; len],
         }
     }
@@ -42,6 +45,7 @@ impl Sample {
         let tick = levels[finest].step;
         let ticks = (within / tick + NOTHING).floor();
         self.z.copy_from_slice(z);
+        self.follow(stepper);
         let mut begun = 0.0;
         let mut left = ticks as u64;
         for (above, shorter) in levels[level..=finest].iter().enumerate() {
@@ -64,26 +68,47 @@ impl Sample {
         }
     }
 
+    /// Takes the polynomials of the loads over the last step, through its beginning, its nodes and its end.
+    fn follow(&mut self, stepper: &Stepper<'_>) {
+        let loads = stepper.field.loads().max(1);
+        let polynomials = &stepper.table.rule.whole;
+        self.course.fill(0.0);
+        let sides = [&stepper.begin_load[..], &stepper.loads[..], &stepper.end_load[..]];
+        let values = sides.into_iter().flat_map(|side| side.chunks_exact(loads));
+        for (polynomial, values) in polynomials.iter().zip(values) {
+            for (course, coefficient) in self.course.rchunks_exact_mut(loads).zip(polynomial) {
+                for (course, value) in course.iter_mut().zip(values) {
+                    *course += coefficient * value;
+                }
+            }
+        }
+    }
+
     /// The loads at the nodes of a part of the last step.
     fn interpolate(&mut self, stepper: &Stepper<'_>, begun: f64, part: f64) {
-        let (rule, loads) = (&stepper.table.rule, stepper.field.loads());
-        for (i, node) in rule.nodes.iter().enumerate() {
-            stepper.weigh(&rule.through(begun + node * part), &mut self.loads[i * loads..(i + 1) * loads]);
+        let loads = stepper.field.loads().max(1);
+        for (node, values) in stepper.table.rule.nodes.iter().zip(self.loads.chunks_exact_mut(loads)) {
+            let at = begun + node * part;
+            values.fill(0.0);
+            for course in self.course.chunks_exact(loads) {
+                for (value, coefficient) in values.iter_mut().zip(course) {
+                    *value = *value * at + coefficient;
+                }
+            }
         }
     }
 
     /// The derivatives of the loads at a part of the last step of length `whole`.
     fn differentiate(&mut self, stepper: &Stepper<'_>, begun: f64, whole: f64) {
-        let (rule, loads) = (&stepper.table.rule, stepper.field.loads());
+        let loads = stepper.field.loads().max(1);
         self.derivatives.fill(0.0);
-        let points = rule.whole.len();
-        let sides = [&stepper.begin_load[..], &stepper.loads[..], &stepper.end_load[..]];
-        let values = sides.into_iter().flat_map(|side| side.chunks_exact(loads.max(1)));
-        for (j, values) in values.enumerate().take(points) {
-            for (order, slope) in rule.slopes(j, begun).enumerate() {
-                let factor = slope / whole.powi(order as i32);
-                for (derivative, value) in self.derivatives[order * loads..].iter_mut().zip(values) {
-                    *derivative += factor * value;
+        for (order, derivatives) in self.derivatives.chunks_exact_mut(loads).enumerate() {
+            // dⁿ τᵐ = m!/(m − n)! τᵐ⁻ⁿ
+            for (power, course) in self.course.rchunks_exact(loads).enumerate().skip(order) {
+                let falling = (power - order + 1..=power).map(|factor| factor as f64).product::<f64>();
+                let factor = falling * begun.powi((power - order) as i32) / whole.powi(order as i32);
+                for (derivative, coefficient) in derivatives.iter_mut().zip(course) {
+                    *derivative += factor * coefficient;
                 }
             }
         }

@@ -74,14 +74,17 @@ impl Stepper<'_> {
         let response = &self.table.levels[level].response;
         self.loads.copy_from_slice(&self.trial);
         self.newton.begin();
-        for row in 0..self.slopes.len() {
-            let (node, k) = (row / meshes, row % meshes);
-            let response = &response[row * self.loads.len()..(row + 1) * self.loads.len()];
-            self.newton.add_row(row, self.slopes[row], meshes, loads, response);
-            // What is prescribed acts through the slope too.
-            let others = response.iter().zip(&self.trial).enumerate().filter(|(at, _)| at % loads >= meshes);
-            let prescribed: f64 = others.map(|(_, (h, p))| h * p).sum();
-            self.newton.right[row] = self.trial[node * loads + k] + self.slopes[row] * prescribed;
+        let mut rows = response.chunks_exact(self.loads.len());
+        for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
+            for ((k, own), response) in trial[..meshes].iter().enumerate().zip(&mut rows) {
+                let row = node * meshes + k;
+                let slope = self.slopes[row];
+                self.newton.add_row(row, slope, meshes, loads, response);
+                // What is prescribed acts through the slope too.
+                let all = response.chunks_exact(loads).zip(self.trial.chunks_exact(loads));
+                let others = all.flat_map(|(response, trial)| response[meshes..].iter().zip(&trial[meshes..]));
+                self.newton.right[row] = own + slope * others.map(|(h, p)| h * p).sum::<f64>();
+            }
         }
         if !self.newton.solve() {
             return Ok(false);

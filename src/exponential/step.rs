@@ -42,6 +42,8 @@ pub struct Stepper<'m> {
     pub(super) free: Vec<f64>,
     pub(super) trial: Vec<f64>,
     pub(super) turns: Vec<Complex64>,
+    /// The elapsed time of these turns.
+    turned: f64,
     pub(super) node_turns: Vec<Complex64>,
     pub(super) missed: Vec<f64>,
     /// How much what is missed changes over a step, and that in parts of its size.
@@ -71,6 +73,7 @@ impl<'m> Stepper<'m> {
             free: vec![0.0; stages * seen],
             trial: vec![0.0; stages * loads],
             turns: vec![Complex64::ZERO; field.sources()],
+            turned: f64::NAN,
             node_turns: vec![Complex64::ZERO; field.sources()],
             missed: vec![0.0; field.mesh_loads()],
             changed: vec![0.0; field.mesh_loads()],
@@ -107,10 +110,18 @@ impl<'m> Stepper<'m> {
         self.field.add_synchronous_at(elapsed, u);
     }
 
+    /// Turns what turns to an instant: a step begins where the one before it has ended.
+    fn turn(&mut self, elapsed: f64) {
+        if self.turned != elapsed {
+            self.field.turns(elapsed, &mut self.turns);
+            self.turned = elapsed;
+        }
+    }
+
     /// Scalars, rates and loads of the state that a step begins with.
     pub(super) fn look(&mut self, elapsed: f64, z: &[f64], statistics: &mut Statistics) -> Result<(), Halt> {
         kernel::scalars(self.arch, &self.bare_rows, z, &mut self.begin);
-        self.field.turns(elapsed, &mut self.turns);
+        self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.begin);
         self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.slopes)?;
         statistics.evaluations += 1;
@@ -120,7 +131,7 @@ impl<'m> Stepper<'m> {
     /// Scalars, rates and loads of the state that a step ends with.
     pub(super) fn look_ahead(&mut self, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
         kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
-        self.field.turns(elapsed, &mut self.turns);
+        self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.end);
         self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
         statistics.evaluations += 1;
@@ -178,9 +189,9 @@ impl<'m> Stepper<'m> {
     ) -> Result<Outcome, Halt> {
         if self.field.loads() > 0 {
             let seen = self.field.seen();
+            self.turn(elapsed);
             let table = &self.table.levels[level];
             kernel::scalars(self.arch, &table.rows, z, &mut self.free);
-            self.field.turns(elapsed, &mut self.turns);
             for (i, free) in self.free.chunks_exact_mut(seen.max(1)).enumerate() {
                 turned(&self.turns, table, i, &mut self.node_turns);
                 self.field.add_synchronous(&self.node_turns, free);
@@ -251,7 +262,7 @@ impl<'m> Stepper<'m> {
 
     /// The loads at scalars and rates `u`, into `out`.
     pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
-        self.field.turns(elapsed, &mut self.turns);
+        self.turn(elapsed);
         self.field.load(elapsed, &self.turns, u, out, &mut self.slopes)
     }
 }

@@ -269,9 +269,9 @@ impl Coupling {
         let deflection = sigma * position.rolled + line.deflection - clearance;
         let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
 
-        let path = self.path(sigma, back, &line, turning[0].angle, q);
+        let path = || self.path(sigma, back, &line, turning[0].angle, q);
         let Stored { energy, force: elastic, stiffness, travel, shortening } =
-            self.teeth.stored(&path, law.engaged[usize::from(back)], deflection);
+            self.teeth.stored(path, law.engaged[usize::from(back)], deflection);
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);

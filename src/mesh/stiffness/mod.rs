@@ -85,16 +85,22 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    /// Energy and forces at `deflection`; `engaged` are the pairs that carry where engagement is sharp.
+    /// Energy and forces at `deflection`; `engaged` are the pairs that carry where engagement is sharp. Where the pairs
+    /// are is asked for only if it matters.
     #[inline]
-    pub fn stored(&self, path: &Path, engaged: (i64, i64), deflection: f64) -> Stored {
-        match self {
-            Self::Mean(k) => Stored {
+    pub fn stored(&self, path: impl FnOnce() -> Path, engaged: (i64, i64), deflection: f64) -> Stored {
+        if let Some(k) = self.while_engaged(engaged) {
+            return Stored {
                 energy: k * deflection * deflection / 2.0,
                 force: k * deflection,
-                stiffness: *k,
+                stiffness: k,
                 ..Stored::default()
-            },
+            };
+        }
+        let path = &path();
+        match self {
+            // Always engaged.
+            Self::Mean(_) => Stored::default(),
             Self::Cycle(cycle) => {
                 let (k, slope) = cycle.at(path.position / path.pitch);
                 let half = deflection * deflection / 2.0;
@@ -143,8 +149,19 @@ impl Stiffness {
 
     /// Whether it is the same as long as no pair comes or goes.
     pub fn is_stepwise(&self) -> bool {
-        let uniform = matches!(self, Self::Pairs { pair: Pair::Uniform(_), relief: None, .. });
-        self.is_constant() || self.is_sharp() && uniform
+        self.while_engaged((0, 0)).is_some()
+    }
+
+    /// The stiffness that lasts as long as the `engaged` pairs do, N/m, where it does not depend on where they are.
+    #[inline]
+    fn while_engaged(&self, (first, last): (i64, i64)) -> Option<f64> {
+        match self {
+            Self::Mean(k) => Some(*k),
+            Self::Pairs { pair: Pair::Uniform(k), engagement: Engagement::Sharp, relief: None } => {
+                Some(k * (last - first + 1).max(0) as f64)
+            }
+            _ => None,
+        }
     }
 
     /// Whether it is the same always.
