@@ -64,6 +64,28 @@ fn general_matrices_have_their_known_spectra() {
 }
 
 #[test]
+fn equal_eigenvalues_have_vectors_of_their_own() {
+    // Three pairs of the same eigenvalues and one of others, turned into each other.
+    let mut noise = Noise::new(11);
+    let n = 40;
+    let q = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().q();
+    let mut blocks = DMatrix::zeros(n, n);
+    for k in 0..n / 2 {
+        let (decay, frequency) = (-0.3 * (k / 3) as f64, 1.0 + (k / 3) as f64);
+        blocks.view_mut((2 * k, 2 * k), (2, 2)).copy_from_slice(&[decay, frequency, -frequency, decay]);
+    }
+    let matrix = &q * blocks * q.transpose();
+    let found = eigen(&matrix).unwrap();
+    let complex = matrix.map(Complex::from);
+    for (value, vector) in found.values.iter().zip(found.vectors.column_iter()) {
+        assert!((&complex * vector - vector * *value).norm() < BACKWARD * matrix.norm());
+    }
+    // Independent: a normal matrix has vectors that can be chosen orthogonal, and three may be a tenth from parallel.
+    let condition = found.vectors.clone().try_inverse().unwrap().norm() * found.vectors.norm();
+    assert!(condition < 10.0 * n as f64, "{condition:e}");
+}
+
+#[test]
 fn defective_empty_and_impossible_matrices_have_an_answer() {
     // A Jordan block of three spreads its eigenvalue by the cube root of round-off, 6e-6.
     let jordan = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 2.0]);

@@ -105,6 +105,22 @@ fn planes_that_do_not_couple_are_no_harder() {
     }
 }
 
+#[test]
+fn equal_modes_of_coupled_planes_carry_the_motion() {
+    // Shafts of equal sections, so strongly damped at high frequency that their axial-free bending and torsion repeat.
+    for elements in [4, 6, 8] {
+        for speed in [0.0, 100.0] {
+            let mut system = train();
+            system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(elements));
+            system.rayleigh = Some([20.0, 1e-5]);
+            let basis = basis(&system);
+            let linear = basis.linear(speed).unwrap();
+            assert!(linear.condition < 100.0, "{elements} {speed}: {:e}", linear.condition);
+            obeys(&basis, speed, 5).unwrap();
+        }
+    }
+}
+
 /// What a field needs on top of its linear motion.
 fn field<'m>(basis: &'m Basis, geometry: Geometry, linear: &Linear) -> (Field<'m>, Ports) {
     let reference = equilibrium(basis, geometry, SPEED).unwrap();

@@ -197,8 +197,8 @@ impl Driver {
                 // The observer may look at the change itself, under either law the same.
                 let (sample, found) = (&mut self.sample, &self.found);
                 let mut read = |q: &mut [f64], v: &mut [f64]| {
-                    sample.within(stepper, level, &state.y, change.at - state.elapsed);
-                    output.read(&stepper.field, change.at, &sample.z, q, v);
+                    let z = sample.within(stepper, level, &state.y, change.at - state.elapsed);
+                    output.read(&stepper.field, change.at, z, q, v);
                 };
                 observer.switched(change.at, &mut read, found);
                 self.switch(stepper, level, state, change, statistics)?;
@@ -210,8 +210,8 @@ impl Driver {
             self.at_once = 0;
             if held {
                 // The loads of a whole step tell the motion at the grid within it.
-                self.sample.within(stepper, level, &state.y, length);
-                stepper.after.copy_from_slice(&self.sample.z);
+                let at_grid = self.sample.within(stepper, level, &state.y, length);
+                stepper.after.copy_from_slice(at_grid);
                 stepper.look_ahead(self.at(state.count + ticks), statistics)?;
                 self.size = stepper.size(&stepper.after);
             }
@@ -355,8 +355,8 @@ impl Driver {
             }
             self.off.fill(0.0);
             stepper.interpolate(change, &mut self.point);
-            self.sample.within(stepper, level, &state.y, change * step);
-            stepper.scalars_of(state.elapsed + change * step, &self.sample.z, &mut self.off);
+            let z = self.sample.within(stepper, level, &state.y, change * step);
+            stepper.scalars_of(state.elapsed + change * step, z, &mut self.off);
             for (off, polynomial) in self.off.iter_mut().zip(&self.point) {
                 *off -= polynomial;
             }
@@ -510,8 +510,9 @@ impl Driver {
                 *jump -= new;
             }
         }
-        self.sample.within(stepper, level, &state.y, within);
-        state.y.copy_from_slice(&self.sample.z);
+        let at_tick = self.sample.within(stepper, level, &state.y, within);
+        stepper.after.copy_from_slice(at_tick);
+        std::mem::swap(&mut state.y, &mut stepper.after);
         stepper.shift(since, &self.jumps, &mut state.y);
         state.count += change.ticks;
         state.elapsed = reached;

@@ -118,8 +118,8 @@ impl Trajectory for Course<'_, '_> {
         } else if within.abs() <= 1e-9 * step {
             self.output.read(&stepper.field, elapsed, z, q, v);
         } else {
-            self.sample.within(stepper, level, z, within);
-            self.output.read(&stepper.field, elapsed, &self.sample.z, q, v);
+            let z = self.sample.within(stepper, level, z, within);
+            self.output.read(&stepper.field, elapsed, z, q, v);
         }
     }
 

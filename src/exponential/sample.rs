@@ -8,11 +8,16 @@ const TERMS: usize = 16;
 /// Less than this part of the shortest step that events use is nothing.
 const NOTHING: f64 = 1e-9;
 
-/// Room for a state within a step.
+/// Room for states within a step.
 #[derive(Clone, Debug, Default)]
 pub struct Sample {
-    /// The state.
-    pub z: Vec<f64>,
+    /// The step that it is in, and the ticks into it of the state found last.
+    step: u64,
+    ticks: u64,
+    /// The states passed on the way there: after the parts of one length, level after level.
+    passed: Vec<Vec<f64>>,
+    /// A state between ticks.
+    between: Vec<f64>,
     other: Vec<f64>,
     loads: Vec<f64>,
     /// Coefficients of the loads over the parts of the step, of the highest power first, load after load.
@@ -28,7 +33,10 @@ impl Sample {
         let len = stepper.linear.len();
         let course = stepper.field.loads() * stepper.table.rule.whole.len();
         Self {
-            z: vec![0.0; len],
+            step: 0,
+            ticks: 0,
+            passed: vec![vec![0.0; len]; stepper.event + 1],
+            between: vec![0.0; len],
             other: vec![0.0; len],
             loads: vec![0.0; stepper.loads.len()],
             course: vec![0.0; course],
@@ -38,34 +46,44 @@ impl Sample {
     }
 
     /// The state after `within` seconds of the last step, which was one of `level` from `z`.
-    pub fn within(&mut self, stepper: &Stepper<'_>, level: usize, z: &[f64], within: f64) {
+    pub fn within<'a>(&'a mut self, stepper: &Stepper<'_>, level: usize, z: &'a [f64], within: f64) -> &'a [f64] {
         let levels = &stepper.table.levels;
         let whole = levels[level].step;
         let finest = level.max(stepper.event);
         let tick = levels[finest].step;
-        let ticks = (within / tick + NOTHING).floor();
-        self.z.copy_from_slice(z);
-        self.follow(stepper);
+        let elapsed = (within / tick + NOTHING).floor();
+        let ticks = elapsed as u64;
+        if self.step != stepper.steps {
+            (self.step, self.ticks) = (stepper.steps, 0);
+            self.follow(stepper);
+        }
         let mut begun = 0.0;
-        let mut left = ticks as u64;
+        let mut last = None;
         for (above, shorter) in levels[level..=finest].iter().enumerate() {
-            let length = 1_u64 << (finest - level - above);
-            if left >= length {
-                left -= length;
-                let part = shorter.step / whole;
-                self.interpolate(stepper, begun, part);
-                shorter.advance(stepper.arch, &self.loads, &self.z, &mut self.other);
-                std::mem::swap(&mut self.z, &mut self.other);
-                begun += part;
+            let below = finest - level - above;
+            if (ticks >> below) & 1 == 0 {
+                continue;
             }
+            let part = shorter.step / whole;
+            // Up to where the two part, the way to the state found last was the same.
+            if (ticks ^ self.ticks) >> below != 0 {
+                self.interpolate(stepper, begun, part);
+                let (before, here) = self.passed.split_at_mut(above);
+                let from = last.map_or(z, |at: usize| &before[at]);
+                shorter.advance(stepper.arch, &self.loads, from, &mut here[0]);
+            }
+            last = Some(above);
+            begun += part;
         }
-        let rest = within - ticks * tick;
+        self.ticks = ticks;
+        let rest = within - elapsed * tick;
         if rest > NOTHING * tick {
+            self.between.copy_from_slice(last.map_or(z, |at| &self.passed[at]));
             self.differentiate(stepper, begun, whole);
-            let mut z = std::mem::take(&mut self.z);
-            self.drift(stepper, rest, &mut z);
-            self.z = z;
+            self.drift(stepper, rest);
+            return &self.between;
         }
+        last.map_or(z, |at| &self.passed[at])
     }
 
     /// Takes the polynomials of the loads over the last step, through its beginning, its nodes and its end.
@@ -114,10 +132,10 @@ impl Sample {
         }
     }
 
-    /// Goes on by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
-    fn drift(&mut self, stepper: &Stepper<'_>, rest: f64, z: &mut [f64]) {
+    /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
+    fn drift(&mut self, stepper: &Stepper<'_>, rest: f64) {
         let loads = stepper.field.loads().max(1);
-        self.term.copy_from_slice(z);
+        self.term.copy_from_slice(&self.between);
         let (mut factor, mut size) = (1.0, 1.0);
         for order in 0..TERMS {
             // Terms that no mode can tell from nothing.
@@ -138,7 +156,7 @@ impl Sample {
                     }
                 }
             }
-            for (z, term) in z.iter_mut().zip(&self.term) {
+            for (z, term) in self.between.iter_mut().zip(&self.term) {
                 *z += term;
             }
         }

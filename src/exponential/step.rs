@@ -23,6 +23,8 @@ pub struct Stepper<'m> {
     /// The level of the shortest step that events use.
     pub(super) event: usize,
     pub(super) arch: Arch,
+    /// How many steps were tried.
+    pub(super) steps: u64,
     bare_rows: Vec<f64>,
     /// Columns Aᵐ b, for loads that jump.
     pub(super) powers: Powers,
@@ -60,6 +62,7 @@ impl<'m> Stepper<'m> {
         let (stages, seen, loads) = (table.rule.stages(), field.seen(), field.loads());
         Self {
             arch: Arch::new(),
+            steps: 0,
             bare_rows: ports.rows.concat(),
             powers: Powers::new(linear, &ports),
             mobility: mobility(linear, &ports, field.mesh_loads()),
@@ -187,6 +190,7 @@ impl<'m> Stepper<'m> {
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<Outcome, Halt> {
+        self.steps += 1;
         if self.field.loads() > 0 {
             let seen = self.field.seen();
             self.turn(elapsed);

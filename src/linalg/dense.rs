@@ -9,6 +9,8 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
+use super::repair::repair;
+
 /// A dense decomposition that did not succeed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum DecompositionError {
@@ -93,12 +95,14 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
     for part in parts(&scaled) {
         let block = scaled.select_rows(&part).select_columns(&part);
         let eigen = view(&block).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
-        let (found, shapes) = (eigen.S().column_vector(), copy(eigen.U()));
-        for (k, shape) in shapes.column_iter().enumerate() {
-            let norm = shape.norm();
-            values[column] = found[k] * scale;
+        let found: Vec<Complex<f64>> = eigen.S().column_vector().iter().copied().collect();
+        let mut shapes: Vec<DVector<Complex<f64>>> =
+            copy(eigen.U()).column_iter().map(|shape| shape.unscale(shape.norm())).collect();
+        repair(&block, &found, &mut shapes);
+        for (value, shape) in found.iter().zip(&shapes) {
+            values[column] = value * scale;
             for (row, entry) in part.iter().zip(shape.iter()) {
-                vectors[(*row, column)] = entry.unscale(norm);
+                vectors[(*row, column)] = *entry;
             }
             column += 1;
         }
@@ -109,7 +113,7 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
 /// The rows and columns of a matrix that couple with each other, to round-off.
 ///
 /// Eigenvalues that repeat, as those of the two bending planes of a shaft do, mostly belong to parts that do not couple.
-/// One by one they have no equals; together faer's vectors of equal eigenvalues are wrong by 1e-3.
+/// One by one they have no equals, whose vectors would have to be found again (see [`repair`]).
 fn parts(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let n = matrix.nrows();
     let nothing = f64::EPSILON * matrix.amax();

@@ -3,6 +3,7 @@
 mod block_tridiagonal;
 mod dense;
 mod pencil;
+mod repair;
 
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use dense::{DecompositionError, Eigen, eigen, hermitian_eigen, solve, solve_complex};

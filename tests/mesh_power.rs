@@ -1,0 +1,192 @@
+//! Every force and every power of a contact, held against the change of the energy that it stores.
+//!
+//! Whatever the teeth, the flank and the geometry: along any motion, with forces Q on the coordinates,
+//!
+//! ```text
+//! U̇ = drive power − damping power − Q·q̇
+//! ```
+//!
+//! so a wrong sign, a dropped term or a swapped coordinate anywhere in the contact leaves something over. U̇ is a
+//! difference over the motion, taken under the law that holds in its middle.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use gearbow::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Turning};
+use gearbow::scene::{Scene, System};
+use nalgebra::Vector6;
+use proptest::prelude::*;
+
+/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
+const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
+const TEETH: [f64; 2] = [25.0, 50.0];
+const DAMPING: f64 = 2e3;
+const BACKLASH: f64 = 4e-5;
+
+/// What teeth can be, as the mesh of a description says it.
+const STIFFNESSES: [&str; 9] = [
+    "stiffness = 3e8",
+    r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#,
+    r#"stiffness = { model = "square", pair = 2e8, engagement = 0.3 }"#,
+    r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.5, engagement = "sharp" }"#,
+    r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.5, engagement = 0.3, phase = "twist" }"#,
+    r#"stiffness = { model = "square", pair = 2e8, engagement = 0.3, phase = "twist" }"#,
+    r#"stiffness = { model = "potential_energy", engagement = 0.2, phase = "twist" }"#,
+    r#"stiffness = { model = "fourier", mean = 3e8, amplitudes = [4e7, 1e7], phases = [0.3, -1.0] }"#,
+    r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.5, engagement = 0.3 }, tip_relief = { amount = 8e-6, length = 0.3 }"#,
+];
+const ERRORS: [&str; 2] =
+    ["", ", error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }"];
+const RUN_OUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
+
+fn coupling(stiffness: &str, error: &str, run_out: &str, damping: f64) -> Coupling {
+    let [a, b] = TEETH;
+    let text = format!(
+        r#"
+        shafts = [
+            {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+            {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+        ]
+        gears = [
+            {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = 3e-3, face_width = 0.03, run_out = [{run_out}] }},
+            {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = 3e-3, face_width = 0.03, run_out = [{run_out}] }},
+        ]
+        meshes = [{{ driver = "ga", driven = "gb", damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error} }}]
+        "#
+    );
+    let scene = Scene::new(&System::from_toml(&text).unwrap()).unwrap();
+    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+}
+
+/// A motion that goes straight on.
+#[derive(Clone, Debug)]
+struct Course {
+    geometry: Geometry,
+    spin: f64,
+    angle: f64,
+    q: Vector6<f64>,
+    v: Vector6<f64>,
+}
+
+impl Course {
+    fn sigma(&self) -> f64 {
+        self.spin.signum()
+    }
+
+    fn turning(&self, after: f64) -> [Turning; 2] {
+        let ratio = -TEETH[0] / TEETH[1];
+        let spins = [self.spin, self.spin * ratio];
+        spins.map(|spin| Turning { angle: self.angle * spin / self.spin + spin * after, spin })
+    }
+
+    /// The law at the instant, with the flank that is asked for.
+    fn law(&self, coupling: &Coupling, flank: Flank) -> Law {
+        let (q, v) = (self.q.as_slice(), self.v.as_slice());
+        Law { flank, ..coupling.law(self.geometry, self.sigma(), &self.turning(0.0), q, v).unwrap() }
+    }
+
+    fn contact(&self, coupling: &Coupling, law: &Law, after: f64) -> Contact {
+        let q = self.q + self.v * after;
+        coupling
+            .contact(self.geometry, self.sigma(), law, &self.turning(after), q.as_slice(), self.v.as_slice())
+            .unwrap()
+    }
+}
+
+/// Displacements of some tens of micrometres, velocities of some tens of millimetres a second; twists as much at the
+/// teeth.
+fn courses() -> impl Strategy<Value = Course> {
+    let numbers = || prop::array::uniform6(-1.0..1.0);
+    let scaled = |numbers: [f64; 6], size: f64| {
+        Vector6::from(numbers).component_mul(&Vector6::new(size, size, size, size, size / 0.04, size / 0.08))
+    };
+    (prop_oneof![Just(Geometry::Live), Just(Geometry::Frozen)], 0.5..2.0, any::<bool>(), 0.0..6.0, numbers(), numbers())
+        .prop_map(move |(geometry, pace, forward, angle, q, v)| Course {
+            geometry,
+            spin: 100.0 * pace * if forward { 1.0 } else { -1.0 },
+            angle,
+            q: scaled(q, 5e-5),
+            v: scaled(v, 5e-2),
+        })
+}
+
+const FLANKS: [Flank; 4] = [Flank::Drive, Flank::Back, Flank::Apart, Flank::Both];
+
+proptest! {
+    #![proptest_config(common::cases(300))]
+
+    #[test]
+    fn energy_is_accounted_for(
+        course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, run_out in 0..2_usize,
+        flank in 0..FLANKS.len(),
+    ) {
+        let coupling = coupling(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[run_out], DAMPING);
+        let law = course.law(&coupling, FLANKS[flank]);
+        let contact = course.contact(&coupling, &law, 0.0);
+        let mut forces = [0.0; 6];
+        coupling.apply(&contact, &mut forces);
+        let delivered: f64 = forces.iter().zip(&course.v).map(|(force, rate)| force * rate).sum();
+        // It moves the teeth by 1e-6 m, next to nothing of the 3e-3 m over which a pair comes and goes.
+        let step = 1e-7;
+        let [before, after] = [-step, step].map(|after| course.contact(&coupling, &law, after));
+        let change = (after.energy - before.energy) / (2.0 * step);
+        // Where the energy bends, as where a relieved pair just touches, the difference is off by as much.
+        let bends = ((after.energy + before.energy) / 2.0 - contact.energy).abs() / step;
+        let left = change + delivered + contact.damping_power - contact.drive_power;
+        let size = contact.energy * 1e3 + delivered.abs() + contact.damping_power + contact.drive_power.abs();
+        prop_assert!(left.abs() <= 1e-6 * size + bends, "{left:e} of {size:e}, bends {bends:e}");
+    }
+
+    #[test]
+    fn the_stiffness_is_the_slope_of_the_force(
+        course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
+    ) {
+        // The driven gear's twist moves no teeth, and without run-out it changes nothing but the deflection.
+        let coupling = coupling(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
+        let law = course.law(&coupling, FLANKS[flank]);
+        let contact = course.contact(&coupling, &law, 0.0);
+        let turned = |by: f64| {
+            let mut turned = course.clone();
+            turned.q[5] += by;
+            turned.contact(&coupling, &law, 0.0).force
+        };
+        let by = 1e-9;
+        let [low, high] = [turned(-by), turned(by)];
+        let slope = (high - low) / (2.0 * by) / (course.sigma() * coupling.involute.base_radius[1]);
+        // Forces of 2e4 N are right to 4e-12 N, deflections move by 7e-11 m; a pair that just touches bends the force.
+        let bends = ((high + low) / 2.0 - contact.force).abs() / by;
+        prop_assert!((slope - contact.stiffness).abs() <= 1e3 + 1e2 * bends, "{slope:e}, {:e}", contact.stiffness);
+    }
+
+    #[test]
+    fn damping_acts_along_the_line_of_action_of_every_flank_that_presses(
+        course in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
+    ) {
+        let [with, without] =
+            [DAMPING, 0.0].map(|damping| coupling(STIFFNESSES[stiffness], "", RUN_OUTS[0], damping));
+        let law = course.law(&with, FLANKS[flank]);
+        let [damped, elastic] = [&with, &without].map(|coupling| course.contact(coupling, &law, 0.0));
+        let mut forces = [0.0; 6];
+        with.apply(&damped, &mut forces);
+        let mut springs = [0.0; 6];
+        without.apply(&elastic, &mut springs);
+        let taken: f64 = forces.iter().zip(springs).zip(&course.v).map(|((force, spring), v)| (spring - force) * v).sum();
+        prop_assert!((taken - damped.damping_power).abs() <= 1e-9 * (taken.abs() + elastic.energy * 1e3));
+        let mut rate_squared = 0.0;
+        for (presses, back) in [(law.flank.drives(), false), (law.flank.holds_back(), true)] {
+            if presses {
+                let alone = Law { flank: if back { Flank::Back } else { Flank::Drive }, ..law };
+                rate_squared += course.contact(&with, &alone, 0.0).damping_power / DAMPING;
+            }
+        }
+        prop_assert!((damped.damping_power - DAMPING * rate_squared).abs() <= 1e-12 * damped.damping_power);
+    }
+}
+
+#[test]
+fn laws_are_told_by_their_numbers() {
+    for flank in FLANKS {
+        let law = Law { flank, engaged: [(-3, 4), (5, 6)] };
+        assert_eq!(Law::from_code(&law.code()), law);
+    }
+}
