@@ -107,9 +107,9 @@ fn planes_that_do_not_couple_are_no_harder() {
 
 #[test]
 fn equal_modes_of_coupled_planes_carry_the_motion() {
-    // Shafts of equal sections, so strongly damped at high frequency that their axial-free bending and torsion repeat.
+    // Shafts of equal sections: at rest their modes repeat, turning slowly they nearly do, and the teeth couple the planes.
     for elements in [4, 6, 8] {
-        for speed in [0.0, 100.0] {
+        for speed in [0.0, 1e-3, 100.0] {
             let mut system = train();
             system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(elements));
             system.rayleigh = Some([20.0, 1e-5]);
