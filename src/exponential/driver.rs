@@ -16,6 +16,8 @@ pub struct Clock {
     pub finest: usize,
     /// How often it is halved for an event: what is left to it, no mode turns by a radian in.
     pub event: usize,
+    /// How often it is halved at least unless all flanks that may part are firmly pressed.
+    pub parting: usize,
 }
 
 impl Clock {
@@ -276,7 +278,8 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(usize, f64), Halt> {
         let before = self.size;
-        let mut level = self.begin_with(state.count);
+        let mut firm = self.clock.parting == 0 || stepper.field.is_firm(state.elapsed, &stepper.begin)?;
+        let mut level = self.begin_with(state.count).max(if firm { 0 } else { self.clock.parting });
         let mut rejected = false;
         loop {
             let solved = match self.control {
@@ -302,6 +305,14 @@ impl Driver {
                 };
                 if !after.is_finite() {
                     return Err(Halt::Diverged);
+                }
+                // Flanks that might have parted within a long step are watched closely over short ones.
+                firm = firm && (level >= self.clock.parting || stepper.is_firm(level, state.elapsed)?);
+                if !firm && level < self.clock.parting {
+                    statistics.rejected += 1;
+                    rejected = true;
+                    level = self.clock.parting;
+                    continue;
                 }
                 // The shortest step is taken as it is: at a kink no step is short enough.
                 if error <= 1.0 || level == self.clock.finest {
@@ -353,13 +364,8 @@ impl Driver {
             if !stepper.field.motion.moves_laws() || change - begin <= SAME {
                 break;
             }
-            self.off.fill(0.0);
-            stepper.interpolate(change, &mut self.point);
             let z = self.sample.within(stepper, level, &state.y, change * step);
-            stepper.scalars_of(state.elapsed + change * step, z, &mut self.off);
-            for (off, polynomial) in self.off.iter_mut().zip(&self.point) {
-                *off -= polynomial;
-            }
+            stepper.measure_off(change, state.elapsed + change * step, z, &mut self.point, &mut self.off);
             let near = ((change - NEAR).max(begin), (change + NEAR).min(1.0));
             if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
                 break;
@@ -462,10 +468,15 @@ impl Driver {
     fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
         // Where teeth are that come and go with time alone, the motion need not be asked.
         if stepper.field.motion.moves_laws() {
-            stepper.interpolate(part, &mut self.point);
-            for (point, off) in self.point.iter_mut().zip(&self.off) {
-                *point += off;
-            }
+            self.place(stepper, part);
+        }
+    }
+
+    /// Scalars and rates at a part of a step: the polynomial, with what it is off by near a change of law.
+    fn place(&mut self, stepper: &Stepper<'_>, part: f64) {
+        stepper.interpolate(part, &mut self.point);
+        for (point, off) in self.point.iter_mut().zip(&self.off) {
+            *point += off;
         }
     }
 
@@ -490,6 +501,10 @@ impl Driver {
         let step = stepper.table.levels[level].step;
         let reached = self.at(state.count + change.ticks);
         let since = change.at - reached;
+        let at_tick = self.sample.within(stepper, level, &state.y, within);
+        stepper.after.copy_from_slice(at_tick);
+        // What the polynomial of the scalars is off by there.
+        stepper.measure_off(within / step, reached, &stepper.after, &mut self.point, &mut self.off);
         // What the loads change by, from the tick to the change: under the law before,
         let part = |point: usize| (within + since * point as f64 / (POINTS - 1) as f64) / step;
         for (point, jump) in self.jumps.iter_mut().enumerate() {
@@ -500,7 +515,7 @@ impl Driver {
         stepper.field.motion.set_laws(&state.laws);
         // and under the one after it.
         for point in (0..POINTS).rev() {
-            stepper.interpolate(part(point), &mut self.point);
+            self.place(stepper, part(point));
             // Under it, the motion that meets the other at the change has come another way.
             let ahead = change.at - (state.elapsed + part(point) * step);
             stepper.depart(&self.jumps[POINTS - 1], ahead, &mut self.point);
@@ -510,8 +525,7 @@ impl Driver {
                 *jump -= new;
             }
         }
-        let at_tick = self.sample.within(stepper, level, &state.y, within);
-        stepper.after.copy_from_slice(at_tick);
+        self.off.fill(0.0);
         std::mem::swap(&mut state.y, &mut stepper.after);
         stepper.shift(since, &self.jumps, &mut state.y);
         state.count += change.ticks;

@@ -221,6 +221,24 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
+    /// Whether all flanks that may part stay pressed at scalars and rates `u`, whatever swings.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn is_firm(&self, elapsed: f64, u: &[f64]) -> Result<bool, Halt> {
+        let (scalars, rates) = u.split_at(self.scalars);
+        let mut from = 0;
+        for interface in &self.interfaces {
+            let to = from + interface.scalars();
+            let rates = rates.get(from..to).unwrap_or_default();
+            if !interface.is_firm(&self.motion, elapsed, &scalars[from..to], rates)? {
+                return Ok(false);
+            }
+            from = to;
+        }
+        Ok(true)
+    }
+
     /// Writes the laws that hold at scalars and rates `u`.
     ///
     /// # Errors

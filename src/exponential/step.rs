@@ -107,10 +107,15 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// Scalars and rates of a state.
-    pub(super) fn scalars_of(&self, elapsed: f64, z: &[f64], u: &mut [f64]) {
-        kernel::scalars(self.arch, &self.bare_rows, z, u);
-        self.field.add_synchronous_at(elapsed, u);
+    /// By how much the polynomial of scalars and rates is off at a part of the last step, where the state is `z`; `point`
+    /// is left on the polynomial.
+    pub(super) fn measure_off(&self, part: f64, elapsed: f64, z: &[f64], point: &mut [f64], off: &mut [f64]) {
+        self.interpolate(part, point);
+        kernel::scalars(self.arch, &self.bare_rows, z, off);
+        self.field.add_synchronous_at(elapsed, off);
+        for (off, polynomial) in off.iter_mut().zip(point) {
+            *off -= *polynomial;
+        }
     }
 
     /// Turns what turns to an instant: a step begins where the one before it has ended.
@@ -139,6 +144,18 @@ impl<'m> Stepper<'m> {
         self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
         statistics.evaluations += 1;
         Ok(())
+    }
+
+    /// Whether all flanks that may part are firmly pressed at the nodes and at the end of the last step, of `level`.
+    pub(super) fn is_firm(&self, level: usize, elapsed: f64) -> Result<bool, Halt> {
+        let step = self.table.levels[level].step;
+        let nodes = self.table.rule.nodes.iter().zip(self.nodes.chunks_exact(self.field.seen().max(1)));
+        for (node, u) in nodes {
+            if !self.field.is_firm(elapsed + node * step, u)? {
+                return Ok(false);
+            }
+        }
+        self.field.is_firm(elapsed + step, &self.end)
     }
 
     /// Takes the end of the last step as the beginning of the next.

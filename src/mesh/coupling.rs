@@ -303,6 +303,34 @@ impl Coupling {
         Ok(Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power, damping_power })
     }
 
+    /// Whether the flank of `law` stays pressed and the other one clear, whatever swings as the state shows: about the
+    /// force `carried` at rest by no more than half of it, as force and rate tell of what swings at `swing` or faster,
+    /// and half of the backlash is left.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    #[expect(clippy::too_many_arguments, reason = "where the mesh is, and what it is measured against")]
+    pub fn is_firm(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        law: &Law,
+        turning: &[Turning; 2],
+        q: &[f64],
+        v: &[f64],
+        (carried, swing): (f64, f64),
+    ) -> Result<bool, Overlap> {
+        let (back, carried) = match law.flank {
+            Flank::Drive => (false, carried),
+            Flank::Back => (true, -carried),
+            Flank::Apart | Flank::Both => return Ok(false),
+        };
+        let pressed = self.flank(geometry, sigma, back, law, turning, q, v)?;
+        let clear = self.flank(geometry, sigma, !back, law, turning, q, v)?;
+        let swung = (pressed.force - carried).hypot(pressed.stiffness * pressed.rate / swing);
+        Ok(swung <= carried / 2.0 && clear.deflection <= -self.backlash.unwrap_or(f64::INFINITY) / 2.0)
+    }
+
     /// Where the tooth pairs are on the path of contact.
     pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
         let turned = match self.phase {

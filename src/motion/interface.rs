@@ -41,6 +41,9 @@ pub struct Interface {
     /// Its scalars, and its generalised forces, at the displacements that deviations are measured from.
     at: [f64; MOST],
     held: [f64; MOST],
+    /// The force there, below zero on the back flank, N, and how fast its teeth swing, rad/s.
+    carried: f64,
+    swing: f64,
     /// ∂δ/∂(scalars) along the line of action at rest.
     gradient: [f64; MOST],
 }
@@ -71,12 +74,22 @@ impl Interface {
             Scalars::Plane => [-y, -z, sigma, 0.0],
             Scalars::Each => [-y, -z, sigma * ra, sigma * rb],
         };
-        let mut interface =
-            Self { mesh, coupling, scalars, geometry, sigma, at: [0.0; MOST], held: [0.0; MOST], gradient };
+        let mut interface = Self {
+            mesh,
+            coupling,
+            scalars,
+            geometry,
+            sigma,
+            at: [0.0; MOST],
+            held: [0.0; MOST],
+            carried: 0.0,
+            swing: motion.fastest_swing(),
+            gradient,
+        };
         for (at, row) in interface.at.iter_mut().zip(Self::rows_of(global, scalars, sigma)) {
             *at = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
         }
-        interface.held = interface.mean_force()?;
+        (interface.held, interface.carried) = interface.mean_force()?;
         Ok(interface)
     }
 
@@ -143,8 +156,8 @@ impl Interface {
         }
     }
 
-    /// The generalised forces of the mean stiffness at the reference, on the flank that carries there.
-    fn mean_force(&self) -> Result<[f64; MOST], Overlap> {
+    /// The generalised forces of the mean stiffness at the reference, on the flank that carries there, and its force.
+    fn mean_force(&self) -> Result<([f64; MOST], f64), Overlap> {
         let own = self.own(&self.at);
         let pressed = |flank| self.coupling.mean_tangent(self.geometry, self.sigma, flank, &own, |_, _, _| {});
         let drive = pressed(Flank::Drive)?;
@@ -153,11 +166,12 @@ impl Interface {
             _ => (drive, self.sigma),
         };
         let [ra, rb] = self.coupling.involute.base_radius;
-        Ok(match self.scalars {
+        let held = match self.scalars {
             Scalars::Along => [-force * sigma * self.sigma, 0.0, 0.0, 0.0],
             Scalars::Plane => [force * y, force * z, -force * sigma, 0.0],
             Scalars::Each => [force * y, force * z, -force * sigma * ra, -force * sigma * rb],
-        })
+        };
+        Ok((held, force * sigma * self.sigma))
     }
 
     /// The generalised forces that it holds at the reference.
@@ -184,6 +198,26 @@ impl Interface {
             *load = (forces[k] - self.held[k]) + linear * self.gradient[k];
         }
         Ok(self.coupling.stiffness - contact.stiffness)
+    }
+
+    /// Whether flanks that may part stay pressed at deviations `u` and their `rates`, whatever swings.
+    ///
+    /// # Errors
+    /// [`Halt`] where base circles overlap.
+    pub fn is_firm(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64]) -> Result<bool, Halt> {
+        if self.coupling.backlash.is_none() {
+            return Ok(true);
+        }
+        // Without rates there is no telling what swings.
+        if rates.is_empty() {
+            return Ok(false);
+        }
+        let (q, v) = self.place(u, rates);
+        let turning = motion.turning(self.mesh, elapsed);
+        let law = &motion.laws[self.mesh];
+        let measure = (self.carried, self.swing);
+        let firm = self.coupling.is_firm(self.geometry, self.sigma, law, &turning, &q, &v, measure);
+        firm.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
     /// The law that holds at deviations `u` and their `rates`.
