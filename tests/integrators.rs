@@ -7,7 +7,9 @@ use std::rc::Rc;
 
 use common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Adaptive, Control, Halt, RungeKutta, Span, State, Statistics, System as _, run};
+use gearbow::integrate::{
+    Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, Trajectory, run,
+};
 use proptest::prelude::*;
 
 /// An undamped pair, and a particle on a hardening spring of period 2π/ω·…: nothing here is fast.
@@ -116,9 +118,10 @@ proptest! {
     }
 }
 
-/// q̈ = (p + 1)tᵖ, which remembers when it was asked.
+/// q̈ = (p + 1)tᵖ, which remembers when it was asked, and is not a number beyond an instant.
 struct Clocked {
     power: i32,
+    until: f64,
     times: Vec<f64>,
 }
 
@@ -129,7 +132,8 @@ impl gearbow::integrate::System for Clocked {
 
     fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.times.push(elapsed);
-        derivative.copy_from_slice(&[y[1], f64::from(self.power + 1) * elapsed.powi(self.power)]);
+        let acceleration = f64::from(self.power + 1) * elapsed.powi(self.power);
+        derivative.copy_from_slice(&[y[1], if elapsed > self.until { f64::NAN } else { acceleration }]);
         Ok(())
     }
 
@@ -147,7 +151,7 @@ fn stages_know_what_time_it_is() {
     fn check<const S: usize>(tableau: Tableau<S>) {
         // A method of order p is a rule that integrates tᵖ⁻¹ exactly.
         let power = tableau.order as i32 - 1;
-        let mut system = Clocked { power, times: Vec::new() };
+        let mut system = Clocked { power, until: f64::INFINITY, times: Vec::new() };
         let (mut method, mut statistics) = (RungeKutta::new(tableau, 2), Statistics::new());
         let mut state = State::new(vec![0.0; 2]);
         let nobody = &mut Witness::default();
@@ -162,6 +166,49 @@ fn stages_know_what_time_it_is() {
     }
     check(RK4);
     check(DORMAND_PRINCE);
+}
+
+#[test]
+fn a_step_of_which_nothing_can_be_said_shrinks_tenfold() {
+    let mut system = Clocked { power: 1, until: 5e-3, times: Vec::new() };
+    let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
+    let (mut state, nobody) = (State::new(vec![0.0; 2]), &mut Witness::default());
+    run(&mut system, &mut method, &adaptive(1e-6, 1.0), &mut state, 5e-4, nobody, &mut statistics).unwrap();
+    // Of 1 s, 0.1 s and 10 ms; that of 1 ms is within what is a number.
+    assert_eq!(statistics.rejected, 3);
+}
+
+/// Asks for the motion at one instant.
+struct Once {
+    at: f64,
+    seen: Option<[f64; 2]>,
+}
+
+impl Observer for Once {
+    fn next(&self) -> Option<f64> {
+        self.seen.is_none().then_some(self.at)
+    }
+
+    fn observe(&mut self, motion: &mut impl Trajectory, _: f64) -> Result<(), Halt> {
+        self.seen = Some([motion.begin(), motion.end()]);
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        true
+    }
+}
+
+#[test]
+fn an_instant_at_the_end_of_a_step_is_seen_with_that_step() {
+    let (mut system, mut state) = pair_and_pendulum();
+    let (mut method, mut statistics) = (RungeKutta::new(RK4, system.len()), Statistics::new());
+    let mut once = Once { at: 1.0, seen: None };
+    let control = Control::Fixed(1.0 / 128.0);
+    run(&mut system, &mut method, &control, &mut state, 1.0, &mut once, &mut statistics).unwrap();
+    assert_eq!(once.seen, Some([127.0 / 128.0, 1.0]));
+    // No step beyond is tried for it: four evaluations a step, and the first.
+    assert_eq!(statistics.evaluations, 4 * 128 + 1);
 }
 
 #[test]
