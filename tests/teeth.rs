@@ -427,6 +427,31 @@ fn pairs_carry_as_many_as_there_are() {
 }
 
 #[test]
+fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
+    // The pitch circle carries a tooth of the thickness m(π/2 + 2x tan α): by as much the driver turns between the
+    // instants at which the drive flank and the back flank of that tooth pass the pitch point.
+    for shift in [0.0, 0.3, -0.2] {
+        let [of_driver, of_driven] = [shift, -shift].map(|shift: f64| format!(", profile_shift = {shift}"));
+        let scene = scene(&of_driver, &of_driven, "stiffness = 3e8");
+        let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+        let gear = &scene.gears[0];
+        let thickness = gear.module * (PI / 2.0 + 2.0 * shift * gear.pressure_angle.tan());
+        let pitch_point = gear.base_radius * gear.pressure_angle.tan();
+        for sigma in [-1.0, 1.0] {
+            let beyond = |angle: f64, back: bool| {
+                let turning = standing([angle, 0.0]);
+                let path = coupling.engagement(Geometry::Frozen, sigma, back, &turning, &AT_REST).unwrap();
+                (path.position - pitch_point) / path.pitch
+            };
+            let passes = -sigma * beyond(0.0, false) * TAU / TEETH[0];
+            assert!(beyond(passes, false).abs() < 1e-13);
+            let later = beyond(passes + sigma * thickness / gear.pitch_radius, true);
+            assert!((later - later.round()).abs() < 1e-13, "{later} pitches beyond, {shift} {sigma}");
+        }
+    }
+}
+
+#[test]
 fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
     const PARTS: usize = 2000;
     let coupling = coupling(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
