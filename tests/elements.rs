@@ -230,9 +230,11 @@ proptest! {
         let acting = beam.stiffness.amax() * q.iter().map(|value| value * value).sum::<f64>();
         prop_assert!((beam.bending.form::<2>(&node(0), &node(4)) - form).abs() < 1e-14 * acting);
 
-        let [turned, twisted] = [[[q[0]]], [[q[1]]]];
-        let torque = beam.twist.stiffness * (q[1] - q[0]);
-        prop_assert_eq!(beam.twist.forces::<1>(&turned, &twisted), [[[torque]], [[-torque]]]);
-        prop_assert_eq!(beam.twist.form::<1>(&turned, &twisted), beam.twist.stiffness * (q[1] - q[0]).powi(2));
+        let torques = [q[2] - q[0], q[3] - q[1]].map(|twist| beam.twist.stiffness * twist);
+        let found = beam.twist.forces::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
+        prop_assert_eq!(found, [[torques], [torques.map(|torque| -torque)]]);
+        let squares = (q[2] - q[0]).powi(2) + (q[3] - q[1]).powi(2);
+        let form = beam.twist.form::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
+        prop_assert!((form - beam.twist.stiffness * squares).abs() <= 1e-15 * form);
     }
 }

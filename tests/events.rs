@@ -5,7 +5,7 @@ mod common;
 
 use common::particles::{Witness, adaptive};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Control, Halt, RungeKutta, State, Statistics, System, run};
+use gearbow::integrate::{Control, Halt, Observer, RungeKutta, State, Statistics, System, Trajectory, run};
 use proptest::prelude::*;
 
 /// ω of the spring, and what it pushes with as soon as it is touched: the force jumps where the law changes.
@@ -125,6 +125,107 @@ fn a_change_is_found_to_round_off() {
     // A part of 1e-13 of the step, and round-off of the time itself; the stroke is taken with steps of one radian.
     assert!(nearest(fall) < 1e-14, "{:e}", nearest(fall));
     assert!(nearest(fall + stroke) < 1e-2, "{:e}", nearest(fall + stroke));
+}
+
+/// What a run says of its changes of law: when, and the displacement and the velocity there.
+#[derive(Default)]
+struct Changes {
+    seen: Vec<[f64; 3]>,
+}
+
+impl Observer for Changes {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn observe(&mut self, _: &mut impl Trajectory, _: f64) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), _: &[i64]) {
+        let (mut q, mut v) = ([0.0], [0.0]);
+        read(&mut q, &mut v);
+        self.seen.push([elapsed, q[0], v[0]]);
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        true
+    }
+}
+
+#[test]
+fn whoever_looks_is_told_where_the_law_changed() {
+    let mut changes = Changes::default();
+    let mut method = RungeKutta::new(RK4, 2);
+    let control = Control::Fixed(2.0_f64.powi(-10));
+    run(&mut Ball::default(), &mut method, &control, &mut drop_from(0.5), 2.0, &mut changes, &mut Statistics::new())
+        .unwrap();
+    // The law that a run begins with, and the two changes of the first stroke, from the height of rest.
+    let [begin, touch, lift] = changes.seen[..] else { panic!("{:?}", changes.seen) };
+    let [fall, stroke] = durations(0.5);
+    assert_eq!(begin, [0.0, 0.5, 0.0]);
+    // 75 steps of a stroke of 3 rad, of fourth order; a step that is taken again ends next to where it was interpolated.
+    for ([time, q, v], expected) in [(touch, [fall, 0.0, -1.0]), (lift, [fall + stroke, 0.0, 1.0])] {
+        assert!(
+            (time - expected[0]).abs() < 1e-6 && q.abs() < 1e-10 && (v - expected[2]).abs() < 1e-5,
+            "{time} {q} {v}"
+        );
+    }
+}
+
+/// A ball in flight that is above a mark, or not, and feels nothing of it.
+struct Marked {
+    mark: f64,
+}
+
+impl System for Marked {
+    fn len(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        derivative.copy_from_slice(&[y[1], -GRAVITY]);
+        Ok(())
+    }
+
+    fn switching(&self) -> Option<&[usize]> {
+        Some(&[0])
+    }
+
+    fn laws_at(&mut self, _: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+        laws.clear();
+        laws.push(i64::from(y[0] > self.mark));
+        Ok(())
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        difference[0].hypot(difference[1])
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        self.norm(y)
+    }
+}
+
+#[test]
+fn a_law_that_holds_within_a_step_alone_is_seen() {
+    // Thrown up with 1 m/s the ball is above the mark from 0.6 s to 1.4 s: one step goes over all of it.
+    let (mut changes, mut method) = (Changes::default(), RungeKutta::new(RK4, 2));
+    let mut state = State::new(vec![0.0, 1.0]);
+    run(
+        &mut Marked { mark: 0.42 },
+        &mut method,
+        &Control::Fixed(2.0),
+        &mut state,
+        3.0,
+        &mut changes,
+        &mut Statistics::new(),
+    )
+    .unwrap();
+    let times: Vec<f64> = changes.seen.iter().map(|change| change[0]).collect();
+    let [begin, above, below] = times[..] else { panic!("{times:?}") };
+    // A parabola is interpolated exactly, and the instant found to 1e-13 of the step.
+    assert!(begin == 0.0 && (above - 0.6).abs() < 1e-12 && (below - 1.4).abs() < 1e-12, "{times:?}");
 }
 
 #[test]

@@ -7,7 +7,9 @@ use std::rc::Rc;
 
 use common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Adaptive, Control, RungeKutta, Span, State, Statistics, System as _, run};
+use gearbow::integrate::{
+    Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, Trajectory, run,
+};
 use proptest::prelude::*;
 
 /// An undamped pair, and a particle on a hardening spring of period 2π/ω·…: nothing here is fast.
@@ -96,6 +98,147 @@ proptest! {
         // Values up to 1e2 (a quintic at s = 2), differences of which the velocity divides by the step.
         prop_assert!((q - exact[0]).abs() < 1e-13 * 1e2 && (v - exact[1]).abs() < 1e-13 * 1e2 / step);
     }
+}
+
+proptest! {
+    #![proptest_config(common::cases(100))]
+
+    #[test]
+    fn the_cubic_goes_through_states_and_their_derivatives(
+        c in prop::array::uniform4(-1.0..1.0), start in -2.0..2.0_f64, step in 1e-3..2.0_f64, part in 0.0..=1.0_f64,
+    ) {
+        let value = |t: f64| c.iter().rev().fold(0.0, |sum, c| sum * (t - start) + c);
+        let slope = |t: f64| (1..4).rev().fold(0.0, |sum, k| sum * (t - start) + k as f64 * c[k]);
+        let span = Span { start, step, before: (&[], &[]), after: (&[], &[]) };
+        let at = start + part * step;
+        let ends = [value(start), slope(start), value(start + step), slope(start + step)];
+        let found: f64 = span.cubic(at).iter().zip(ends).map(|(weight, end)| weight * end).sum();
+        // Values up to 15, a cubic at s = 2.
+        prop_assert!((found - value(at)).abs() < 1e-14 * 15.0);
+    }
+}
+
+/// q̈ = (p + 1)tᵖ, which remembers when it was asked, and is not a number beyond an instant.
+struct Clocked {
+    power: i32,
+    until: f64,
+    times: Vec<f64>,
+}
+
+impl gearbow::integrate::System for Clocked {
+    fn len(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        self.times.push(elapsed);
+        let acceleration = f64::from(self.power + 1) * elapsed.powi(self.power);
+        derivative.copy_from_slice(&[y[1], if elapsed > self.until { f64::NAN } else { acceleration }]);
+        Ok(())
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        difference[1].abs()
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        y[1].abs()
+    }
+}
+
+#[test]
+fn stages_know_what_time_it_is() {
+    fn check<const S: usize>(tableau: Tableau<S>) {
+        // A method of order p is a rule that integrates tᵖ⁻¹ exactly.
+        let power = tableau.order as i32 - 1;
+        let mut system = Clocked { power, until: f64::INFINITY, times: Vec::new() };
+        let (mut method, mut statistics) = (RungeKutta::new(tableau, 2), Statistics::new());
+        let mut state = State::new(vec![0.0; 2]);
+        let nobody = &mut Witness::default();
+        run(&mut system, &mut method, &Control::Fixed(0.1), &mut state, 2.05, nobody, &mut statistics).unwrap();
+        let expected = state.elapsed.powi(power + 1);
+        // Twenty steps of a rounding each.
+        assert!((state.y[1] - expected).abs() < 1e-14 * expected, "{} {expected}", state.y[1]);
+        // The derivative at the end of a step is that at the beginning of the next: of one instant, to the last bit.
+        for (step, times) in system.times[1..].chunks(S - 1).enumerate() {
+            assert_eq!(times[S - 2], (step + 1) as f64 * 0.1);
+        }
+    }
+    check(RK4);
+    check(DORMAND_PRINCE);
+}
+
+#[test]
+fn a_step_of_which_nothing_can_be_said_shrinks_tenfold() {
+    let mut system = Clocked { power: 1, until: 5e-3, times: Vec::new() };
+    let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
+    let (mut state, nobody) = (State::new(vec![0.0; 2]), &mut Witness::default());
+    run(&mut system, &mut method, &adaptive(1e-6, 1.0), &mut state, 5e-4, nobody, &mut statistics).unwrap();
+    // Of 1 s, 0.1 s and 10 ms; that of 1 ms is within what is a number.
+    assert_eq!(statistics.rejected, 3);
+}
+
+/// Asks for the motion at one instant.
+struct Once {
+    at: f64,
+    seen: Option<[f64; 2]>,
+}
+
+impl Observer for Once {
+    fn next(&self) -> Option<f64> {
+        self.seen.is_none().then_some(self.at)
+    }
+
+    fn observe(&mut self, motion: &mut impl Trajectory, _: f64) -> Result<(), Halt> {
+        self.seen = Some([motion.begin(), motion.end()]);
+        Ok(())
+    }
+
+    fn go_on(&mut self, _: f64) -> bool {
+        true
+    }
+}
+
+#[test]
+fn an_instant_at_the_end_of_a_step_is_seen_with_that_step() {
+    let (mut system, mut state) = pair_and_pendulum();
+    let (mut method, mut statistics) = (RungeKutta::new(RK4, system.len()), Statistics::new());
+    let mut once = Once { at: 1.0, seen: None };
+    let control = Control::Fixed(1.0 / 128.0);
+    run(&mut system, &mut method, &control, &mut state, 1.0, &mut once, &mut statistics).unwrap();
+    assert_eq!(once.seen, Some([127.0 / 128.0, 1.0]));
+    // No step beyond is tried for it: four evaluations a step, and the first.
+    assert_eq!(statistics.evaluations, 4 * 128 + 1);
+}
+
+#[test]
+fn statistics_are_those_of_the_steps() {
+    // A hardening spring wants short steps where it is stiff; elsewhere the limit holds.
+    let mut system = Particles::new(&[1.0], &[3.0]);
+    let mut witness = Witness { end: Some(60.0), ..Witness::default() };
+    let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
+    let mut state = State::new(vec![2.0, 0.0]);
+    let longest = 0.125;
+    run(&mut system, &mut method, &adaptive(1e-4, longest), &mut state, 60.0, &mut witness, &mut statistics).unwrap();
+    // The last step that is seen runs past the end and is not taken. Beginnings and ends round lengths to 1e-14.
+    let (_, steps) = witness.seen.split_last().unwrap();
+    let lengths = || steps.iter().map(|(_, step, _)| *step);
+    assert_eq!(statistics.steps, steps.len() as u64);
+    let at_limit = lengths().filter(|step| *step > longest - 1e-12).count() as u64;
+    assert_eq!(statistics.at_limit, at_limit);
+    assert!(0 < at_limit && at_limit < statistics.steps, "{at_limit} of {}", statistics.steps);
+    assert!(lengths().any(|step| step > longest / 2.0 && step < 0.9 * longest), "some are nearly as long");
+    assert!((statistics.shortest - lengths().fold(f64::INFINITY, f64::min)).abs() < 1e-13);
+    assert_eq!(statistics.longest, longest);
+    assert!(lengths().next_back().is_some_and(|last| last > statistics.shortest + 1e-6));
+
+    let (mut system, mut state) = pair_and_pendulum();
+    let fixed = integrate(&mut system, RK4, Control::Fixed(1.0 / 128.0), &mut state, 1.0);
+    assert_eq!(fixed.at_limit, 0);
+    // What begins a run is counted once, however often the run is paused.
+    let mut paused = Statistics { evaluations: 513, ..Statistics::new() };
+    paused.begin(1);
+    assert_eq!(paused.evaluations, 513);
 }
 
 #[test]

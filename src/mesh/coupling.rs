@@ -340,8 +340,8 @@ impl Coupling {
         let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
         let centres = self.involute.angle_at_rest() + line.turned;
         let pitch = self.involute.base_pitch;
-        // Back flanks follow half a base pitch behind the drive flanks.
-        let behind = if back { pitch / 2.0 } else { 0.0 };
+        // What thinner teeth leave for the backlash is a hundredth of the pitch, and not known of either gear alone.
+        let behind = if back { self.involute.base_thickness } else { 0.0 };
         let [low, high] = self.involute.path(line.tangent);
         let position = self.involute.position(sigma, turned, centres, pressure_angle) + behind;
         Path { position, low, high, pitch }

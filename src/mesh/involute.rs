@@ -24,6 +24,8 @@ pub struct Involute {
     tip_reach: [f64; 2],
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
+    /// Thickness of a tooth of the driver on its base circle, m: so far its back flank follows its drive flank.
+    pub base_thickness: f64,
     /// S, the sum of the base radii, m.
     sum: f64,
     /// C₀, m.
@@ -88,6 +90,7 @@ impl Involute {
             base_radius: [a.base_radius, b.base_radius],
             tip_reach: [reach(a), reach(b)],
             base_pitch: a.base_pitch(),
+            base_thickness: 2.0 * a.base_radius * a.half_angle(),
             sum,
             distance: mesh.centre_distance,
             tangent,

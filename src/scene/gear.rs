@@ -50,6 +50,12 @@ impl Gear {
         2.0 * PI * self.base_radius / f64::from(self.teeth)
     }
 
+    /// Half the angle of a tooth at the base circle, rad, of teeth that leave no backlash: π/2z + 2x tan α/z + inv α.
+    pub fn half_angle(&self) -> f64 {
+        let (teeth, tan) = (f64::from(self.teeth), self.pressure_angle.tan());
+        PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + tan - self.pressure_angle
+    }
+
     /// Root radius of full-depth teeth, m.
     pub fn root_radius(&self) -> f64 {
         self.pitch_radius - self.module * (DEDENDUM - self.profile_shift)

@@ -45,14 +45,11 @@ pub struct Tooth {
 impl Tooth {
     /// A tooth of `gear`, whose blank is clamped at `bore_radius`.
     pub fn new(gear: &Gear, bore_radius: f64) -> Self {
-        let alpha = gear.pressure_angle;
-        let thickness =
-            PI / (2.0 * f64::from(gear.teeth)) + 2.0 * gear.profile_shift * alpha.tan() / f64::from(gear.teeth);
         Self {
             base_radius: gear.base_radius,
             root_radius: gear.root_radius(),
             bore_radius,
-            half_angle: thickness + alpha.tan() - alpha,
+            half_angle: gear.half_angle(),
         }
     }
 

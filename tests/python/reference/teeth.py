@@ -107,7 +107,11 @@ class TeethLaw:
         sigma = -law.sigma if back else law.sigma
         s = law.base_radius_a * (sigma * (turned - law.centre_line_angle - off) + alpha)
         low, high = self.path(distance)
-        return s + (law.base_pitch / 2 if back else 0.0), low, high
+        # from drive flank to back flank a tooth is half a pitch on the reference circle of its rack of 20 degrees,
+        # and more on the base circle
+        rack = np.radians(20)
+        thickness = law.base_pitch / 2 + 2 * law.base_radius_a * (np.tan(rack) - rack)
+        return s + (thickness if back else 0.0), low, high
 
     def weight(self, distance: Any) -> Any:
         if self.width == 0.0:

@@ -1,0 +1,572 @@
+//! What the teeth of a mesh do: their curves, stiffnesses, errors and laws, against what defines them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, Cycle, Pair, Path, Stiffness, Tooth, UniformCurve, iso6336};
+use gearbow::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Turning};
+use gearbow::scene::{Engagement, Gear, Relief, Scene, System};
+use nalgebra::{Matrix6, Vector6};
+use proptest::prelude::*;
+
+/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
+const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
+const TEETH: [f64; 2] = [25.0, 50.0];
+const WIDTH: f64 = 0.03;
+const AT_REST: [f64; 6] = [0.0; 6];
+
+/// The scene of one mesh; `of_driver` and `of_driven` say more of its gears, `mesh` what its teeth are.
+fn scene(of_driver: &str, of_driven: &str, mesh: &str) -> Scene {
+    let [a, b] = TEETH;
+    let text = format!(
+        r#"
+        shafts = [
+            {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+            {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+        ]
+        gears = [
+            {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = 3e-3, face_width = {WIDTH}{of_driver} }},
+            {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = 3e-3, face_width = {WIDTH}{of_driven} }},
+        ]
+        meshes = [{{ driver = "ga", driven = "gb", centre_line_angle = 0.4, {mesh} }}]
+        "#
+    );
+    Scene::new(&System::from_toml(&text).unwrap()).unwrap()
+}
+
+fn coupling(mesh: &str) -> Coupling {
+    let scene = scene("", "", mesh);
+    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+}
+
+/// Shafts that stand at two angles.
+fn standing(angles: [f64; 2]) -> [Turning; 2] {
+    angles.map(|angle| Turning { angle, spin: 0.0 })
+}
+
+/// The shafts at `part` of a mesh cycle.
+fn at_part(part: f64) -> [Turning; 2] {
+    standing([part * TAU / TEETH[0], -part * TAU / TEETH[1]])
+}
+
+fn touch(coupling: &Coupling, law: &Law, turning: &[Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Contact {
+    coupling.contact(Geometry::Frozen, 1.0, law, turning, q, v).unwrap()
+}
+
+/// The law that holds, but for the flank.
+fn law(coupling: &Coupling, turning: &[Turning; 2], q: &[f64; 6], flank: Flank) -> Law {
+    Law { flank, ..coupling.law(Geometry::Frozen, 1.0, turning, q, &AT_REST).unwrap() }
+}
+
+/// What the quadratic slope of a cubic piece says of it: its rise, and its second derivative at both ends.
+fn bends(at: impl Fn(f64) -> (f64, f64), start: f64, spacing: f64) -> (f64, [f64; 2]) {
+    let [first, middle, last] = [0.25, 0.5, 0.75].map(|part| at(start + part * spacing).1);
+    // Milne's rule, which is exact for a cubic, and the derivatives of the parabola through three points.
+    let rise = spacing * (2.0 * first - middle + 2.0 * last) / 3.0;
+    let (slope, half) = (2.0 * (last - first), 8.0 * (first - 2.0 * middle + last));
+    (rise, [slope - half, slope + half].map(|bend| bend / spacing))
+}
+
+proptest! {
+    #![proptest_config(common::cases(100))]
+
+    #[test]
+    fn a_curve_is_the_natural_spline_through_its_values(
+        values in prop::collection::vec(-1.0..1.0_f64, 2..12), start in -2.0..2.0_f64, spacing in 0.1..3.0_f64,
+        factor in -2.0..2.0_f64,
+    ) {
+        let curve = UniformCurve::new(start, spacing, &values);
+        let at = |x: f64| curve.at(x);
+        let last = values.len() - 1;
+        // Values of one, which the second derivative divides by the square of the spacing: 1e-12 of each.
+        let mut bend = 0.0;
+        for i in 0..last {
+            let begin = start + i as f64 * spacing;
+            prop_assert!((at(begin + 1e-12).0 - values[i]).abs() < 1e-9);
+            let (rise, [left, right]) = bends(at, begin, spacing);
+            prop_assert!((rise - (values[i + 1] - values[i])).abs() < 1e-12);
+            prop_assert!((left - bend).abs() < 1e-10 / (spacing * spacing), "{left} after {bend} at {i}");
+            bend = right;
+        }
+        prop_assert!(bend.abs() < 1e-10 / (spacing * spacing), "{bend} at the end");
+        prop_assert_eq!(at(start - 1.0), (values[0], 0.0));
+        prop_assert_eq!(at(start + (last as f64 + 1.0) * spacing), (values[last], 0.0));
+        let scaled = curve.clone().scaled(factor);
+        let (x, (value, slope)) = (start + 0.3 * spacing, at(start + 0.3 * spacing));
+        prop_assert!((scaled.at(x).0 - factor * value).abs() < 1e-13);
+        prop_assert!((scaled.at(x).1 - factor * slope).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_is_the_periodic_spline_through_its_values(
+        values in prop::collection::vec(0.0..1.0_f64, 3..12), turns in -5..5_i32,
+    ) {
+        let cycle = Cycle::table(&values);
+        let n = values.len();
+        let spacing = 1.0 / n as f64;
+        let at = |x: f64| cycle.at(x + f64::from(turns));
+        let pieces: Vec<_> = (0..n).map(|i| bends(at, i as f64 * spacing, spacing)).collect();
+        for (i, value) in values.iter().enumerate() {
+            let next = (i + 1) % n;
+            prop_assert!((at((i as f64 + 0.5) * spacing - spacing / 2.0).0 - value).abs() < 1e-12);
+            prop_assert!((pieces[i].0 - (values[next] - value)).abs() < 1e-12);
+            // Second derivatives of some n² of values of one.
+            prop_assert!((pieces[i].1[1] - pieces[next].1[0]).abs() < 1e-10 * (n * n) as f64);
+        }
+        // Simpson's rule is exact on every piece.
+        let middle = |i: usize| at((i as f64 + 0.5) * spacing).0;
+        let mean: f64 = (0..n).map(|i| (values[i] + 4.0 * middle(i) + values[(i + 1) % n]) * spacing / 6.0).sum();
+        prop_assert!((cycle.mean() - mean).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_harmonic_swings_about_its_mean() {
+    let cycle = Cycle::Fourier(3.0, vec![[1.0, 0.0]]);
+    assert_eq!((cycle.mean(), cycle.largest()), (3.0, 4.0));
+    assert!((cycle.smallest() - 2.0).abs() < 1e-15);
+}
+
+#[test]
+fn every_error_turns_with_its_own_shaft() {
+    let harmonics = coupling(
+        "stiffness = 3e8, error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }",
+    );
+    let values = [3e-6, -1e-6, 4e-6, 2e-6];
+    let table = coupling("stiffness = 3e8, error = { table = [3e-6, -1e-6, 4e-6, 2e-6] }");
+    let off = |coupling: &Coupling, angles: [f64; 2]| {
+        -touch(coupling, &Law::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection
+    };
+    // Angles that no train has, so that each harmonic shows its shaft.
+    for [a, b] in [[0.3, 0.9], [-1.7, 0.2], [40.0, -3.0]] {
+        let teeth = 5e-6 * (TEETH[0] * a + 0.4).cos() + 1e-6 * (2.0 * TEETH[0] * a + 1.0).cos();
+        let expected = teeth + 8e-6 * (a + 0.2).cos() + 6e-6 * (b - 0.7).cos();
+        // The cosine of an angle of 2000 rad, to its digits.
+        assert!((off(&harmonics, [a, b]) - expected).abs() < 1e-17, "{:e} {expected:e}", off(&harmonics, [a, b]));
+        for (i, value) in values.iter().enumerate() {
+            let part = 7.0 + i as f64 / values.len() as f64;
+            assert!((off(&table, [part * TAU / TEETH[0], b]) - value).abs() < 1e-17);
+        }
+    }
+}
+
+#[test]
+fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
+    let scene = scene(", run_out = [2e-5, 1e-5]", ", run_out = [0.0, -3e-5]", "stiffness = 3e8");
+    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    let turned = |[y, z]: [f64; 2], angle: f64| {
+        let (sin, cos) = angle.sin_cos();
+        [cos * y - sin * z, sin * y + cos * z]
+    };
+    for angles in [[0.0, 0.0], [0.4, -0.2], [2.0, 5.0]] {
+        let ([ay, az], [by, bz]) = (turned([2e-5, 1e-5], angles[0]), turned([0.0, -3e-5], angles[1]));
+        let [ny, nz] = coupling.normal_at_rest(1.0);
+        let found = touch(&coupling, &Law::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
+        assert!((found + ny * (by - ay) + nz * (bz - az)).abs() < 1e-18, "{found:e}");
+    }
+    assert!(coupling.follows() && coupling.has_run_out());
+}
+
+#[test]
+fn a_damping_ratio_is_that_of_the_two_gears_on_their_mesh() {
+    let scene = scene("", "", "stiffness = 3e8, damping_ratio = 0.07");
+    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    // The gears that swing against each other: δ̈ + c/m δ̇ + k/m δ = 0, with 1/m what a unit force accelerates δ by.
+    let yields: f64 = scene.gears.iter().map(|gear| gear.base_radius.powi(2) / gear.body.polar_inertia).sum();
+    let (frequency, decay) = ((3e8 * yields).sqrt(), coupling.damping * yields / 2.0);
+    assert!((decay / frequency - 0.07).abs() < 1e-15);
+}
+
+/// What teeth can be, as the mesh of a description says it: those whose stiffness does not depend on the load.
+const STIFFNESSES: [&str; 8] = [
+    "stiffness = 3e8",
+    r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#,
+    r#"stiffness = { model = "square", pair = 2e8, engagement = 0.3 }"#,
+    r#"stiffness = { model = "parabolic", mean = 2e8, end_ratio = 0.5, engagement = "sharp" }"#,
+    r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.5, engagement = 0.5 }"#,
+    r#"stiffness = { model = "potential_energy", engagement = 0.2 }"#,
+    r#"stiffness = { model = "fourier", mean = 3e8, amplitudes = [4e7, 1e7], phases = [0.3, -1.0] }"#,
+    r#"stiffness = { model = "table", values = [3e8, 2e8, 5e8, 4e8] }"#,
+];
+
+#[test]
+fn the_mean_and_the_bound_are_those_of_the_cycle() {
+    const PARTS: usize = 4000;
+    for stiffness in STIFFNESSES {
+        let coupling = coupling(&format!("backlash = 1e-5, {stiffness}"));
+        let (mut sum, mut largest) = (0.0, 0.0_f64);
+        for i in 0..PARTS {
+            let turning = at_part((i as f64 + 0.5) / PARTS as f64);
+            let law = |flank: Flank| law(&coupling, &turning, &AT_REST, flank);
+            sum += touch(&coupling, &law(Flank::Drive), &turning, &AT_REST, &AT_REST).stiffness;
+            largest = largest.max(touch(&coupling, &law(Flank::Both), &turning, &AT_REST, &AT_REST).stiffness);
+        }
+        // Two ends of contact fall between the points; what is smooth has a mean to 1e-8, the bends of ramps included.
+        let off = (sum / PARTS as f64 / coupling.stiffness - 1.0).abs();
+        let sharp = coupling.teeth.is_sharp();
+        assert!(off < if sharp { 2.0 / PARTS as f64 } else { 1e-8 }, "{off:e} of {stiffness}");
+        assert!(largest <= coupling.stiffest * (1.0 + 1e-12), "{largest:e} {:e} of {stiffness}", coupling.stiffest);
+    }
+}
+
+#[test]
+fn means_have_their_closed_forms() {
+    let ratio = |coupling: &Coupling| coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    for engagement in [r#""sharp""#, "0.1", "0.5"] {
+        let of = |model: &str| coupling(&format!("stiffness = {{ {model}, engagement = {engagement} }}"));
+        // The ramp is symmetric about the end of the path, so as many pairs carry as without it.
+        let square = of(r#"model = "square", pair = 2e8"#);
+        assert!((square.stiffness / (2e8 * ratio(&square)) - 1.0).abs() < 1e-9, "{engagement}");
+        for model in ["square", "parabolic"] {
+            let given = of(&format!(r#"model = "{model}", mean = 2e8"#));
+            assert!((given.stiffness / 2e8 - 1.0).abs() < 1e-14, "{engagement}");
+        }
+    }
+    let parabolic =
+        coupling(r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.4, engagement = "sharp" }"#);
+    // The mean of a parabola is a third of its ends and two thirds of its middle.
+    assert!((parabolic.stiffness / (2e8 * ratio(&parabolic) * 2.4 / 3.0) - 1.0).abs() < 1e-12);
+    let [low, high] = parabolic.involute.path_at_rest();
+    let Stiffness::Pairs { pair, .. } = &parabolic.teeth else { unreachable!() };
+    let at = |part: f64| pair.at(low + part * (high - low), low)[0];
+    for (part, expected) in [(0.0, 0.8e8), (0.5, 2e8), (1.0, 0.8e8)] {
+        assert!((at(part) / expected - 1.0).abs() < 1e-14);
+    }
+    // Far beyond its ends nothing pushes the flanks apart.
+    assert_eq!((at(-1.0), at(2.0)), (0.0, 0.0));
+}
+
+#[test]
+fn iso_6336_has_the_coefficients_of_the_standard() {
+    let scene = scene("", "", "stiffness = 3e8");
+    let gear = |teeth: u32, shift: f64| {
+        let mut gear = scene.gears[0].clone();
+        (gear.teeth, gear.profile_shift) = (teeth, shift);
+        gear
+    };
+    let at = |[za, zb]: [u32; 2], [xa, xb]: [f64; 2]| iso6336(&gear(za, xa), &gear(zb, xb), 1.0).flexibility;
+    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+    // q' = C1 + C2/z₁ + C3/z₂ + C4 x₁ + C5 x₁/z₁ + C6 x₂ + C7 x₂/z₂ + C8 x₁² + C9 x₂², one coefficient at a time.
+    let standard = [0.047_23, 0.155_51, 0.257_91, -0.006_35, -0.116_54, -0.001_93, -0.241_88, 0.005_29, 0.001_82];
+    let none = [0.0; 2];
+    let by_teeth = |few: f64, many: f64| (few - many) * 20.0;
+    close(by_teeth(at([10, 40], none), at([20, 40], none)), standard[1]);
+    close(by_teeth(at([40, 10], none), at([40, 20], none)), standard[2]);
+    close(2.0 * at([80, 80], none) - at([40, 40], none), standard[0]);
+    let odd = |teeth: [u32; 2], x: [f64; 2]| (at(teeth, x) - at(teeth, x.map(|x| -x))) / 2.0;
+    let even = |x: [f64; 2]| (at([20, 30], x) + at([20, 30], x.map(|x| -x))) / 2.0 - at([20, 30], none);
+    let (first, second) = ([1.0, 0.0], [0.0, 1.0]);
+    close(by_teeth(odd([10, 40], first), odd([20, 40], first)), standard[4]);
+    close(2.0 * odd([20, 40], first) - odd([10, 40], first), standard[3]);
+    close(by_teeth(odd([40, 10], second), odd([40, 20], second)), standard[6]);
+    close(2.0 * odd([40, 20], second) - odd([40, 10], second), standard[5]);
+    close(even(first), standard[7]);
+    close(even(second), standard[8]);
+
+    // A mesh of one pair is as stiff as the pair; c_γ grows by three quarters of it with every further one.
+    let [one, two] = [1.0, 2.0].map(|ratio| iso6336(&gear(25, 0.0), &gear(50, 0.0), ratio));
+    assert!((one.mesh / one.single - 1.0).abs() < 1e-15 && (two.mesh / two.single - 1.75).abs() < 1e-15);
+    assert!((one.single * one.flexibility / 0.8e9 - 1.0).abs() < 1e-15);
+    // A mesh that says nothing of its stiffness has that of the standard, over its face width.
+    let coupling = coupling("damping = 0.0");
+    let ratio = coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    let expected = WIDTH * iso6336(&scene.gears[0], &scene.gears[1], ratio).mesh;
+    assert!((coupling.stiffness / expected - 1.0).abs() < 1e-14);
+}
+
+/// Compliance per face width of a tooth of standard steel, touched `rolled` from its base point: a cantilever whose
+/// thickness is that of the textbook at every radius, s_r = 2r[s/(2r_p) + inv α − inv α_r], cut into thin slices; and
+/// the fillet and blank of Sainsot, Velex and Duverger (2004).
+fn compliance(gear: &Gear, bore: f64, rolled: f64) -> f64 {
+    const SLICES: u32 = 4000;
+    let (e, g) = (207e9, 207e9 / 2.6);
+    let involute = |angle: f64| angle.tan() - angle;
+    let (base, root) = (gear.base_radius, gear.pitch_radius - gear.module * (1.25 - gear.profile_shift));
+    let alpha = gear.pressure_angle;
+    let thickness = gear.module * (PI / 2.0 + 2.0 * gear.profile_shift * alpha.tan());
+    let pressure = |r: f64| (base / r).min(1.0).acos();
+    let half = |r: f64| thickness / (2.0 * gear.pitch_radius) + involute(alpha) - involute(pressure(r));
+    let place = |r: f64| (r * half(r).cos(), r * half(r).sin());
+    let touched = rolled.hypot(base);
+    let (height, side) = place(touched);
+    // The force is inclined to the axis of the tooth as the flank is there.
+    let (sin, cos) = (pressure(touched) - half(touched)).sin_cos();
+    let slice = |x: f64, h: f64| {
+        let moment = cos * (height - x) - sin * side;
+        moment * moment * 12.0 / (e * (2.0 * h).powi(3)) + (1.2 * cos * cos / g + sin * sin / e) / (2.0 * h)
+    };
+    let sum = |from: f64, to: f64, place: &dyn Fn(f64) -> (f64, f64)| -> f64 {
+        let at = |i: f64| place(from + (to - from) * i / f64::from(SLICES));
+        (0..SLICES)
+            .map(|i| {
+                let (x, h) = at(f64::from(i) + 0.5);
+                slice(x, h) * (at(f64::from(i) + 1.0).0 - at(f64::from(i)).0)
+            })
+            .sum()
+    };
+    let lowest = base.max(root);
+    let (foot, width) = place(base);
+    let stub = if root < foot { sum(root, foot, &|x| (x, width)) } else { 0.0 };
+    let (theta, h) = (half(lowest), root / bore);
+    let [l, m, p, q] = [
+        [-5.574e-5, -1.9986e-3, -2.3015e-4, 4.7702e-3, 0.0271, 6.8045],
+        [60.111e-5, 28.100e-3, -83.431e-4, -9.9256e-3, 0.1624, 0.9086],
+        [-50.952e-5, 185.50e-3, 0.0538e-4, 53.3e-3, 0.2895, 0.9236],
+        [-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904],
+    ]
+    .map(|[a, b, c, d, e, f]| a / theta.powi(2) + b * h * h + c * h / theta + d / theta + e * h + f);
+    let reach = (height - side * sin / cos - root) / (2.0 * theta * root);
+    let blank = (cos * cos * (l * reach * reach + m * reach + p) + p * q * sin * sin) / e;
+    sum(lowest, touched, &place) + stub + blank
+}
+
+#[test]
+fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
+    // Root circles within the base circle and beyond it, with and without profile shift.
+    let scene = scene("", "", "stiffness = 3e8");
+    for (teeth, profile_shift) in [(25, 0.0), (60, 0.0), (20, 0.4), (45, -0.3), (30, 0.5)] {
+        let mut gear = scene.gears[0].clone();
+        (gear.teeth, gear.profile_shift) = (teeth, profile_shift);
+        gear.pitch_radius = gear.module * f64::from(teeth) / 2.0;
+        gear.base_radius = gear.pitch_radius * gear.pressure_angle.cos();
+        let Gear { base_radius, pitch_radius, .. } = gear;
+        let reach = |radius: f64| (radius * radius - base_radius * base_radius).max(0.0).sqrt();
+        let (root, tip) = (reach(gear.root_radius()), reach(pitch_radius + gear.module * (1.0 + profile_shift)));
+        for part in [0.2, 0.6, 1.0] {
+            let rolled = root + part * (tip - root);
+            let (found, expected) = (Tooth::new(&gear, 0.015).compliance(rolled), compliance(&gear, 0.015, rolled));
+            // Slices of a four-thousandth, of second order in that.
+            assert!((found / expected - 1.0).abs() < 1e-5, "{teeth} {profile_shift} {part}: {}", found / expected);
+        }
+    }
+}
+
+#[test]
+fn a_pair_yields_by_both_teeth_and_their_contact() {
+    let bores = [0.012, 0.03];
+    let mesh = r#"stiffness = { model = "potential_energy", engagement = 0.2, bore_radii = [0.012, 0.03] }"#;
+    let scene = scene("", "", mesh);
+    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    let teeth = [0, 1].map(|i| Tooth::new(&scene.gears[i], bores[i]));
+    let Stiffness::Pairs { pair, .. } = &coupling.teeth else { unreachable!() };
+    let ([low, high], tangent) = (coupling.involute.path_at_rest(), coupling.involute.tangent_at_rest());
+    // Also where pairs still carry beyond the ends of the path, by half the engagement, and centres that move.
+    for i in 0..=40 {
+        let s =
+            low + (high - low) * f64::from(i) / 40.0 + 0.25 * coupling.involute.base_pitch * f64::from(i - 20) / 20.0;
+        for moved in [-1e-4, 0.0, 1e-4] {
+            let compliance = CONTACT_COMPLIANCE + teeth[0].compliance(s) + teeth[1].compliance(tangent + moved - s);
+            let off = pair.at(s, low + moved)[0] * compliance / WIDTH - 1.0;
+            // What a natural spline through 257 values leaves, most of it near its ends.
+            assert!(off.abs() < 1e-6, "{off:e} at {i}, moved by {moved}");
+        }
+    }
+}
+
+/// A path of contact of `length` base pitches of 9 mm that begins at 4 mm, with pair 0 at the part `place` of a pitch
+/// from there.
+fn path(length: f64, place: f64) -> Path {
+    Path { position: 4e-3 + place * 9e-3, low: 4e-3, high: 4e-3 + length * 9e-3, pitch: 9e-3 }
+}
+
+proptest! {
+    #![proptest_config(common::cases(200))]
+
+    #[test]
+    fn what_is_stored_has_the_slopes_that_it_says(
+        length in 0.05..2.5_f64, place in 0.0..1.0_f64, width in 0.1..0.5_f64, relieved: bool, uniform: bool,
+        deflection in 1e-6..1e-4_f64,
+    ) {
+        let pair = match uniform {
+            true => Pair::Uniform(2e8),
+            false => Pair::Parabolic { middle: 2e8, end_ratio: 0.5, path: (8e-3, 1e-2) },
+        };
+        let relief = relieved.then_some(Relief { amount: 2e-5, length: 3e-3, exponent: 2 });
+        let teeth = Stiffness::Pairs { pair, engagement: Engagement::Smooth(width), relief };
+        let at = path(length, place);
+        let stored = |at: Path, deflection: f64| teeth.stored(|| at, (0, 0), deflection);
+        let here = stored(at, deflection);
+        // A short path has ramps that overlap: both of its ends matter to a pair at once.
+        let slope = |step: f64, moved: &dyn Fn(f64) -> f64| (moved(step) - moved(-step)) / (2.0 * step);
+        let by_position =
+            slope(1e-8, &|by| stored(Path { position: at.position + by, ..at }, deflection).energy);
+        let by_low = slope(1e-8, &|by| stored(Path { low: at.low + by, ..at }, deflection).energy);
+        let by_deflection = slope(1e-10, &|by| stored(at, deflection + by).energy);
+        // Energies up to a joule over millimetres; a pair that just touches bends its force within a step.
+        let size = 4e8 * deflection * deflection / 1e-3;
+        prop_assert!((here.travel - by_position).abs() < 1e-4 * size, "{:e} {by_position:e}", here.travel);
+        prop_assert!((here.shortening - by_low).abs() < 1e-4 * size, "{:e} {by_low:e}", here.shortening);
+        prop_assert!((here.force - by_deflection).abs() < 1e-4 * 4e8 * deflection);
+    }
+}
+
+#[test]
+fn pairs_carry_as_many_as_there_are() {
+    let sharp =
+        |relief: Option<Relief>| Stiffness::Pairs { pair: Pair::Uniform(2e8), engagement: Engagement::Sharp, relief };
+    for (engaged, pairs) in [((0, -1), 0.0), ((3, 3), 1.0), ((-2, 1), 4.0)] {
+        let found = sharp(None).stored(|| path(1.5, 0.2), engaged, 1e-5);
+        assert_eq!((found.force, found.stiffness), (pairs * (2e8 * 1e-5), pairs * 2e8));
+        assert!((found.energy - pairs * 2e8 * 1e-10 / 2.0).abs() < 1e-17);
+    }
+    // Half the way up a straight relief the flank stands back by half of it.
+    let relief = Relief { amount: 8e-6, length: 1.8e-3, exponent: 1 };
+    for place in [0.1, 0.8] {
+        let [light, loaded] =
+            [3e-6, 1e-5].map(|deflection| sharp(Some(relief)).stored(|| path(0.9, place), (0, 0), deflection));
+        assert_eq!((light.force, light.stiffness), (0.0, 0.0));
+        assert!((loaded.force - 2e8 * (1e-5 - 4e-6)).abs() < 1e-9, "{}", loaded.force);
+    }
+    // At the very end of the path a pair carries half.
+    let smooth = Stiffness::Pairs { pair: Pair::Uniform(2e8), engagement: Engagement::Smooth(0.2), relief: None };
+    for place in [0.0, 0.7] {
+        assert!((smooth.stored(|| path(0.7, place), (0, 0), 1e-5).stiffness - 1e8).abs() < 1.0);
+    }
+}
+
+#[test]
+fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
+    // The pitch circle carries a tooth of the thickness m(π/2 + 2x tan α): by as much the driver turns between the
+    // instants at which the drive flank and the back flank of that tooth pass the pitch point.
+    for shift in [0.0, 0.3, -0.2] {
+        let [of_driver, of_driven] = [shift, -shift].map(|shift: f64| format!(", profile_shift = {shift}"));
+        let scene = scene(&of_driver, &of_driven, "stiffness = 3e8");
+        let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+        let gear = &scene.gears[0];
+        let thickness = gear.module * (PI / 2.0 + 2.0 * shift * gear.pressure_angle.tan());
+        let pitch_point = gear.base_radius * gear.pressure_angle.tan();
+        for sigma in [-1.0, 1.0] {
+            let beyond = |angle: f64, back: bool| {
+                let turning = standing([angle, 0.0]);
+                let path = coupling.engagement(Geometry::Frozen, sigma, back, &turning, &AT_REST).unwrap();
+                (path.position - pitch_point) / path.pitch
+            };
+            let passes = -sigma * beyond(0.0, false) * TAU / TEETH[0];
+            assert!(beyond(passes, false).abs() < 1e-13);
+            let later = beyond(passes + sigma * thickness / gear.pitch_radius, true);
+            assert!((later - later.round()).abs() < 1e-13, "{later} pitches beyond, {shift} {sigma}");
+        }
+    }
+}
+
+#[test]
+fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
+    const PARTS: usize = 2000;
+    let coupling = coupling(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
+    let ratio = coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    for (flank, expected) in [(Flank::Drive, ratio), (Flank::Back, ratio), (Flank::Both, ratio), (Flank::Apart, 0.0)] {
+        let mut sum = 0.0;
+        for i in 0..PARTS {
+            let turning = at_part((i as f64 + 0.5) / PARTS as f64);
+            let law = law(&coupling, &turning, &AT_REST, flank);
+            let state = coupling.state(Geometry::Frozen, 1.0, &law, &turning, &AT_REST, &AT_REST).unwrap();
+            if flank != Flank::Apart {
+                let path =
+                    coupling.engagement(Geometry::Frozen, 1.0, flank == Flank::Back, &turning, &AT_REST).unwrap();
+                let [low, high] = [path.low, path.high].map(|end| (end - path.position) / path.pitch);
+                let between = (-20..20).filter(|j| low <= f64::from(*j) && f64::from(*j) <= high).count();
+                assert_eq!(state.pairs_in_contact, between as f64, "{flank:?} at {i}");
+            }
+            sum += state.pairs_in_contact;
+        }
+        assert!((sum / PARTS as f64 - expected).abs() < 2.0 / PARTS as f64, "{flank:?}");
+    }
+}
+
+#[test]
+fn flanks_press_while_their_force_pushes() {
+    let (stiffness, damping, backlash) = (3e8, 2e3, 4e-5);
+    let coupling = coupling("stiffness = 3e8, damping = 2e3, backlash = 4e-5");
+    let radius = coupling.involute.base_radius[1];
+    let turning = at_part(0.3);
+    // Deflections of the drive flank, and rates, by the twist of the driven gear alone.
+    let moved = |value: f64| [0.0, 0.0, 0.0, 0.0, 0.0, value / radius];
+    for (deflection, rate, expected) in [
+        (1e-5, 0.0, Flank::Drive),
+        (-1e-5, 0.0, Flank::Apart),
+        (-5e-5, 0.0, Flank::Back),
+        // What damping takes from a flank that opens is more than the spring pushes with.
+        (1e-6, -1.0, Flank::Apart),
+        (-4.1e-5, 1.0, Flank::Apart),
+        // A flank that closes has not touched before its deflection says so.
+        (-1e-6, 1.0, Flank::Apart),
+    ] {
+        let (q, v) = (moved(deflection), moved(rate));
+        let law = coupling.law(Geometry::Frozen, 1.0, &turning, &q, &v).unwrap();
+        assert_eq!(law.flank, expected, "{deflection} {rate}");
+        let contact = touch(&coupling, &law, &turning, &q, &v);
+        let force = match expected {
+            Flank::Drive => stiffness * deflection + damping * rate,
+            Flank::Back => stiffness * (deflection + backlash) + damping * rate,
+            _ => 0.0,
+        };
+        assert!((contact.force - force).abs() < 1e-9, "{} {force}", contact.force);
+        if expected != Flank::Back {
+            // Flanks that have parted still say by how much.
+            assert!((contact.deflection - deflection).abs() < 1e-18 && (contact.rate - rate).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_step_ends_where_pairs_come_in_jumps_or_flanks_part() {
+    let of = |mesh: &str| {
+        let coupling = coupling(mesh);
+        (coupling.switches(), coupling.varies(), coupling.follows())
+    };
+    assert_eq!(of("stiffness = 3e8"), (false, false, false));
+    assert_eq!(of("stiffness = 3e8, backlash = 1e-5"), (true, true, false));
+    assert_eq!(of(r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#), (true, true, false));
+    assert_eq!(of(r#"stiffness = { model = "square", pair = 2e8 }"#), (false, true, false));
+    assert_eq!(of(r#"stiffness = { model = "square", pair = 2e8, phase = "twist" }"#), (false, true, true));
+}
+
+proptest! {
+    #![proptest_config(common::cases(100))]
+
+    #[test]
+    fn the_mean_mesh_is_the_contact_of_a_constant_stiffness(
+        numbers in prop::array::uniform6(-1.0..1.0_f64), live: bool, forward: bool,
+    ) {
+        let coupling = coupling("stiffness = 3e8, backlash = 4e-5");
+        let geometry = if live { Geometry::Live } else { Geometry::Frozen };
+        let sigma = if forward { 1.0 } else { -1.0 };
+        let scales = Vector6::new(1e-4, 1e-4, 1e-4, 1e-4, 2e-3, 1e-3);
+        let q = Vector6::from(numbers).component_mul(&scales);
+        let turning = standing([0.0; 2]);
+        let forces = |flank: Flank, q: &Vector6<f64>| {
+            let law = Law { flank, ..Law::ALWAYS };
+            let contact = coupling.contact(geometry, sigma, &law, &turning, q.as_slice(), &AT_REST).unwrap();
+            let mut forces = Vector6::zeros();
+            coupling.apply(&contact, forces.as_mut_slice());
+            (contact, forces)
+        };
+        for (flank, sign) in [(Flank::Drive, 1.0), (Flank::Back, -1.0)] {
+            let mut tangent = Matrix6::zeros();
+            let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
+            let (force, normal) = coupling.mean_tangent(geometry, sigma, flank, q.as_slice(), add).unwrap();
+            let (contact, acting) = forces(flank, &q);
+            // Forces up to 1e5 N, to their digits.
+            prop_assert!((force - sign * contact.force).abs() < 1e-9, "{force} {}", contact.force);
+            let mut expected = Vector6::zeros();
+            coupling.gradient(sign * sigma, normal, |index, slope| expected[index] -= force * slope);
+            prop_assert!((acting - expected).amax() < 1e-9);
+            // Steps of a micrometre in stiffnesses of 3e8 N/m, which centres of 0.1 m change by 1e-5.
+            for j in 0..6 {
+                let mut ahead = Vector6::zeros();
+                ahead[j] = 1e-6;
+                let column = (forces(flank, &(q - ahead)).1 - forces(flank, &(q + ahead)).1) / 2e-6;
+                prop_assert!((column - tangent.column(j)).amax() < 1e-6 * 3e8);
+            }
+        }
+
+        let state = coupling.state_at_rest(geometry, sigma, q.as_slice()).unwrap();
+        let (drive, back) = (forces(Flank::Drive, &q).0, forces(Flank::Back, &q).0);
+        prop_assert!((state.deflection - drive.deflection).abs() < 1e-17);
+        // Where both press the drive flank counts: what is at rest under a load leans on one.
+        let expected = if drive.force >= 0.0 { drive.force } else { back.force.min(0.0) };
+        prop_assert!((state.force - expected).abs() < 1e-9, "{} {expected}", state.force);
+    }
+}
