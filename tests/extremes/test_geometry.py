@@ -92,12 +92,12 @@ def test_walls_of_tubes(hold: Hold):
 def test_one_to_many_elements(hold: Hold):
     # A weight is carried to the nodes exactly, however many there are.
     worst = 0.0
-    for count in (2, 10, 50, 100):
+    for count in (2, 10, 50, 200):
         system = rotor(1e7, elements=count, gravity=GRAVITY)
         worst = max(
             worst, abs(-system.static().displacement(MIDDLE)[1] / sag(1.0, (0.05, 0.0), 1e7) - 1)
         )
-    hold("the number of elements does not matter to the sag", "2 to 100 elements", worst, 1e-9)
+    hold("the number of elements does not matter to the sag", "2 to 200 elements", worst, 1e-9)
 
 
 def test_a_bow_as_long_as_one_element():

@@ -79,6 +79,18 @@ def test_numbers_of_teeth(hold: Hold):
     )
     with pytest.raises(gb.SceneError, match=r"gears\[0\]\.teeth: must be at least 3, got 2"):
         train(teeth=(2, 40))
+    gaps = []
+    for teeth in ((3, 1200), (1200, 3)):
+        stiffness = gb.Stiffness.square(pair=2e8, engagement=0.2)
+        forces = [
+            train(teeth=teeth, torque=1.0, stiffness=stiffness)
+            .simulate(5e-3, 100.0, initial="rest", record=["meshes"], method=method, rtol=1e-9)
+            .mesh("ga", "gb")
+            .force
+            for method in ("exponential", "rk45")
+        ]
+        gaps.append(apart(*forces))
+    hold("two methods agree on so unequal teeth", "ratio 1:400 and 400:1", max(gaps), 1e-6)
 
 
 def hammering(method: str, backlash: float, duration: float, rtol: float) -> gb.Response:
