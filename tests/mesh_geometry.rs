@@ -6,13 +6,10 @@ mod common;
 use std::f64::consts::PI;
 
 use gearbow::mesh::stiffness::Path;
-use gearbow::mesh::{Centres, Coordinates, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Turning};
-use gearbow::scene::{Scene, System};
+use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Turning};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
-/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
-const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
 const STIFFNESS: f64 = 3e8;
 const DAMPING: f64 = 2e3;
 
@@ -29,21 +26,11 @@ impl Pair {
     fn coupling(self) -> Coupling {
         let Self { teeth: [a, b], module, angle, stretch } = self;
         let distance = module * f64::from(a + b) / 2.0 * (1.0 + stretch);
-        let text = format!(
-            r#"
-            shafts = [
-                {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-                {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-            ]
-            gears = [
-                {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = {module}, face_width = 0.03 }},
-                {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = {module}, face_width = 0.03 }},
-            ]
-            meshes = [{{ driver = "ga", driven = "gb", stiffness = {STIFFNESS:e}, damping = {DAMPING}, centre_line_angle = {angle}, centre_distance = {distance} }}]
-            "#
+        let gear = |teeth: u32| format!("teeth = {teeth}, module = {module}");
+        let mesh = format!(
+            "stiffness = {STIFFNESS:e}, damping = {DAMPING}, centre_line_angle = {angle}, centre_distance = {distance}"
         );
-        let scene = Scene::new(&System::from_toml(&text).unwrap()).unwrap();
-        Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+        common::mesh([&gear(a), &gear(b)], &mesh)
     }
 
     fn centre_distance(self) -> f64 {

@@ -12,13 +12,10 @@
 
 mod common;
 
-use gearbow::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Turning};
-use gearbow::scene::{Scene, System};
+use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Turning};
 use nalgebra::Vector6;
 use proptest::prelude::*;
 
-/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
-const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
 const TEETH: [f64; 2] = [25.0, 50.0];
 const DAMPING: f64 = 2e3;
 const BACKLASH: f64 = 4e-5;
@@ -40,22 +37,9 @@ const ERRORS: [&str; 2] =
 const RUN_OUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
 
 fn coupling(stiffness: &str, error: &str, run_out: &str, damping: f64) -> Coupling {
-    let [a, b] = TEETH;
-    let text = format!(
-        r#"
-        shafts = [
-            {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-            {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-        ]
-        gears = [
-            {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = 3e-3, face_width = 0.03, run_out = [{run_out}] }},
-            {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = 3e-3, face_width = 0.03, run_out = [{run_out}] }},
-        ]
-        meshes = [{{ driver = "ga", driven = "gb", damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error} }}]
-        "#
-    );
-    let scene = Scene::new(&System::from_toml(&text).unwrap()).unwrap();
-    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+    let gears = TEETH.map(|teeth| format!("teeth = {teeth}, module = 3e-3, run_out = [{run_out}]"));
+    let mesh = format!("damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error}");
+    common::mesh([&gears[0], &gears[1]], &mesh)
 }
 
 /// A motion that goes straight on.

@@ -5,14 +5,13 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
+use common::COORDINATES;
 use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, Cycle, Pair, Path, Stiffness, Tooth, UniformCurve, iso6336};
-use gearbow::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Turning};
-use gearbow::scene::{Engagement, Gear, Relief, Scene, System};
+use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Turning};
+use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
-/// (v_a, w_a, v_b, w_b, θ_a, θ_b).
-const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
 const TEETH: [f64; 2] = [25.0, 50.0];
 const WIDTH: f64 = 0.03;
 const AT_REST: [f64; 6] = [0.0; 6];
@@ -20,20 +19,9 @@ const AT_REST: [f64; 6] = [0.0; 6];
 /// The scene of one mesh; `of_driver` and `of_driven` say more of its gears, `mesh` what its teeth are.
 fn scene(of_driver: &str, of_driven: &str, mesh: &str) -> Scene {
     let [a, b] = TEETH;
-    let text = format!(
-        r#"
-        shafts = [
-            {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-            {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
-        ]
-        gears = [
-            {{ name = "ga", shaft = "a", position = 0.5, teeth = {a}, module = 3e-3, face_width = {WIDTH}{of_driver} }},
-            {{ name = "gb", shaft = "b", position = 0.5, teeth = {b}, module = 3e-3, face_width = {WIDTH}{of_driven} }},
-        ]
-        meshes = [{{ driver = "ga", driven = "gb", centre_line_angle = 0.4, {mesh} }}]
-        "#
-    );
-    Scene::new(&System::from_toml(&text).unwrap()).unwrap()
+    let gear = |teeth: f64, more: &str| format!("teeth = {teeth}, module = 3e-3{more}");
+    let mesh = format!("centre_line_angle = 0.4, {mesh}");
+    common::scene_of_mesh([&gear(a, of_driver), &gear(b, of_driven)], &mesh)
 }
 
 fn coupling(mesh: &str) -> Coupling {

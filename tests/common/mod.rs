@@ -3,7 +3,7 @@
 
 pub mod particles;
 
-use gearbow::mesh::Geometry;
+use gearbow::mesh::{Coordinates, Coupling, Geometry};
 use gearbow::modal::Basis;
 use gearbow::model::Model;
 use gearbow::motion::Motion;
@@ -49,6 +49,34 @@ bearings = [
 ]
 torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
 "#;
+
+/// (v_a, w_a, v_b, w_b, θ_a, θ_b) of a mesh on its own.
+pub const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
+
+/// The scene of one mesh: `gears` say what the gears ga and gb are, `mesh` what their teeth are.
+pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
+    let [a, b] = gears;
+    let text = format!(
+        r#"
+        shafts = [
+            {{ name = "a", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+            {{ name = "b", length = 1.0, outer_diameter = 0.05, elements = 2 }},
+        ]
+        gears = [
+            {{ name = "ga", shaft = "a", position = 0.5, face_width = 0.03, {a} }},
+            {{ name = "gb", shaft = "b", position = 0.5, face_width = 0.03, {b} }},
+        ]
+        meshes = [{{ driver = "ga", driven = "gb", {mesh} }}]
+        "#
+    );
+    Scene::new(&System::from_toml(&text).unwrap()).unwrap()
+}
+
+/// That mesh on coordinates of its own.
+pub fn mesh(gears: [&str; 2], mesh: &str) -> Coupling {
+    let scene = scene_of_mesh(gears, mesh);
+    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+}
 
 /// The description of the train.
 pub fn train() -> System {
