@@ -278,7 +278,7 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(usize, f64), Halt> {
         let before = self.size;
-        let mut firm = self.clock.parting == 0 || stepper.field.is_firm(state.elapsed, &stepper.begin)?;
+        let firm = self.clock.parting == 0 || stepper.field.is_firm(state.elapsed, &stepper.begin)?;
         let mut level = self.begin_with(state.count).max(if firm { 0 } else { self.clock.parting });
         let mut rejected = false;
         loop {
@@ -307,8 +307,7 @@ impl Driver {
                     return Err(Halt::Diverged);
                 }
                 // Flanks that might have parted within a long step are watched closely over short ones.
-                firm = firm && (level >= self.clock.parting || stepper.is_firm(level, state.elapsed)?);
-                if !firm && level < self.clock.parting {
+                if level < self.clock.parting && !stepper.is_firm(level, state.elapsed)? {
                     statistics.rejected += 1;
                     rejected = true;
                     level = self.clock.parting;

@@ -221,20 +221,27 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
+    /// Every interface with its scalars and rates (empty where they do not matter) of `u`.
+    fn each<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = (&'a Interface, &'a [f64], &'a [f64])> {
+        let (scalars, rates) = u.split_at(self.scalars);
+        let mut from = 0;
+        self.interfaces.iter().map(move |interface| {
+            let to = from + interface.scalars();
+            let seen = (interface, &scalars[from..to], rates.get(from..to).unwrap_or_default());
+            from = to;
+            seen
+        })
+    }
+
     /// Whether all flanks that may part stay pressed at scalars and rates `u`, whatever swings.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
     pub fn is_firm(&self, elapsed: f64, u: &[f64]) -> Result<bool, Halt> {
-        let (scalars, rates) = u.split_at(self.scalars);
-        let mut from = 0;
-        for interface in &self.interfaces {
-            let to = from + interface.scalars();
-            let rates = rates.get(from..to).unwrap_or_default();
-            if !interface.is_firm(&self.motion, elapsed, &scalars[from..to], rates)? {
+        for (interface, scalars, rates) in self.each(u) {
+            if !interface.is_firm(&self.motion, elapsed, scalars, rates)? {
                 return Ok(false);
             }
-            from = to;
         }
         Ok(true)
     }
@@ -245,13 +252,8 @@ impl<'m> Field<'m> {
     /// [`Halt`] where base circles overlap.
     pub fn laws(&self, elapsed: f64, u: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
         laws.clear();
-        let (scalars, rates) = u.split_at(self.scalars);
-        let mut from = 0;
-        for interface in &self.interfaces {
-            let to = from + interface.scalars();
-            let rates = rates.get(from..to).unwrap_or_default();
-            laws.extend(interface.law(&self.motion, elapsed, &scalars[from..to], rates)?.code());
-            from = to;
+        for (interface, scalars, rates) in self.each(u) {
+            laws.extend(interface.law(&self.motion, elapsed, scalars, rates)?.code());
         }
         Ok(())
     }
@@ -263,11 +265,8 @@ impl<'m> Field<'m> {
     /// [`Halt`] where base circles overlap.
     pub fn ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         ends.clear();
-        let mut from = 0;
-        for interface in &self.interfaces {
-            let to = from + interface.scalars();
-            interface.ends(&self.motion, elapsed, &u[from..to], ends)?;
-            from = to;
+        for (interface, scalars, _) in self.each(u) {
+            interface.ends(&self.motion, elapsed, scalars, ends)?;
         }
         Ok(())
     }
