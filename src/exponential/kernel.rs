@@ -26,35 +26,41 @@ impl WithSimd for Scalars<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let mut rows = self.rows.chunks_exact(self.z.len().max(1));
-        let mut out = self.out.chunks_exact_mut(4);
+        let len = self.z.len();
         // Four rows at a time read the state once.
-        for out in &mut out {
-            let four = [rows.next(), rows.next(), rows.next(), rows.next()].map(Option::unwrap_or_default);
-            out.copy_from_slice(&products(four, self.z));
+        let (fours, rest) = self.out.as_chunks_mut::<4>();
+        let (head, tail) = self.rows.split_at(4 * len * fours.len());
+        for (out, rows) in fours.iter_mut().zip(head.chunks_exact(4 * len.max(1))) {
+            *out = products(rows, self.z);
         }
-        for (out, row) in out.into_remainder().iter_mut().zip(rows) {
-            [*out] = products([row], self.z);
+        for (out, row) in rest.iter_mut().zip(tail.chunks_exact(len.max(1))) {
+            [*out] = products(row, self.z);
         }
     }
 }
 
 #[inline(always)]
-fn products<const N: usize>(rows: [&[f64]; N], z: &[f64]) -> [f64; N] {
+fn products<const N: usize>(rows: &[f64], z: &[f64]) -> [f64; N] {
+    let z = z.as_chunks::<WIDTH>().0;
+    let chunks = rows.as_chunks::<WIDTH>().0;
+    let rows: [&[[f64; WIDTH]]; N] = std::array::from_fn(|k| &chunks[k * z.len()..(k + 1) * z.len()]);
     let mut sums = [[0.0; WIDTH]; N];
-    let rows = rows.map(|row| row.as_chunks::<WIDTH>().0);
-    for (chunk, z) in z.as_chunks::<WIDTH>().0.iter().enumerate() {
-        for (sum, row) in sums.iter_mut().zip(&rows) {
-            let Some(row) = row.get(chunk) else { continue };
+    for i in 0..z.len() {
+        for (sum, row) in sums.iter_mut().zip(rows) {
             for lane in 0..WIDTH {
-                sum[lane] += row[lane] * z[lane];
+                sum[lane] += row[i][lane] * z[i][lane];
             }
         }
     }
-    sums.map(|sum| {
-        let [a, b, c, d, e, f, g, h] = sum;
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
-    })
+    std::array::from_fn(|k| total(&sums[k]))
+}
+
+/// The sum of all lanes. A call of its own: otherwise the compiler lays the lanes of different rows side by side, and
+/// pays for it at every step of the loop.
+#[inline(never)]
+fn total(sum: &[f64; WIDTH]) -> f64 {
+    let [a, b, c, d, e, f, g, h] = sum;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
@@ -102,7 +108,7 @@ impl WithSimd for Advance<'_> {
     }
 }
 
-/// `out += Σ columns[k] p[k]`.
+/// `out += Σ columns[k] p[k]`, columns one after the other.
 pub fn accumulate(arch: Arch, columns: &[f64], p: &[f64], out: &mut [f64]) {
     arch.dispatch(Accumulate { columns, p, out });
 }
@@ -118,16 +124,23 @@ impl WithSimd for Accumulate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let chunks = self.out.len() / WIDTH;
-        let columns = self.columns.as_chunks::<WIDTH>().0;
-        for (i, out) in self.out.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
+        let len = self.out.len();
+        let (wide, rest) = self.out.as_chunks_mut::<WIDTH>();
+        let narrow = len - rest.len();
+        for (i, out) in wide.iter_mut().enumerate() {
             let mut sum = *out;
-            for (p, column) in self.p.iter().zip(columns.chunks_exact(chunks)) {
+            for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len)) {
+                let column = &column[i * WIDTH..(i + 1) * WIDTH];
                 for lane in 0..WIDTH {
-                    sum[lane] += column[i][lane] * p;
+                    sum[lane] += column[lane] * p;
                 }
             }
             *out = sum;
+        }
+        for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len.max(1))) {
+            for (out, column) in rest.iter_mut().zip(&column[narrow..]) {
+                *out += column * p;
+            }
         }
     }
 }
