@@ -26,6 +26,10 @@ impl Engagement {
             Self::Smooth(width) => {
                 let over = width * pitch;
                 let ramp = |distance: f64| {
+                    // A pair is mostly well within the path.
+                    if distance >= over / 2.0 {
+                        return (1.0, 0.0);
+                    }
                     let x = (distance / over + 0.5).clamp(0.0, 1.0);
                     let rest = x * (1.0 - x);
                     (x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), 30.0 * rest * rest / over)
@@ -39,6 +43,9 @@ impl Engagement {
 
 impl Relief {
     /// Relief of a pair that entered `entered` metres ago and leaves in `left`, and its derivatives over both.
+    ///
+    /// A call of its own: its constants are then not computed where teeth have no relief.
+    #[inline(never)]
     pub(super) fn at(&self, entered: f64, left: f64) -> [f64; 3] {
         let one = |distance: f64| {
             let x = (1.0 - distance / self.length).max(0.0);
