@@ -278,7 +278,7 @@ fn integrate(
     let (field, ports) = field(basis, geometry, form);
     let longest = 5e-5;
     let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
-    let clock = Clock { longest, finest: event + 4, event, parting: 0 };
+    let clock = Clock { longest, finest: event + 4, event, look: f64::INFINITY };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
     let mut output = Output::new(&field, form, selection);
     let table = Table::new(form, Rule::gauss(stages), &ports, longest, event, field.spins());

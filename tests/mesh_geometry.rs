@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::PI;
 
 use gearbow::mesh::stiffness::Path;
-use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Turning};
+use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Turning};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
@@ -75,12 +75,17 @@ struct Contact {
 const STILL: [Turning; 2] = [Turning { angle: 0.0, spin: 0.0 }; 2];
 
 fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
-    let found = coupling.contact(geometry, sigma, &Law::ALWAYS, &STILL, q, v)?;
+    let found = coupling.contact(&Pose { geometry, sigma, turning: &STILL, q, v }, &Law::ALWAYS)?;
     let LineOfAction { normal, across, tangent, .. } = match geometry {
         Geometry::Live => coupling.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
         Geometry::Frozen => coupling.involute.line_at_rest(sigma),
     };
     Ok(Contact { deflection: found.deflection, rate: found.rate, force: found.force, normal, across, tangent })
+}
+
+/// Live geometry at rest in displacements.
+fn still(sigma: f64, q: &Vector6<f64>) -> Pose<'_> {
+    Pose { geometry: Geometry::Live, sigma, turning: &STILL, q: q.as_slice(), v: &[0.0; 6] }
 }
 
 fn at_rest(coupling: &Coupling, sigma: f64) -> Contact {
@@ -152,7 +157,7 @@ proptest! {
         let slopes = gradient(&coupling, sigma, &contact);
         let curvature: Matrix6<f64> = tangent - STIFFNESS * slopes * slopes.transpose();
         let force = |q: &Vector6<f64>| {
-            let contact = coupling.contact(Geometry::Live, sigma, &Law::ALWAYS, &STILL, q.as_slice(), &[0.0; 6]).unwrap();
+            let contact = coupling.contact(&still(sigma, q), &Law::ALWAYS).unwrap();
             let mut force = Vector6::zeros();
             coupling.apply(&contact, force.as_mut_slice());
             -force
@@ -178,7 +183,7 @@ proptest! {
         let contact = live(&coupling, sigma, &q);
         // Round-off of the centres that this test itself computes.
         prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
-        let state = coupling.state(Geometry::Live, sigma, &Law::ALWAYS, &STILL, q.as_slice(), &[0.0; 6]).unwrap();
+        let state = coupling.state(&still(sigma, &q), &Law::ALWAYS).unwrap();
         prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
         prop_assert!((state.centres.angle - pair.angle - turn).abs() < 1e-13);
     }

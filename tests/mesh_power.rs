@@ -12,7 +12,7 @@
 
 mod common;
 
-use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Turning};
+use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Turning};
 use nalgebra::Vector6;
 use proptest::prelude::*;
 
@@ -66,14 +66,17 @@ impl Course {
     /// The law at the instant, with the flank that is asked for.
     fn law(&self, coupling: &Coupling, flank: Flank) -> Law {
         let (q, v) = (self.q.as_slice(), self.v.as_slice());
-        Law { flank, ..coupling.law(self.geometry, self.sigma(), &self.turning(0.0), q, v).unwrap() }
+        let turning = self.turning(0.0);
+        Law { flank, ..coupling.law(&self.pose(&turning, q, v)).unwrap() }
     }
 
     fn contact(&self, coupling: &Coupling, law: &Law, after: f64) -> Contact {
         let q = self.q + self.v * after;
-        coupling
-            .contact(self.geometry, self.sigma(), law, &self.turning(after), q.as_slice(), self.v.as_slice())
-            .unwrap()
+        coupling.contact(&self.pose(&self.turning(after), q.as_slice(), self.v.as_slice()), law).unwrap()
+    }
+
+    fn pose<'a>(&self, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
+        Pose { geometry: self.geometry, sigma: self.sigma(), turning, q, v }
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Noise, basis, everything, free_train, largest, motion, points, train};
 use gearbow::integrate::System as _;
-use gearbow::mesh::{Geometry, Law, Turning};
+use gearbow::mesh::{Geometry, Law, Pose, Turning};
 use gearbow::modal::Basis;
 use gearbow::motion::{Motion, phase};
 use gearbow::scene::Node;
@@ -105,7 +105,8 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
         let mut force = vec![0.0; n];
         for (index, mesh) in model.meshes.iter().enumerate() {
             let sigma = model.sigma(index, speed);
-            let contact = mesh.contact(geometry, sigma, &Law::ALWAYS, &[Turning::default(); 2], q, v).unwrap();
+            let contact =
+                mesh.contact(&Pose { geometry, sigma, turning: &[Turning::default(); 2], q, v }, &Law::ALWAYS).unwrap();
             mesh.apply(&contact, &mut force);
         }
         forces.push(DVector::from_vec(force));

@@ -6,7 +6,7 @@ use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simul
 use gearbow::analysis::{Spectrum, equilibrium};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, Control, RungeKutta, State, Statistics, System as _, run};
-use gearbow::mesh::{Geometry, Law, Turning};
+use gearbow::mesh::{Geometry, Law, Pose, Turning};
 use gearbow::modal::{self, Basis};
 use gearbow::model::Model;
 use gearbow::scene::Scene;
@@ -108,7 +108,8 @@ fn tooth_pairs() -> Work {
             let angle = 1e-3 * f64::from(i);
             let turning = [Turning { angle, spin: SPEED }, Turning { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
             let q = black_box(rest.as_slice());
-            black_box(mesh.contact(Geometry::Live, sigma, &Law::ALWAYS, &turning, q, &zero).unwrap());
+            let pose = Pose { geometry: Geometry::Live, sigma, turning: &turning, q, v: &zero };
+            black_box(mesh.contact(&pose, &Law::ALWAYS).unwrap());
         }
     })
 }

@@ -119,7 +119,7 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
                 let state = loaded(matrix, rungs, rule, &ports.columns[k], (j, k), *node);
                 for (scalar, row) in ports.rows.iter().enumerate() {
                     let seen = row.iter().zip(state.iter()).map(|(w, z)| w * z).sum();
-                    response[((i * scalars + scalar) * stages + j) * loads + k] = seen;
+                    response[(j * loads + k) * stages * scalars + i * scalars + scalar] = seen;
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! The loop over steps: levels chosen by error, steps that divide their time, and changes of law.
 
+use std::f64::consts::TAU;
+
 use super::Outcome;
 use super::output::{Course, Output};
 use super::sample::Sample;
@@ -16,8 +18,8 @@ pub struct Clock {
     pub finest: usize,
     /// How often it is halved for an event: what is left to it, no mode turns by a radian in.
     pub event: usize,
-    /// How often it is halved at least unless all flanks that may part are firmly pressed.
-    pub parting: usize,
+    /// The longest time between two looks at whether flanks have parted, s, unless it is known that they have not.
+    pub look: f64,
 }
 
 impl Clock {
@@ -43,20 +45,16 @@ pub enum Control {
 
 /// A longer step is tried where its error is foretold to be below this part of the tolerance.
 const SAFETY: f64 = 0.5;
-/// Loads are found to this part of the tolerance.
-const SOLVED: f64 = 0.02;
+/// Loads are found to this part of the tolerance,
+const SOLVED: f64 = 0.1;
+/// or of this tolerance, where the one asked for is looser: collocation is stable whatever its steps, loads that are
+/// half found are not.
+const LOOSEST: f64 = 1e-3;
+/// Steps in a period of teeth that swing on their stiffness alone, while their flanks may part: the motion within a step
+/// is less exact than that at its end, and flanks part and meet within steps.
+const STEPS_A_SWING: f64 = 3.0;
 /// Loads of fixed steps are found to this part of the motion.
 const TIGHT: f64 = 1e-13;
-/// A change of law is found to this part of its step.
-const RESOLUTION: f64 = 1e-12;
-/// How much wider it is looked for around where it was foretold, after that has missed.
-const WIDER: f64 = 64.0;
-/// It has been found where the motion itself moves it by no more than this part.
-const SAME: f64 = 1e-9;
-/// It is moved by no more than this part.
-const NEAR: f64 = 0.05;
-/// How often it is looked for.
-const REFINEMENTS: usize = 6;
 /// Changes of law at one tick before a step is taken as it is: grazing contacts would change them for ever.
 const PATIENCE_AT_ONCE: u32 = 8;
 
@@ -70,13 +68,6 @@ pub(super) struct Reached<'a, 'm> {
     /// Elapsed time at its beginning, and up to which it holds.
     pub begin: f64,
     pub end: f64,
-}
-
-/// Where the law changes within a step: after so many whole ticks, at which elapsed time.
-#[derive(Clone, Copy, Debug)]
-struct Change {
-    ticks: u64,
-    at: f64,
 }
 
 /// Integrates from `state` until `end` (elapsed time) and all the observer asks for; `state.y` is a state z.
@@ -96,28 +87,30 @@ pub fn run(
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }
 
-struct Driver {
-    clock: Clock,
+pub(super) struct Driver {
+    pub(super) clock: Clock,
     control: Control,
     /// Elapsed time that ticks count from: that of the run's beginning, unless it took up a state of another clock.
-    base: f64,
-    sample: Sample,
+    pub(super) base: f64,
+    pub(super) sample: Sample,
     /// The level that the error asks for.
     wanted: usize,
-    found: Vec<i64>,
-    point: Vec<f64>,
+    pub(super) found: Vec<i64>,
+    pub(super) point: Vec<f64>,
     /// What the polynomial of the scalars is off by near a change of law.
-    off: Vec<f64>,
-    jumps: [Vec<f64>; POINTS],
-    loads: Vec<f64>,
+    pub(super) off: Vec<f64>,
+    pub(super) jumps: [Vec<f64>; POINTS],
+    pub(super) loads: Vec<f64>,
     /// Where the ends of the paths of contact stand, at both ends of what is searched.
-    ends: [Vec<(f64, i64)>; 2],
+    pub(super) ends: [Vec<(f64, i64)>; 2],
     /// The laws at the change that was found last.
-    after: Vec<i64>,
+    pub(super) after: Vec<i64>,
+    /// Whether the flanks of each mesh stay as they are over the step.
+    pub(super) settled: Vec<bool>,
     /// Changes of law since the last tick.
-    at_once: u32,
+    pub(super) at_once: u32,
     /// Energy norm of the state.
-    size: f64,
+    pub(super) size: f64,
 }
 
 impl Driver {
@@ -144,6 +137,7 @@ impl Driver {
             loads: vec![0.0; stepper.end_load.len()],
             ends: [Vec::new(), Vec::new()],
             after: Vec::new(),
+            settled: Vec::new(),
             at_once: 0,
             size: stepper.size(&state.y),
         }
@@ -163,7 +157,7 @@ impl Driver {
         if switches {
             stepper.look(state.elapsed, &state.y, &mut looks)?;
             if state.laws.is_empty() {
-                stepper.field.laws(state.elapsed, &stepper.begin, &mut state.laws)?;
+                stepper.field.laws(state.elapsed, &stepper.begin, &[], &mut state.laws)?;
             }
             stepper.field.motion.set_laws(&state.laws);
         }
@@ -224,7 +218,7 @@ impl Driver {
     }
 
     /// Ticks in a step.
-    fn ticks(&self, level: usize) -> u64 {
+    pub(super) fn ticks(&self, level: usize) -> u64 {
         1 << (self.clock.finest - level)
     }
 
@@ -235,12 +229,12 @@ impl Driver {
     }
 
     /// The step to try next, s.
-    fn next_step(&self) -> f64 {
+    pub(super) fn next_step(&self) -> f64 {
         self.clock.longest * 0.5_f64.powi(self.wanted as i32)
     }
 
     /// Elapsed time at a tick.
-    fn at(&self, tick: u64) -> f64 {
+    pub(super) fn at(&self, tick: u64) -> f64 {
         self.base + tick as f64 * self.clock.tick()
     }
 
@@ -257,7 +251,7 @@ impl Driver {
         state.memory.truncate(1);
         if stepper.remembers() && ticks == self.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
-            state.memory.push(stepper.table.levels[level].step);
+            state.memory.extend([stepper.table.levels[level].step, stepper.contraction]);
         }
     }
 
@@ -270,6 +264,12 @@ impl Driver {
         if far { self.wanted } else { self.wanted.max(aligned) }
     }
 
+    /// The level of the longest step that follows teeth whose flanks may part and that swing at so many rad/s.
+    fn of_swing(&self, swing: f64) -> usize {
+        let shorter = (self.clock.longest * swing * STEPS_A_SWING / TAU).log2().ceil().max(0.0) as usize;
+        if matches!(self.control, Control::Fixed) { 0 } else { shorter.min(self.clock.finest) }
+    }
+
     /// Tries steps until one meets the tolerance; its level and scaled error.
     fn attempt(
         &mut self,
@@ -278,13 +278,12 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(usize, f64), Halt> {
         let before = self.size;
-        let firm = self.clock.parting == 0 || stepper.field.is_firm(state.elapsed, &stepper.begin)?;
-        let mut level = self.begin_with(state.count).max(if firm { 0 } else { self.clock.parting });
+        let mut level = self.begin_with(state.count).max(self.of_swing(stepper.swing_at_begin()));
         let mut rejected = false;
         loop {
             let solved = match self.control {
                 Control::Fixed => TIGHT * before,
-                Control::Adaptive { rtol, floor } => SOLVED * rtol * before.max(floor),
+                Control::Adaptive { rtol, floor } => SOLVED * rtol.min(LOOSEST) * before.max(floor),
             };
             stepper.table.reach(stepper.linear, &stepper.ports, level);
             stepper.guess(level, &state.memory[1..]);
@@ -306,11 +305,13 @@ impl Driver {
                 if !after.is_finite() {
                     return Err(Halt::Diverged);
                 }
-                // Flanks that might have parted within a long step are watched closely over short ones.
-                if level < self.clock.parting && !stepper.is_firm(level, state.elapsed)? {
+                // Teeth that turned out to swing within a long step are followed over short ones.
+                let swing = stepper.settle(level, &mut self.settled);
+                let bound = self.of_swing(swing);
+                if level + 1 < bound {
                     statistics.rejected += 1;
                     rejected = true;
-                    level = self.clock.parting;
+                    level = bound;
                     continue;
                 }
                 // The shortest step is taken as it is: at a kink no step is short enough.
@@ -333,210 +334,5 @@ impl Driver {
                 self.wanted = self.wanted.max(level);
             }
         }
-    }
-
-    /// The first change of law within the step just taken; the new laws are left in `found`.
-    fn locate(&mut self, stepper: &Stepper<'_>, level: usize, state: &State) -> Result<Option<Change>, Halt> {
-        let step = stepper.table.levels[level].step;
-        // Up to the change that was adopted last, the old law held.
-        let since = state.elapsed + state.carry;
-        let nodes = &stepper.table.rule.nodes;
-        let looks = nodes.iter().copied().filter(|_| stepper.field.motion.parts()).chain([1.0]);
-        let mut high = None;
-        let mut low: f64 = (state.carry / step).min(1.0);
-        for part in looks.filter(|part| state.elapsed + part * step > since) {
-            if self.changed(stepper, state, step, part)? {
-                high = Some(part);
-                break;
-            }
-            low = low.max(part);
-        }
-        let Some(high) = high else {
-            return Ok(None);
-        };
-        let begin = low;
-        // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
-        // change is looked for again, near by, on what is then right at the change.
-        let mut change = self.narrow(stepper, state, step, (low, high))?;
-        self.keep_laws(stepper, state, step, change)?;
-        for _ in 0..REFINEMENTS {
-            if !stepper.field.motion.moves_laws() || change - begin <= SAME {
-                break;
-            }
-            let z = self.sample.within(stepper, level, &state.y, change * step);
-            stepper.measure_off(change, state.elapsed + change * step, z, &mut self.point, &mut self.off);
-            let near = ((change - NEAR).max(begin), (change + NEAR).min(1.0));
-            if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
-                break;
-            }
-            let again = self.narrow(stepper, state, step, near)?;
-            // Where only the end of the bracket holds, the change stays where it was found.
-            let moved = again - change;
-            if again + RESOLUTION >= near.1 {
-                break;
-            }
-            change = again;
-            self.keep_laws(stepper, state, step, change)?;
-            if moved.abs() <= SAME {
-                break;
-            }
-        }
-        self.off.fill(0.0);
-        self.found.clone_from(&self.after);
-        // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = self.ticks(level.max(self.clock.event));
-        let units = self.ticks(level) / unit;
-        let whole = ((change * units as f64).floor() as u64).min(units);
-        Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
-    }
-
-    /// Keeps the laws that hold after a part of a step, on the scalars on which it was found.
-    fn keep_laws(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<(), Halt> {
-        self.changed(stepper, state, step, part)?;
-        self.after.clone_from(&self.found);
-        Ok(())
-    }
-
-    /// The part of a step at which the law changes between two parts of it, which hold the old and the new one.
-    fn narrow(
-        &mut self,
-        stepper: &Stepper<'_>,
-        state: &State,
-        step: f64,
-        (mut low, mut high): (f64, f64),
-    ) -> Result<f64, Halt> {
-        // Teeth travel at nearly even pace, so where the next one comes or goes is nearly foretold; closely around it the
-        // law is asked for, less closely where that has missed. Whether flanks press is not foretold.
-        let (mut apart, mut foretold) = (RESOLUTION / 2.0, true);
-        while high - low > RESOLUTION {
-            let at = if foretold { self.foretell(stepper, state, step, (low, high))? } else { None };
-            let Some(at) = at else {
-                foretold = false;
-                let middle = (low + high) / 2.0;
-                if self.changed(stepper, state, step, middle)? {
-                    high = middle
-                } else {
-                    low = middle
-                }
-                continue;
-            };
-            for probe in [at - apart, at + apart] {
-                if low < probe && probe < high {
-                    if self.changed(stepper, state, step, probe)? { high = probe } else { low = probe }
-                }
-            }
-            apart *= WIDER;
-            foretold = apart < NEAR;
-        }
-        Ok(high)
-    }
-
-    /// The part of a step at which the first pair of teeth comes or goes between two parts of it, at even pace.
-    fn foretell(
-        &mut self,
-        stepper: &Stepper<'_>,
-        state: &State,
-        step: f64,
-        (low, high): (f64, f64),
-    ) -> Result<Option<f64>, Halt> {
-        for (which, part) in [low, high].into_iter().enumerate() {
-            self.move_to(stepper, part);
-            stepper.field.ends(state.elapsed + part * step, &self.point, &mut self.ends[which])?;
-        }
-        let [from, to] = &self.ends;
-        let mut first: Option<f64> = None;
-        for (which, ((from, _), (to, pair))) in from.iter().zip(to).enumerate() {
-            // The first pair is the least whole number not below where the path begins; the last the greatest not above
-            // where it ends.
-            let (found, beyond) = match (which % 2 == 0, to > from) {
-                (true, true) => (to.ceil(), 0.0),
-                (true, false) => (to.ceil(), -1.0),
-                (false, true) => (to.floor(), 1.0),
-                (false, false) => (to.floor(), 0.0),
-            };
-            let pair = *pair as f64;
-            if found != pair {
-                let at = low + (high - low) * ((pair + beyond - from) / (to - from)).clamp(0.0, 1.0);
-                first = Some(first.map_or(at, |first| first.min(at)));
-            }
-        }
-        Ok(first)
-    }
-
-    /// Scalars and rates at a part of a step, where the laws depend on the motion.
-    fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
-        // Where teeth are that come and go with time alone, the motion need not be asked.
-        if stepper.field.motion.moves_laws() {
-            self.place(stepper, part);
-        }
-    }
-
-    /// Scalars and rates at a part of a step: the polynomial, with what it is off by near a change of law.
-    fn place(&mut self, stepper: &Stepper<'_>, part: f64) {
-        stepper.interpolate(part, &mut self.point);
-        for (point, off) in self.point.iter_mut().zip(&self.off) {
-            *point += off;
-        }
-    }
-
-    /// Whether other laws hold after a part of a step; they are left in `found`.
-    fn changed(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<bool, Halt> {
-        self.move_to(stepper, part);
-        stepper.field.laws(state.elapsed + part * step, &self.point, &mut self.found)?;
-        Ok(self.found != state.laws)
-    }
-
-    /// Goes on to the last tick before a change of law, and lets the new law act from the change itself on.
-    fn switch(
-        &mut self,
-        stepper: &mut Stepper<'_>,
-        level: usize,
-        state: &mut State,
-        change: Change,
-        statistics: &mut Statistics,
-    ) -> Result<(), Halt> {
-        let tick = self.clock.tick();
-        let within = change.ticks as f64 * tick;
-        let step = stepper.table.levels[level].step;
-        let reached = self.at(state.count + change.ticks);
-        let since = change.at - reached;
-        let at_tick = self.sample.within(stepper, level, &state.y, within);
-        stepper.after.copy_from_slice(at_tick);
-        // What the polynomial of the scalars is off by there.
-        stepper.measure_off(within / step, reached, &stepper.after, &mut self.point, &mut self.off);
-        // What the loads change by, from the tick to the change: under the law before,
-        let part = |point: usize| (within + since * point as f64 / (POINTS - 1) as f64) / step;
-        for (point, jump) in self.jumps.iter_mut().enumerate() {
-            stepper.loads_at(part(point), jump);
-        }
-        state.laws.clear();
-        state.laws.extend_from_slice(&self.found);
-        stepper.field.motion.set_laws(&state.laws);
-        // and under the one after it.
-        for point in (0..POINTS).rev() {
-            self.place(stepper, part(point));
-            // Under it, the motion that meets the other at the change has come another way.
-            let ahead = change.at - (state.elapsed + part(point) * step);
-            stepper.depart(&self.jumps[POINTS - 1], ahead, &mut self.point);
-            stepper.load_at(state.elapsed + part(point) * step, &self.point, &mut self.loads)?;
-            statistics.evaluations += 1;
-            for (jump, new) in self.jumps[point].iter_mut().zip(&self.loads) {
-                *jump -= new;
-            }
-        }
-        self.off.fill(0.0);
-        std::mem::swap(&mut state.y, &mut stepper.after);
-        stepper.shift(since, &self.jumps, &mut state.y);
-        state.count += change.ticks;
-        state.elapsed = reached;
-        state.carry = since;
-        // What the step that was cut short has shown of its error holds for those to come.
-        state.next_step = self.next_step();
-        state.memory.truncate(1);
-        statistics.events += 1;
-        self.at_once = if change.ticks == 0 { self.at_once + 1 } else { 0 };
-        stepper.look(state.elapsed, &state.y, statistics)?;
-        self.size = stepper.size(&state.y);
-        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
+use super::rule::MOST;
 use super::step::Stepper;
 use super::table::form;
 
@@ -17,12 +18,13 @@ impl Stepper<'_> {
         let meshes = self.missed.len();
         // π is odd or even about the middle.
         let even = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
+        let weights: [[f64; MOST]; 2] =
+            [0.0, 1.0].map(|side| std::array::from_fn(|j| if j < rule.stages() { rule.weight(j, side) } else { 0.0 }));
         for k in 0..meshes {
-            let polynomial = |side: f64| -> f64 {
-                let nodes = self.loads.chunks_exact(loads).enumerate();
-                nodes.map(|(j, load)| rule.weight(j, side) * load[k]).sum()
+            let polynomial = |side: usize| -> f64 {
+                self.loads.chunks_exact(loads).zip(weights[side]).map(|(load, weight)| weight * load[k]).sum()
             };
-            let (begin, end) = (self.begin_load[k] - polynomial(0.0), self.end_load[k] - polynomial(1.0));
+            let (begin, end) = (self.begin_load[k] - polynomial(0), self.end_load[k] - polynomial(1));
             self.missed[k] = (end + even * begin) / 2.0;
             self.changed[k] = end - even * begin;
         }

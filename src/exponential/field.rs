@@ -9,9 +9,9 @@ use num_complex::Complex64;
 
 use super::table::Ports;
 use crate::integrate::Halt;
-use crate::mesh::Overlap;
+use crate::mesh::{Contact, Overlap};
 use crate::modal::Linear;
-use crate::motion::{Interface, Motion};
+use crate::motion::{Hold, Interface, Motion};
 
 /// Digits that a synchronous motion near resonance may lose against what is left: five.
 const RESONANT: f64 = 1e-5;
@@ -190,7 +190,7 @@ impl<'m> Field<'m> {
         }
     }
 
-    /// The loads at scalars and rates `u`, of which each mesh takes its own, and the slope of each mesh along its δ.
+    /// The loads at scalars and rates `u`, of which each mesh takes its own, and the contacts of the meshes.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
@@ -201,14 +201,14 @@ impl<'m> Field<'m> {
         turns: &[Complex64],
         u: &[f64],
         loads: &mut [f64],
-        slopes: &mut [f64],
+        contacts: &mut [Contact],
     ) -> Result<(), Halt> {
         let (scalars, rates) = u.split_at(self.scalars);
         let mut from = 0;
-        for (interface, slope) in self.interfaces.iter().zip(slopes) {
+        for (interface, contact) in self.interfaces.iter().zip(contacts) {
             let to = from + interface.scalars();
             let rates = rates.get(from..to).unwrap_or_default();
-            *slope = interface.load(&self.motion, elapsed, &scalars[from..to], rates, &mut loads[from..to])?;
+            *contact = interface.load(&self.motion, elapsed, &scalars[from..to], rates, &mut loads[from..to])?;
             from = to;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
@@ -219,6 +219,16 @@ impl<'m> Field<'m> {
             };
         }
         Ok(())
+    }
+
+    /// Slope of the load of a mesh along its δ in a contact, N/m.
+    pub fn slope(&self, mesh: usize, contact: &Contact) -> f64 {
+        self.interfaces[mesh].slope(contact)
+    }
+
+    /// How long the flanks of the meshes stay as they are in their contacts.
+    pub fn holds<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = Hold> + 'a {
+        self.interfaces.iter().zip(contacts).map(|(interface, contact)| interface.hold(&self.motion, contact))
     }
 
     /// Every interface with its scalars and rates (empty where they do not matter) of `u`.
@@ -233,27 +243,15 @@ impl<'m> Field<'m> {
         })
     }
 
-    /// Whether all flanks that may part stay pressed at scalars and rates `u`, whatever swings.
+    /// Writes the laws that hold at scalars and rates `u`; the flanks of meshes that are `settled` stay as they are.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn is_firm(&self, elapsed: f64, u: &[f64]) -> Result<bool, Halt> {
-        for (interface, scalars, rates) in self.each(u) {
-            if !interface.is_firm(&self.motion, elapsed, scalars, rates)? {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    /// Writes the laws that hold at scalars and rates `u`.
-    ///
-    /// # Errors
-    /// [`Halt`] where base circles overlap.
-    pub fn laws(&self, elapsed: f64, u: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+    pub fn laws(&self, elapsed: f64, u: &[f64], settled: &[bool], laws: &mut Vec<i64>) -> Result<(), Halt> {
         laws.clear();
-        for (interface, scalars, rates) in self.each(u) {
-            laws.extend(interface.law(&self.motion, elapsed, scalars, rates)?.code());
+        for (mesh, (interface, scalars, rates)) in self.each(u).enumerate() {
+            let settled = settled.get(mesh) == Some(&true);
+            laws.extend(interface.law(&self.motion, elapsed, scalars, rates, settled)?.code());
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ use super::kernel;
 use super::output::Output;
 use super::table::Ports;
 use crate::integrate::{Halt, Span, System, Trajectory};
+use crate::mesh::Contact;
 use crate::modal::Linear;
 
 /// A field on its modes, as a system to integrate.
@@ -26,7 +27,7 @@ pub struct InModes<'m> {
     every: Vec<usize>,
     u: Vec<f64>,
     loads: Vec<f64>,
-    slopes: Vec<f64>,
+    contacts: Vec<Contact>,
     turns: Vec<Complex64>,
 }
 
@@ -39,7 +40,7 @@ impl<'m> InModes<'m> {
             every: (0..linear.slots).collect(),
             u: vec![0.0; field.seen()],
             loads: vec![0.0; field.loads()],
-            slopes: vec![0.0; field.meshes()],
+            contacts: vec![Contact::default(); field.meshes()],
             turns: vec![Complex64::ZERO; field.sources()],
             field,
             linear,
@@ -68,7 +69,7 @@ impl System for InModes<'_> {
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.look(elapsed, z);
-        self.field.load(elapsed, &self.turns, &self.u, &mut self.loads, &mut self.slopes)?;
+        self.field.load(elapsed, &self.turns, &self.u, &mut self.loads, &mut self.contacts)?;
         self.linear.multiply(z, derivative);
         for (p, column) in self.loads.iter().zip(&self.ports.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {
@@ -101,7 +102,7 @@ impl System for InModes<'_> {
 
     fn laws_at(&mut self, elapsed: f64, z: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
         self.look(elapsed, z);
-        self.field.laws(elapsed, &self.u, laws)
+        self.field.laws(elapsed, &self.u, &[], laws)
     }
 
     fn set_laws(&mut self, laws: &[i64]) {

@@ -7,6 +7,7 @@
 //! Time counts in ticks, the shortest step, and a step is a power of two of them that divides the time it begins at.
 //! Coefficients are tabulated for each: a step that ends at a tooth event or at a time asked for rebuilds nothing.
 
+mod change;
 mod dense;
 mod driver;
 mod estimate;

@@ -30,19 +30,28 @@ impl Newton {
 
     /// Takes slopes times the `response` of their scalar to all loads off the rows from `row` on; the first `meshes` of
     /// every `loads` loads are unknown.
-    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: &[f64]) {
+    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Iterator<Item = f64> + Clone) {
         for k in 0..meshes {
-            self.add_row(row + k, self.slopes[k], meshes, loads, response);
+            self.add_row(row + k, self.slopes[k], meshes, loads, response.clone());
         }
     }
 
     /// Takes `slope` times a response off one row.
-    pub fn add_row(&mut self, row: usize, slope: f64, meshes: usize, loads: usize, response: &[f64]) {
+    pub fn add_row(
+        &mut self,
+        row: usize,
+        slope: f64,
+        meshes: usize,
+        loads: usize,
+        mut response: impl Iterator<Item = f64>,
+    ) {
         if slope != 0.0 {
             let line = &mut self.matrix[row * self.size..(row + 1) * self.size];
-            for (unknowns, response) in line.chunks_exact_mut(meshes).zip(response.chunks_exact(loads)) {
-                for (entry, response) in unknowns.iter_mut().zip(response) {
-                    *entry -= slope * response;
+            for unknowns in line.chunks_exact_mut(meshes) {
+                for (k, response) in response.by_ref().take(loads).enumerate() {
+                    if let Some(entry) = unknowns.get_mut(k) {
+                        *entry -= slope * response;
+                    }
                 }
             }
         }

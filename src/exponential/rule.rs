@@ -75,6 +75,12 @@ impl Rule {
         }
     }
 
+    /// The longest way from the beginning to a node, from one to the next, or to the end.
+    pub fn gap(&self) -> f64 {
+        let ends = self.nodes.iter().copied().chain([1.0]);
+        ends.scan(0.0, |before, node| Some(node - std::mem::replace(before, node))).fold(0.0, f64::max)
+    }
+
     /// Number of nodes s.
     pub fn stages(&self) -> usize {
         self.nodes.len()

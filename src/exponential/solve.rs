@@ -4,10 +4,12 @@
 //! scene. Loads that are straight lines make them linear; others are found by iteration, which contracts like h²Δk/m, and
 //! where it does not, by Newton.
 
-use super::step::{Stepper, turned};
+use super::step::Stepper;
 use super::table::form;
 use crate::integrate::{Halt, Statistics};
 
+/// A contraction that is not measured is taken to be so many times as large.
+const CAUTION: f64 = 2.0;
 /// Iterations before Newton takes over.
 const ITERATIONS: usize = 16;
 /// An iteration that shrinks by less than this is left to Newton.
@@ -21,17 +23,18 @@ impl Stepper<'_> {
     /// What the loads that stand cause, into `nodes`.
     pub(super) fn respond(&mut self, level: usize) {
         self.nodes.copy_from_slice(&self.free);
-        self.table.levels[level].respond(&self.loads, &mut self.nodes);
+        self.table.levels[level].respond(self.arch, &self.loads, &mut self.nodes);
     }
 
     /// Evaluates the loads at node `i`, into `trial`.
     fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
         let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
         let table = &self.table.levels[level];
-        turned(&self.turns, table, i, &mut self.node_turns);
         let time = elapsed + self.table.rule.nodes[i] * table.step;
         let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.trial[i * loads..(i + 1) * loads]);
-        self.field.load(time, &self.node_turns, u, load, &mut self.slopes[i * meshes..(i + 1) * meshes])
+        let sources = self.turns.len();
+        let turns = &self.node_turns[i * sources..(i + 1) * sources];
+        self.field.load(time, turns, u, load, &mut self.contacts[i * meshes..(i + 1) * meshes])
     }
 
     /// Evaluates the loads at all nodes, into `trial`.
@@ -49,9 +52,8 @@ impl Stepper<'_> {
         let (stages, loads, seen) = (self.table.rule.stages(), self.field.loads(), self.field.seen());
         for i in 0..stages {
             for row in i * seen..(i + 1) * seen {
-                let response = &self.table.levels[level].response;
-                let response = &response[row * self.loads.len()..(row + 1) * self.loads.len()];
-                let before = response.iter().zip(&self.loads[..i * loads]).map(|(h, p)| h * p);
+                let response = self.table.levels[level].response_of(row, self.nodes.len());
+                let before = response.zip(&self.loads[..i * loads]).map(|(h, p)| h * p);
                 self.nodes[row] = self.free[row] + before.sum::<f64>();
             }
             self.evaluate(level, elapsed, i)?;
@@ -71,19 +73,18 @@ impl Stepper<'_> {
         let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
         self.nodes.copy_from_slice(&self.free);
         self.sweep(level, elapsed, statistics)?;
-        let response = &self.table.levels[level].response;
+        let (table, rows) = (&self.table.levels[level], self.nodes.len());
         self.loads.copy_from_slice(&self.trial);
         self.newton.begin();
-        let mut rows = response.chunks_exact(self.loads.len());
         for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
-            for ((k, own), response) in trial[..meshes].iter().enumerate().zip(&mut rows) {
+            for (k, own) in trial[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
-                let slope = self.slopes[row];
-                self.newton.add_row(row, slope, meshes, loads, response);
+                let slope = self.field.slope(k, &self.contacts[row]);
+                self.newton.add_row(row, slope, meshes, loads, table.response_of(row, rows));
                 // What is prescribed acts through the slope too.
-                let all = response.chunks_exact(loads).zip(self.trial.chunks_exact(loads));
-                let others = all.flat_map(|(response, trial)| response[meshes..].iter().zip(&trial[meshes..]));
-                self.newton.right[row] = own + slope * others.map(|(h, p)| h * p).sum::<f64>();
+                let all = table.response_of(row, rows).zip(&self.trial).enumerate();
+                let others = all.filter(|(column, _)| column % loads >= meshes).map(|(_, (h, p))| h * p);
+                self.newton.right[row] = own + slope * others.sum::<f64>();
             }
         }
         if !self.newton.solve() {
@@ -109,16 +110,19 @@ impl Stepper<'_> {
         for iteration in 0..ITERATIONS {
             self.respond(level);
             self.sweep(level, elapsed, statistics)?;
-            let (change, size) = self.change(step);
+            let change = self.change(step);
             std::mem::swap(&mut self.loads, &mut self.trial);
             if !change.is_finite() {
                 return Ok(false);
             }
-            let contraction = change / before;
-            // What is left after this iteration is the change times ρ/(1 − ρ).
-            let left =
-                if iteration > 0 && contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
-            if left <= tolerance || change <= ROUND_OFF * size {
+            // What is left after this iteration is the change times ρ/(1 − ρ), ρ that of the step before, and some more,
+            // until it is measured.
+            let contraction = if iteration > 0 { change / before } else { CAUTION * self.contraction };
+            if iteration > 0 {
+                self.contraction = contraction;
+            }
+            let left = if contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
+            if left <= tolerance || change <= ROUND_OFF * self.added(step) {
                 return Ok(true);
             }
             if iteration > 1 && contraction > SLOW {
@@ -129,22 +133,28 @@ impl Stepper<'_> {
         self.newton(level, elapsed, tolerance, statistics)
     }
 
-    /// Energy norms of what the change from `loads` to `trial`, and `trial` itself, add to a state over a step.
-    pub(super) fn change(&mut self, step: f64) -> (f64, f64) {
-        let (loads, meshes) = (self.field.loads(), self.field.mesh_loads());
-        let (mut change, mut size): (f64, f64) = (0.0, 0.0);
+    /// Energy norm of what the change from `loads` to `trial` adds to a state over a step.
+    pub(super) fn change(&mut self, step: f64) -> f64 {
+        let loads = self.field.loads();
+        let mut change: f64 = 0.0;
         for (old, new) in self.loads.chunks_exact(loads).zip(self.trial.chunks_exact(loads)) {
             for ((missed, old), new) in self.missed.iter_mut().zip(old).zip(new) {
                 *missed = new - old;
             }
             let square = form(&self.table.gram, &self.missed);
             if !square.is_finite() {
-                return (f64::INFINITY, size);
+                return f64::INFINITY;
             }
             change = change.max(square);
-            size = size.max(form(&self.table.gram, &new[..meshes]));
         }
-        (step * change.sqrt(), step * size.max(0.0).sqrt())
+        step * change.sqrt()
+    }
+
+    /// Energy norm of what `loads` add to a state over a step.
+    fn added(&self, step: f64) -> f64 {
+        let meshes = self.field.mesh_loads();
+        let nodes = self.loads.chunks_exact(self.field.loads());
+        step * nodes.map(|loads| form(&self.table.gram, &loads[..meshes])).fold(0.0, f64::max).sqrt()
     }
 
     pub(super) fn newton(
@@ -162,7 +172,7 @@ impl Stepper<'_> {
             let stages = self.table.rule.stages();
             self.newton.begin();
             for (i, node) in self.table.rule.nodes.iter().enumerate() {
-                turned(&self.turns, table, i, &mut self.node_turns);
+                let turns = &self.node_turns[i * self.turns.len()..(i + 1) * self.turns.len()];
                 let u = &mut self.nodes[i * seen..(i + 1) * seen];
                 let load = &self.trial[i * loads..(i + 1) * loads];
                 let time = elapsed + node * table.step;
@@ -173,15 +183,13 @@ impl Stepper<'_> {
                     u[k] += small;
                     let moved = u[k] - stands;
                     let slopes = self.newton.slopes(loads);
-                    let outcome = self.field.load(time, &self.node_turns, u, slopes, &mut self.slopes);
+                    let outcome = self.field.load(time, turns, u, slopes, &mut self.contacts_elsewhere);
                     u[k] = stands;
                     outcome?;
                     for (slope, load) in slopes.iter_mut().zip(load) {
                         *slope = (*slope - load) / moved;
                     }
-                    let response =
-                        &table.response[(i * seen + k) * stages * loads..(i * seen + k + 1) * stages * loads];
-                    self.newton.add(i * meshes, meshes, loads, response);
+                    self.newton.add(i * meshes, meshes, loads, table.response_of(i * seen + k, stages * seen));
                 }
                 statistics.evaluations += seen as u64;
             }
@@ -202,11 +210,11 @@ impl Stepper<'_> {
                     *load += step;
                 }
             }
-            let (change, size) = self.change(step);
+            let change = self.change(step);
             if !change.is_finite() {
                 return Ok(false);
             }
-            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * size {
+            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * self.added(step) {
                 self.respond(level);
                 return Ok(true);
             }

@@ -7,9 +7,10 @@ use super::field::Field;
 use super::newton::Newton;
 use super::rule::MOST;
 use super::shift::Powers;
-use super::table::{Level, Ports, Table};
+use super::table::{Ports, Table};
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
+use crate::mesh::Contact;
 use crate::modal::{Form, Linear};
 
 /// The method with all that a step needs.
@@ -46,14 +47,22 @@ pub struct Stepper<'m> {
     pub(super) turns: Vec<Complex64>,
     /// The elapsed time of these turns.
     turned: f64,
+    /// Turns at the nodes, node after node.
     pub(super) node_turns: Vec<Complex64>,
     pub(super) missed: Vec<f64>,
     /// How much what is missed changes over a step, and that in parts of its size.
     pub(super) changed: Vec<f64>,
     pub(super) pace: f64,
-    pub(super) slopes: Vec<f64>,
+    /// Contacts of the meshes at the nodes, node after node, at the beginning and at the end.
+    pub(super) contacts: Vec<Contact>,
+    contacts_at_begin: Vec<Contact>,
+    contacts_at_end: Vec<Contact>,
+    /// Room for those elsewhere.
+    pub(super) contacts_elsewhere: Vec<Contact>,
     affine: bool,
     pub(super) newton: Newton,
+    /// By how much an iteration of the loads shrinks what is missing, as far as that is known.
+    pub(super) contraction: f64,
 }
 
 impl<'m> Stepper<'m> {
@@ -77,12 +86,16 @@ impl<'m> Stepper<'m> {
             trial: vec![0.0; stages * loads],
             turns: vec![Complex64::ZERO; field.sources()],
             turned: f64::NAN,
-            node_turns: vec![Complex64::ZERO; field.sources()],
+            node_turns: vec![Complex64::ZERO; stages * field.sources()],
             missed: vec![0.0; field.mesh_loads()],
             changed: vec![0.0; field.mesh_loads()],
             pace: 0.0,
             newton: Newton::new(stages * field.mesh_loads()),
-            slopes: vec![0.0; stages * field.meshes()],
+            contraction: f64::INFINITY,
+            contacts: vec![Contact::default(); stages * field.meshes()],
+            contacts_at_begin: vec![Contact::default(); field.meshes()],
+            contacts_at_end: vec![Contact::default(); field.meshes()],
+            contacts_elsewhere: vec![Contact::default(); field.meshes()],
             affine: field.is_affine(),
             field,
             linear,
@@ -131,7 +144,7 @@ impl<'m> Stepper<'m> {
         kernel::scalars(self.arch, &self.bare_rows, z, &mut self.begin);
         self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.begin);
-        self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.slopes)?;
+        self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.contacts_at_begin)?;
         statistics.evaluations += 1;
         Ok(())
     }
@@ -141,21 +154,30 @@ impl<'m> Stepper<'m> {
         kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
         self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.end);
-        self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.slopes)?;
+        self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.contacts_at_end)?;
         statistics.evaluations += 1;
         Ok(())
     }
 
-    /// Whether all flanks that may part are firmly pressed at the nodes and at the end of the last step, of `level`.
-    pub(super) fn is_firm(&self, level: usize, elapsed: f64) -> Result<bool, Halt> {
-        let step = self.table.levels[level].step;
-        let nodes = self.table.rule.nodes.iter().zip(self.nodes.chunks_exact(self.field.seen().max(1)));
-        for (node, u) in nodes {
-            if !self.field.is_firm(elapsed + node * step, u)? {
-                return Ok(false);
+    /// How fast teeth swing at the beginning of a step whose flanks may part, rad/s.
+    pub(super) fn swing_at_begin(&self) -> f64 {
+        self.field.holds(&self.contacts_at_begin).map(|hold| hold.swing).fold(0.0, f64::max)
+    }
+
+    /// How fast they swing at its nodes and its end, and for each mesh whether its flanks stay as they are: from one
+    /// node to the next.
+    pub(super) fn settle(&self, level: usize, settled: &mut Vec<bool>) -> f64 {
+        let gap = self.table.rule.gap() * self.table.levels[level].step;
+        settled.clear();
+        settled.resize(self.field.meshes(), true);
+        let mut swing: f64 = 0.0;
+        for contacts in self.contacts.chunks_exact(settled.len().max(1)).chain([&self.contacts_at_end[..]]) {
+            for (settled, hold) in settled.iter_mut().zip(self.field.holds(contacts)) {
+                *settled &= hold.time >= gap;
+                swing = swing.max(hold.swing);
             }
         }
-        self.field.is_firm(elapsed + step, &self.end)
+        swing
     }
 
     /// Takes the end of the last step as the beginning of the next.
@@ -163,10 +185,11 @@ impl<'m> Stepper<'m> {
         std::mem::swap(z, &mut self.after);
         std::mem::swap(&mut self.begin, &mut self.end);
         std::mem::swap(&mut self.begin_load, &mut self.end_load);
+        std::mem::swap(&mut self.contacts_at_begin, &mut self.contacts_at_end);
     }
 
     /// Guesses the loads at the nodes: those of the beginning, or, where `memory` holds the loads at the nodes of the
-    /// step before this one and its length, the polynomial through them all.
+    /// step before this one, its length and the contraction of its iteration, the polynomial through them all.
     pub(super) fn guess(&mut self, level: usize, memory: &[f64]) {
         if !self.remembers() {
             return;
@@ -176,9 +199,13 @@ impl<'m> Stepper<'m> {
         for load in self.loads.chunks_exact_mut(loads) {
             load.copy_from_slice(&self.begin_load);
         }
-        let Some((length, memory)) = memory.split_last() else {
+        let [memory @ .., length, contraction] = memory else {
+            self.contraction = f64::INFINITY;
             return;
         };
+        // It grows as the square of a step under stiffness, and as the step itself under damping.
+        let longer = step / length;
+        self.contraction = contraction * longer.max(longer * longer);
         for (i, node) in rule.nodes.iter().enumerate() {
             let tau = 1.0 + node * step / length;
             // Through the nodes c_j and the end: l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
@@ -213,9 +240,12 @@ impl<'m> Stepper<'m> {
             self.turn(elapsed);
             let table = &self.table.levels[level];
             kernel::scalars(self.arch, &table.rows, z, &mut self.free);
+            let sources = self.turns.len();
+            for ((at_node, turn), by) in self.node_turns.iter_mut().zip(self.turns.iter().cycle()).zip(&table.turns) {
+                *at_node = turn * by;
+            }
             for (i, free) in self.free.chunks_exact_mut(seen.max(1)).enumerate() {
-                turned(&self.turns, table, i, &mut self.node_turns);
-                self.field.add_synchronous(&self.node_turns, free);
+                self.field.add_synchronous(&self.node_turns[i * sources..(i + 1) * sources], free);
             }
             if self.table.rule.explicit {
                 self.follow(level, elapsed, statistics)?;
@@ -284,7 +314,7 @@ impl<'m> Stepper<'m> {
     /// The loads at scalars and rates `u`, into `out`.
     pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
         self.turn(elapsed);
-        self.field.load(elapsed, &self.turns, u, out, &mut self.slopes)
+        self.field.load(elapsed, &self.turns, u, out, &mut self.contacts_elsewhere)
     }
 }
 
@@ -299,12 +329,4 @@ fn mobility(linear: &Linear, ports: &Ports, scalars: usize) -> Vec<f64> {
         }
     }
     mobility
-}
-
-/// e^{iϑ} at node `i`.
-pub(super) fn turned(turns: &[Complex64], table: &Level, i: usize, out: &mut [Complex64]) {
-    let by = &table.turns[i * turns.len()..(i + 1) * turns.len()];
-    for ((out, turn), by) in out.iter_mut().zip(turns).zip(by) {
-        *out = turn * by;
-    }
 }

@@ -50,7 +50,7 @@ pub struct Level {
     pub columns: Vec<f64>,
     /// w e^{A c_i h} of node i and scalar at i·scalars + scalar, one after the other.
     pub rows: Vec<f64>,
-    /// H: row (i, scalar), column (j, load).
+    /// H: column (j, load) after column, of rows (i, scalar).
     pub response: Vec<f64>,
     /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
     pub gram: Vec<f64>,
@@ -104,7 +104,7 @@ impl Level {
                     for (j, integral) in until.iter().enumerate() {
                         for k in 0..loads {
                             let [p, q] = apply(integral, load(k));
-                            response[((i * scalars + scalar) * stages + j) * loads + k] +=
+                            response[(j * loads + k) * stages * scalars + i * scalars + scalar] +=
                                 step * node * (x * p + y * q);
                         }
                     }
@@ -134,13 +134,13 @@ impl Level {
     }
 
     /// `u += H p`, as (node, scalar).
-    pub fn respond(&self, p: &[f64], u: &mut [f64]) {
-        if p.is_empty() {
-            return;
-        }
-        for (u, row) in u.iter_mut().zip(self.response.chunks_exact(p.len())) {
-            *u += row.iter().zip(p).map(|(h, p)| h * p).sum::<f64>();
-        }
+    pub fn respond(&self, arch: Arch, p: &[f64], u: &mut [f64]) {
+        kernel::accumulate(arch, &self.response, p, u);
+    }
+
+    /// Row (node, scalar) of H: what the loads at all nodes, in their order, add to it.
+    pub fn response_of(&self, row: usize, rows: usize) -> impl Iterator<Item = f64> + Clone + '_ {
+        self.response.iter().skip(row).step_by(rows).copied()
     }
 
     /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
@@ -149,12 +149,14 @@ impl Level {
     }
 }
 
-/// xᵀ G x.
+/// xᵀ G x of a symmetric G.
 pub fn form(gram: &[f64], x: &[f64]) -> f64 {
-    if x.is_empty() {
-        return 0.0;
+    let mut sum = 0.0;
+    for (i, row) in gram.chunks_exact(x.len().max(1)).enumerate() {
+        let off_diagonal: f64 = row[..i].iter().zip(x).map(|(g, x)| g * x).sum();
+        sum += x[i] * (2.0 * off_diagonal + row[i] * x[i]);
     }
-    gram.chunks_exact(x.len()).zip(x).map(|(row, x_i)| x_i * row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>()).sum()
+    sum
 }
 
 /// Gram matrix of `count` vectors, one after the other.

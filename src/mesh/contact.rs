@@ -92,6 +92,8 @@ pub struct Contact {
     pub drive_power: f64,
     /// Power that damping takes, cδ̇², W.
     pub damping_power: f64,
+    /// Deflection of the back flank while the drive flank presses, m; −∞ where flanks never part.
+    pub behind: f64,
 }
 
 impl Contact {
@@ -113,6 +115,7 @@ impl Contact {
             moments: sum(self.moments, back.moments),
             drive_power: self.drive_power + back.drive_power,
             damping_power: self.damping_power + back.damping_power,
+            behind: back.deflection,
         }
     }
 }

@@ -10,12 +10,12 @@
 //! centres at rest, which makes the law linear. A stiffness that depends on the motion adds −∂U/∂q of its own.
 //!
 //! With backlash the flanks part: F acts on the drive flank while it presses, on the back flank (σ → −σ, from the
-//! backlash on) while that does, and otherwise not at all; it never pulls.
+//! backlash on) while that does, and otherwise not at all; it never pulls. The force of one flank is in `flank.rs`.
 
 use super::contact::{Contact, Flank, Law, MeshState, Turning};
 use super::error::ErrorCurve;
-use super::involute::{Centres, Involute, LineOfAction, Overlap};
-use super::stiffness::{self, Path, Stiffness, Stored};
+use super::involute::{Centres, Involute, Lie, LineOfAction, Overlap};
+use super::stiffness::{self, Stiffness};
 use crate::scene::{Damping, Gear, Mesh, Phase};
 
 /// Whether the line of action follows the centres.
@@ -34,6 +34,21 @@ pub struct Coordinates {
     pub translation: Option<[usize; 2]>,
     /// θ of driver and driven gear.
     pub twist: [usize; 2],
+}
+
+/// How a mesh stands: all that its force depends on but its law.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose<'a> {
+    /// Whether its line of action follows the centres.
+    pub geometry: Geometry,
+    /// σ, the sign of the driver's spin.
+    pub sigma: f64,
+    /// Angles and spins of the shafts of driver and driven gear.
+    pub turning: &'a [Turning; 2],
+    /// Displacements that contain its six coordinates, m and rad.
+    pub q: &'a [f64],
+    /// Their rates.
+    pub v: &'a [f64],
 }
 
 /// A mesh with its coordinates.
@@ -57,7 +72,7 @@ pub struct Coupling {
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
     pub shafts: [usize; 2],
-    error: Option<ErrorCurve>,
+    pub(super) error: Option<ErrorCurve>,
     /// Run-out of driver and driven gear, where one has any: amplitude, m, and angle in the shaft, rad.
     run_out: Option<[(f64, f64); 2]>,
     /// The line of action of the centres at rest, for σ = −1 and +1.
@@ -167,7 +182,7 @@ impl Coupling {
     }
 
     /// Where the base circles stand off their shafts.
-    fn eccentric(&self, turning: &[Turning; 2], q: &[f64]) -> Option<[[f64; 2]; 2]> {
+    pub(super) fn eccentric(&self, turning: &[Turning; 2], q: &[f64]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;
         let at = |i: usize| {
             let (size, phase): (f64, f64) = out[i];
@@ -177,35 +192,38 @@ impl Coupling {
         Some([at(0), at(1)])
     }
 
+    /// How the centres lie, where that matters: frozen geometry keeps them at rest.
+    #[inline(always)]
+    pub(super) fn lie(&self, geometry: Geometry, apart: [f64; 2]) -> Result<Option<Lie>, Overlap> {
+        match geometry {
+            Geometry::Live => self.involute.lie(apart).map(Some),
+            Geometry::Frozen => Ok(None),
+        }
+    }
+
     /// The line of action; in frozen geometry that at rest, with the deflection of small displacements.
     #[inline(always)]
-    pub(super) fn line(&self, geometry: Geometry, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
-        match geometry {
-            Geometry::Live => self.involute.line_of_action(sigma, apart),
-            Geometry::Frozen => {
+    pub(super) fn line(&self, sigma: f64, lie: &Option<Lie>, apart: [f64; 2]) -> LineOfAction {
+        match lie {
+            Some(lie) => self.involute.line(sigma, lie),
+            None => {
                 let line = self.at_rest[usize::from(sigma > 0.0)];
-                Ok(LineOfAction { deflection: -dot(line.normal, apart), ..line })
+                LineOfAction { deflection: -dot(line.normal, apart), ..line }
             }
         }
     }
 
-    /// The contact on the flank that `law` says, for displacements `q` and velocities `v`.
+    /// The contact on the flank that `law` says.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub fn contact(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        law: &Law,
-        turning: &[Turning; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<Contact, Overlap> {
+    pub fn contact(&self, pose: &Pose<'_>, law: &Law) -> Result<Contact, Overlap> {
+        let &Pose { geometry, sigma, q, v, .. } = pose;
         if self.is_autonomous() && law.flank == Flank::Drive {
             let (position, velocity) = (self.relative(q), self.relative(v));
-            let line = self.line(geometry, sigma, position.apart)?;
+            let lie = self.lie(geometry, position.apart)?;
+            let line = self.line(sigma, &lie, position.apart);
             let deflection = sigma * position.rolled + line.deflection;
             let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart);
             let elastic = self.stiffness * deflection;
@@ -221,183 +239,20 @@ impl Coupling {
                 moments: [-force * sigma * ra, -force * sigma * rb],
                 drive_power: 0.0,
                 damping_power: self.damping * rate * rate,
+                behind: self.behind(sigma, &lie, &position),
             });
         }
-        let drive = self.flank(geometry, sigma, false, law, turning, q, v)?;
+        let approach = self.approach(pose)?;
+        let drive = self.press(&approach, &self.meet(&approach, false), law);
         match law.flank {
-            Flank::Drive => Ok(drive),
+            Flank::Drive => Ok(Contact { behind: self.behind(sigma, &approach.lie, &approach.position), ..drive }),
             Flank::Apart => Ok(drive.apart()),
             Flank::Back | Flank::Both => {
-                let back = self.flank(geometry, sigma, true, law, turning, q, v)?;
+                let back = self.press(&approach, &self.meet(&approach, true), law);
                 let drive = if law.flank.drives() { drive } else { drive.apart() };
                 Ok(drive.and_back(&back))
             }
         }
-    }
-
-    /// The contact of one flank: tooth pairs, error and run-out.
-    #[expect(clippy::too_many_arguments, reason = "where the mesh is, and which flank")]
-    fn flank(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        back: bool,
-        law: &Law,
-        turning: &[Turning; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<Contact, Overlap> {
-        let (mut position, mut velocity) = (self.relative(q), self.relative(v));
-        let [a, b] = self.coordinates.twist;
-        let eccentric = self.eccentric(turning, q);
-        let mut carried = [0.0; 2];
-        if let Some([ea, eb]) = eccentric {
-            let (rate_a, rate_b) = (turning[0].spin + v[a], turning[1].spin + v[b]);
-            position.apart = [position.apart[0] + eb[0] - ea[0], position.apart[1] + eb[1] - ea[1]];
-            velocity.apart[0] += rate_a * ea[1] - rate_b * eb[1];
-            velocity.apart[1] += rate_b * eb[0] - rate_a * ea[0];
-            let (spin_a, spin_b) = (turning[0].spin, turning[1].spin);
-            carried = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
-        }
-        let sigma = if back { -sigma } else { sigma };
-        let line = self.line(geometry, sigma, position.apart)?;
-        let (error, error_rate) = match &self.error {
-            Some(error) if !back => error.at(turning),
-            _ => (0.0, 0.0),
-        };
-        let clearance = if back { self.backlash.unwrap_or(0.0) } else { error };
-        let deflection = sigma * position.rolled + line.deflection - clearance;
-        let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
-
-        let path = || self.path(sigma, back, &line, turning[0].angle, q);
-        let Stored { energy, force: elastic, stiffness, travel, shortening } =
-            self.teeth.stored(path, law.engaged[usize::from(back)], deflection);
-        let force = elastic + self.damping * rate;
-        let [ra, rb] = self.involute.base_radius;
-        let mut push = line.normal.map(|n| force * n);
-        let mut moments = [-force * sigma * ra, -force * sigma * rb];
-        // Power of what is prescribed: the error, and the spin that carries teeth along the path and eccentric gears.
-        let mut drive_power = -force * error_rate + travel * ra * sigma * turning[0].spin;
-        let steeper = self.involute.base_circles() / line.tangent;
-        match self.phase {
-            Phase::Twist => {
-                moments[0] -= travel * ra * sigma;
-                if geometry == Geometry::Live {
-                    for ((push, normal), across) in push.iter_mut().zip(line.normal).zip(line.across) {
-                        *push -= travel * ra * across / line.tangent + shortening * (normal + across * steeper);
-                    }
-                }
-            }
-            Phase::Prescribed if geometry == Geometry::Live => {
-                let (along, across) = (dot(line.normal, velocity.apart), dot(line.across, velocity.apart));
-                drive_power += travel * ra * across / line.tangent + shortening * (along + across * steeper);
-            }
-            Phase::Prescribed => {}
-        }
-        if let Some([ea, eb]) = eccentric {
-            moments[0] += push[0] * ea[1] - push[1] * ea[0];
-            moments[1] += push[1] * eb[0] - push[0] * eb[1];
-            drive_power -= dot(push, carried);
-        }
-        let damping_power = self.damping * rate * rate;
-        Ok(Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power, damping_power })
-    }
-
-    /// Whether the flank of `law` stays pressed and the other one clear, whatever swings as the state shows: about the
-    /// force `carried` at rest by no more than half of it, as force and rate tell of what swings at `swing` or faster,
-    /// and half of the backlash is left.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles.
-    #[expect(clippy::too_many_arguments, reason = "where the mesh is, and what it is measured against")]
-    pub fn is_firm(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        law: &Law,
-        turning: &[Turning; 2],
-        q: &[f64],
-        v: &[f64],
-        (carried, swing): (f64, f64),
-    ) -> Result<bool, Overlap> {
-        let (back, carried) = match law.flank {
-            Flank::Drive => (false, carried),
-            Flank::Back => (true, -carried),
-            Flank::Apart | Flank::Both => return Ok(false),
-        };
-        let pressed = self.flank(geometry, sigma, back, law, turning, q, v)?;
-        let clear = self.flank(geometry, sigma, !back, law, turning, q, v)?;
-        let swung = (pressed.force - carried).hypot(pressed.stiffness * pressed.rate / swing);
-        Ok(swung <= carried / 2.0 && clear.deflection <= -self.backlash.unwrap_or(f64::INFINITY) / 2.0)
-    }
-
-    /// Where the tooth pairs are on the path of contact.
-    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
-        let turned = match self.phase {
-            Phase::Twist => angle + q[self.coordinates.twist[0]],
-            Phase::Prescribed => angle,
-        };
-        let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
-        let centres = self.involute.angle_at_rest() + line.turned;
-        let pitch = self.involute.base_pitch;
-        // What thinner teeth leave for the backlash is a hundredth of the pitch, and not known of either gear alone.
-        let behind = if back { self.involute.base_thickness } else { 0.0 };
-        let [low, high] = self.involute.path(line.tangent);
-        let position = self.involute.position(sigma, turned, centres, pressure_angle) + behind;
-        Path { position, low, high, pitch }
-    }
-
-    /// Where the tooth pairs of a flank are on the path of contact at a state.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles.
-    pub fn engagement(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        back: bool,
-        turning: &[Turning; 2],
-        q: &[f64],
-    ) -> Result<Path, Overlap> {
-        let sigma = if back { -sigma } else { sigma };
-        let line = self.line(geometry, sigma, self.apart(turning, q))?;
-        Ok(self.path(sigma, back, &line, turning[0].angle, q))
-    }
-
-    /// The law that holds at a state: which flank presses, and which pairs are between the tip circles.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles.
-    pub fn law(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        turning: &[Turning; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<Law, Overlap> {
-        let engaged = |back: bool| {
-            if self.teeth.is_sharp() {
-                Ok(self.engagement(geometry, sigma, back, turning, q)?.engaged())
-            } else {
-                Ok((0, 0))
-            }
-        };
-        if self.backlash.is_none() {
-            return Ok(Law { flank: Flank::Drive, engaged: [engaged(false)?, (0, 0)] });
-        }
-        let law = Law { flank: Flank::Both, engaged: [engaged(false)?, engaged(true)?] };
-        let presses = |back: bool| {
-            let contact = self.flank(geometry, sigma, back, &law, turning, q, v)?;
-            Ok(contact.deflection > 0.0 && contact.force > 0.0)
-        };
-        let flank = match (presses(false)?, presses(true)?) {
-            (true, true) => Flank::Both,
-            (true, false) => Flank::Drive,
-            (false, true) => Flank::Back,
-            (false, false) => Flank::Apart,
-        };
-        Ok(Law { flank, ..law })
     }
 
     /// u_b − u_a of the base circles.
@@ -438,26 +293,14 @@ impl Coupling {
         visit(b, sigma * rb);
     }
 
-    /// What a response reports, for displacements `q` and velocities `v` under `law`.
+    /// What a response reports under `law`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn state(
-        &self,
-        geometry: Geometry,
-        sigma: f64,
-        law: &Law,
-        turning: &[Turning; 2],
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<MeshState, Overlap> {
-        let contact = self.contact(geometry, sigma, law, turning, q, v)?;
-        let apart = self.apart(turning, q);
-        let centres = self.involute.centres(apart)?;
-        let back = !law.flank.drives() && law.flank.holds_back();
-        let flank_sigma = if back { -sigma } else { sigma };
-        let line = self.line(geometry, flank_sigma, apart)?;
-        let (first, last) = self.path(flank_sigma, back, &line, turning[0].angle, q).engaged();
+    pub fn state(&self, pose: &Pose<'_>, law: &Law) -> Result<MeshState, Overlap> {
+        let contact = self.contact(pose, law)?;
+        let centres = self.centres(pose.turning, pose.q)?;
+        let (first, last) = self.engagement(pose, !law.flank.drives() && law.flank.holds_back())?.engaged();
         let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
             deflection: contact.deflection,

@@ -52,6 +52,23 @@ pub struct Centres {
     pub contact_ratio: f64,
 }
 
+/// How the centres lie: what the lines of action of both flanks have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lie {
+    /// Unit vector along the line of centres.
+    direction: [f64; 2],
+    /// C, m.
+    distance: f64,
+    /// C sin α, m.
+    tangent: f64,
+    /// γ − ψ, rad.
+    turned: f64,
+    /// α − α₀, rad.
+    steeper: f64,
+    /// S(inv α − inv α₀), m.
+    longer: f64,
+}
+
 /// The deflection and its derivatives over the displacement of the driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineOfAction {
@@ -109,7 +126,8 @@ impl Involute {
 
     /// The line of action of the centres at rest.
     pub fn line_at_rest(&self, sigma: f64) -> LineOfAction {
-        self.line(sigma, 0.0, self.direction, self.distance, self.tangent)
+        let Self { direction, distance, tangent, .. } = *self;
+        self.line(sigma, &Lie { direction, distance, tangent, turned: 0.0, steeper: 0.0, longer: 0.0 })
     }
 
     /// Distance of the centres, and the tangent length with its change from rest.
@@ -132,31 +150,38 @@ impl Involute {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    #[inline(always)]
     pub fn line_of_action(&self, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
-        let (along, across) = self.along_and_across(apart);
-        let (distance, tangent, longer) = self.lengths(apart)?;
-        let turned = across.atan2(self.distance + along);
-        // inv α − inv α₀ = (t − t₀)/S − [atan(t/S) − atan(t₀/S)]
-        let steeper = (self.sum * longer).atan2(self.sum * self.sum + tangent * self.tangent);
-        let [cos, sin] = self.direction;
-        let centres = [self.distance * cos + apart[0], self.distance * sin + apart[1]].map(|c| c / distance);
-        let deflection = -sigma * self.sum * turned - (longer - self.sum * steeper);
-        Ok(LineOfAction { turned, steeper, ..self.line(sigma, deflection, centres, distance, tangent) })
+        Ok(self.line(sigma, &self.lie(apart)?))
     }
 
-    /// The line of action for centres in the direction `centres`, `distance` apart.
+    /// How the centres lie that have moved `apart`.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
     #[inline(always)]
-    fn line(&self, sigma: f64, deflection: f64, centres: [f64; 2], distance: f64, tangent: f64) -> LineOfAction {
-        let [y, z] = centres;
+    pub(super) fn lie(&self, apart: [f64; 2]) -> Result<Lie, Overlap> {
+        let (along, across) = self.along_and_across(apart);
+        let (distance, tangent, stretched) = self.lengths(apart)?;
+        let turned = across.atan2(self.distance + along);
+        // inv α − inv α₀ = (t − t₀)/S − [atan(t/S) − atan(t₀/S)]
+        let steeper = (self.sum * stretched).atan2(self.sum * self.sum + tangent * self.tangent);
+        let [cos, sin] = self.direction;
+        let direction = [self.distance * cos + apart[0], self.distance * sin + apart[1]].map(|c| c / distance);
+        Ok(Lie { direction, distance, tangent, turned, steeper, longer: stretched - self.sum * steeper })
+    }
+
+    /// The line of action of centres that lie so.
+    #[inline(always)]
+    pub(super) fn line(&self, sigma: f64, lie: &Lie) -> LineOfAction {
+        let Lie { direction: [y, z], distance, tangent, turned, steeper, longer } = *lie;
         let (cos_alpha, sin_alpha) = (self.sum / distance, tangent / distance);
         LineOfAction {
-            deflection,
+            deflection: -sigma * self.sum * turned - longer,
             normal: [sin_alpha * y - sigma * cos_alpha * z, sin_alpha * z + sigma * cos_alpha * y],
             across: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
             tangent,
-            turned: 0.0,
-            steeper: 0.0,
+            turned,
+            steeper,
         }
     }
 

@@ -36,7 +36,7 @@ impl Coupling {
             Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
             _ => (sigma, 0.0),
         };
-        let line = self.line(geometry, sigma, relative.apart)?;
+        let line = self.line(sigma, &self.lie(geometry, relative.apart)?, relative.apart);
         let force = self.stiffness * (sigma * relative.rolled + line.deflection - clearance);
         self.gradient(sigma, line.normal, |row, left| {
             self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
@@ -72,7 +72,7 @@ impl Coupling {
             Some(_) => -back.max(0.0),
         };
         let centres = self.involute.centres(relative.apart)?;
-        let line = self.line(geometry, sigma, relative.apart)?;
+        let line = self.line(sigma, &self.lie(geometry, relative.apart)?, relative.apart);
         let (first, last) = self.path(sigma, false, &line, 0.0, q).engaged();
         Ok(MeshState {
             deflection: drive / self.stiffness,

@@ -3,10 +3,11 @@
 mod contact;
 mod coupling;
 mod error;
+mod flank;
 mod involute;
 mod mean;
 pub mod stiffness;
 
 pub use contact::{Contact, Flank, Law, MeshState, Turning};
-pub use coupling::{Coordinates, Coupling, Geometry};
+pub use coupling::{Coordinates, Coupling, Geometry, Pose};
 pub use involute::{Centres, Involute, LineOfAction, Overlap};

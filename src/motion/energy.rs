@@ -52,8 +52,8 @@ impl<'m> Motion<'m> {
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn mesh_energy(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<f64, (usize, Overlap)> {
         let mut sum = 0.0;
-        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
-            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
+        for (index, mesh) in self.model.meshes.iter().enumerate() {
+            let contact = mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index]);
             sum += contact.map_err(|overlap| (index, overlap))?.energy;
         }
         Ok(sum)
@@ -101,8 +101,8 @@ impl<'m> Motion<'m> {
             }
         }
         let mut teeth = 0.0;
-        for (index, (mesh, sigma)) in model.meshes.iter().zip(&self.sigma).enumerate() {
-            let contact = mesh.contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v);
+        for (index, mesh) in model.meshes.iter().enumerate() {
+            let contact = mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index]);
             let contact = contact.map_err(|overlap| (index, overlap))?;
             teeth += contact.drive_power;
             damping += contact.damping_power;
@@ -131,7 +131,7 @@ impl<'m> Motion<'m> {
     /// [`Overlap`] of the base circles.
     pub fn mesh_state(&self, mesh: usize, elapsed: f64, q: &[f64], v: &[f64]) -> Result<MeshState, Overlap> {
         let turning = self.turning(mesh, elapsed);
-        self.model.meshes[mesh].state(self.geometry, self.sigma[mesh], &self.laws[mesh], &turning, q, v)
+        self.model.meshes[mesh].state(&self.pose(mesh, &turning, q, v), &self.laws[mesh])
     }
 
     /// The model that moves.

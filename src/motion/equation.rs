@@ -12,10 +12,9 @@ use num_complex::Complex64;
 
 use super::course::{Changing, Course};
 use crate::integrate::{Halt, System};
-use crate::mesh::{Coupling, Geometry, Law, Turning};
+use crate::mesh::{Coupling, Geometry, Law, Pose, Turning};
 use crate::modal::Basis;
 use crate::model::{Model, ShaftModel};
-use crate::scene;
 
 /// A force on a coordinate pair that turns with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -168,16 +167,19 @@ impl<'m> Motion<'m> {
 
     /// The fastest that teeth swing on their stiffness, the gears being all that moves, rad/s.
     pub fn fastest_swing(&self) -> f64 {
+        let square = |(mesh, coupling): (usize, &Coupling)| coupling.stiffest * self.mobility(mesh);
+        self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
+    }
+
+    /// What a force of one newton between the teeth of a mesh accelerates them by, the gears being all that moves, 1/kg.
+    pub fn mobility(&self, mesh: usize) -> f64 {
         let scene = &self.model.scene;
-        let square = |(mesh, pair): (&Coupling, &scene::Mesh)| {
-            let bending = if mesh.coordinates.translation.is_some() { 1.0 } else { 0.0 };
-            let mobility = |gear: usize| {
-                let gear = &scene.gears[gear];
-                gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
-            };
-            mesh.stiffest * (mobility(pair.driver) + mobility(pair.driven))
+        let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
+        let mobility = |gear: usize| {
+            let gear = &scene.gears[gear];
+            gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
         };
-        self.model.meshes.iter().zip(&scene.meshes).map(square).fold(0.0, f64::max).sqrt()
+        mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
     }
 
     /// Whether the flanks of a mesh may part.
@@ -208,6 +210,12 @@ impl<'m> Motion<'m> {
             let (turned, spin) = self.turned(shaft, elapsed);
             Turning { angle: self.angles[shaft] + turned, spin }
         })
+    }
+
+    /// How a mesh stands.
+    #[inline(always)]
+    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
+        Pose { geometry: self.geometry, sigma: self.sigma[mesh], turning, q, v }
     }
 
     /// The forces that turn with shafts whose speed changes.
@@ -242,9 +250,9 @@ impl<'m> Motion<'m> {
                 force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
             }
         }
-        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+        for (index, mesh) in self.model.meshes.iter().enumerate() {
             let contact = mesh
-                .contact(self.geometry, *sigma, &self.laws[index], &self.turning(index, elapsed), q, v)
+                .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index])
                 .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
             mesh.apply(&contact, force);
         }
@@ -317,9 +325,9 @@ impl System for Motion<'_> {
     fn laws_at(&mut self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
         let (q, v) = y.split_at(self.model.len());
         laws.clear();
-        for (index, (mesh, sigma)) in self.model.meshes.iter().zip(&self.sigma).enumerate() {
+        for (index, mesh) in self.model.meshes.iter().enumerate() {
             let law = if mesh.switches() {
-                mesh.law(self.geometry, *sigma, &self.turning(index, elapsed), q, v)
+                mesh.law(&self.pose(index, &self.turning(index, elapsed), q, v))
                     .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?
             } else {
                 Law::ALWAYS

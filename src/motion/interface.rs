@@ -9,7 +9,7 @@ use nalgebra::DVector;
 
 use super::Motion;
 use crate::integrate::Halt;
-use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap};
+use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap, Pose, Turning};
 use crate::scene::Phase;
 
 /// Through which scalars a mesh sees the motion.
@@ -21,6 +21,15 @@ enum Scalars {
     Plane,
     /// u_b − u_a over (y, z), θ_a and θ_b.
     Each,
+}
+
+/// How long the flanks of a mesh stay as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// So long at least, s, whatever swings as the contact shows.
+    pub time: f64,
+    /// How fast the teeth swing if that is not for ever, the gears being all that moves, rad/s.
+    pub swing: f64,
 }
 
 /// The most scalars that a mesh has.
@@ -44,6 +53,8 @@ pub struct Interface {
     /// The force there, below zero on the back flank, N, and how fast its teeth swing, rad/s.
     carried: f64,
     swing: f64,
+    /// Of its gears, along the line of action, 1/kg.
+    mobility: f64,
     /// ∂δ/∂(scalars) along the line of action at rest.
     gradient: [f64; MOST],
 }
@@ -84,6 +95,7 @@ impl Interface {
             held: [0.0; MOST],
             carried: 0.0,
             swing: motion.fastest_swing(),
+            mobility: motion.mobility(mesh),
             gradient,
         };
         for (at, row) in interface.at.iter_mut().zip(Self::rows_of(global, scalars, sigma)) {
@@ -180,16 +192,23 @@ impl Interface {
     }
 
     /// The load at deviations `u` of the scalars and their `rates` (empty where they do not matter), under the law that
-    /// holds; returns its slope along δ.
+    /// holds; returns the contact.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
     #[inline(always)]
-    pub fn load(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<f64, Halt> {
+    pub fn load(
+        &self,
+        motion: &Motion,
+        elapsed: f64,
+        u: &[f64],
+        rates: &[f64],
+        load: &mut [f64],
+    ) -> Result<Contact, Halt> {
         let (q, v) = self.place(u, rates);
-        let law = &motion.laws[self.mesh];
         let turning = motion.turning(self.mesh, elapsed);
-        let contact = self.coupling.contact(self.geometry, self.sigma, law, &turning, &q, &v);
+        let law = &motion.laws[self.mesh];
+        let contact = self.coupling.contact(&self.pose(&turning, &q, &v), law);
         let contact = contact.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?;
         let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
         let linear = self.coupling.stiffness * along(u) + self.coupling.damping * along(rates);
@@ -197,39 +216,70 @@ impl Interface {
         for (k, load) in load.iter_mut().enumerate() {
             *load = (forces[k] - self.held[k]) + linear * self.gradient[k];
         }
-        Ok(self.coupling.stiffness - contact.stiffness)
+        Ok(contact)
     }
 
-    /// Whether flanks that may part stay pressed at deviations `u` and their `rates`, whatever swings.
-    ///
-    /// # Errors
-    /// [`Halt`] where base circles overlap.
-    pub fn is_firm(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64]) -> Result<bool, Halt> {
-        if self.coupling.backlash.is_none() {
-            return Ok(true);
+    /// Slope of the load along δ in a contact, N/m.
+    #[inline(always)]
+    pub fn slope(&self, contact: &Contact) -> f64 {
+        self.coupling.stiffness - contact.stiffness
+    }
+
+    /// How long the flanks stay as they are in a contact under the law that holds.
+    pub fn hold(&self, motion: &Motion, contact: &Contact) -> Hold {
+        let flank = motion.laws[self.mesh].flank;
+        if self.coupling.backlash.is_none() || self.is_firm(flank, contact) {
+            return Hold { time: f64::INFINITY, swing: 0.0 };
         }
+        let swing = (contact.stiffness * self.mobility).sqrt();
+        let (pressed, clear) = match flank {
+            Flank::Drive => (contact.force, -contact.behind),
+            Flank::Back => (-contact.force, -contact.deflection),
+            Flank::Apart | Flank::Both => (0.0, 0.0),
+        };
         // Without rates there is no telling what swings.
-        if rates.is_empty() {
-            return Ok(false);
+        if !self.has_rates() || pressed <= 0.0 || clear <= 0.0 {
+            return Hold { time: 0.0, swing };
         }
-        let (q, v) = self.place(u, rates);
-        let turning = motion.turning(self.mesh, elapsed);
-        let law = &motion.laws[self.mesh];
-        let measure = (self.carried, self.swing);
-        let firm = self.coupling.is_firm(self.geometry, self.sigma, law, &turning, &q, &v, measure);
-        firm.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
+        // What is left of x after t is at least x − |ẋ|t − aω²t²/2, a the amplitude.
+        let rate = contact.rate.abs();
+        let amplitude = ((contact.force - self.carried) / contact.stiffness).hypot(rate / swing);
+        let time = |left: f64| 2.0 * left / (rate + (rate * rate + 2.0 * amplitude * swing * swing * left).sqrt());
+        Hold { time: time(pressed / contact.stiffness).min(time(clear)), swing }
     }
 
-    /// The law that holds at deviations `u` and their `rates`.
+    /// Whether the flank that presses in a contact stays pressed and the other one clear, whatever swings as the contact
+    /// shows: about the force at rest by no more than half of it, as force and rate tell of what swings on the teeth or
+    /// faster, and half of the backlash is left.
+    fn is_firm(&self, flank: Flank, contact: &Contact) -> bool {
+        let (carried, clear) = match flank {
+            Flank::Drive => (self.carried, contact.behind),
+            Flank::Back => (-self.carried, contact.deflection),
+            Flank::Apart | Flank::Both => return false,
+        };
+        // In parts of the force at rest, so that no square overflows.
+        let part = |force: f64| force / carried;
+        let swung =
+            part(contact.force - self.carried).powi(2) + part(contact.stiffness * contact.rate / self.swing).powi(2);
+        self.has_rates()
+            && carried > 0.0
+            && swung <= 0.25
+            && clear <= -self.coupling.backlash.unwrap_or(f64::INFINITY) / 2.0
+    }
+
+    /// The law that holds at deviations `u` and their `rates`; flanks that are `settled` stay as they are.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn law(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64]) -> Result<Law, Halt> {
+    pub fn law(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64], settled: bool) -> Result<Law, Halt> {
         if !self.coupling.switches() {
             return Ok(Law::ALWAYS);
         }
+        if settled && !self.coupling.teeth.is_sharp() {
+            return Ok(motion.laws[self.mesh]);
+        }
         let (q, v) = self.place(u, rates);
-        let law = self.coupling.law(self.geometry, self.sigma, &motion.turning(self.mesh, elapsed), &q, &v);
+        let law = self.coupling.law(&self.pose(&motion.turning(self.mesh, elapsed), &q, &v));
         law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
@@ -242,17 +292,22 @@ impl Interface {
         if !self.coupling.teeth.is_sharp() {
             return Ok(());
         }
-        let (q, _) = self.place(u, &[]);
+        let (q, v) = self.place(u, &[]);
         let turning = motion.turning(self.mesh, elapsed);
         for back in [false, true] {
             if !back || self.coupling.backlash.is_some() {
-                let path = self.coupling.engagement(self.geometry, self.sigma, back, &turning, &q);
+                let path = self.coupling.engagement(&self.pose(&turning, &q, &v), back);
                 let [low, high] = path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends();
                 let (first, last) = motion.laws[self.mesh].engaged[usize::from(back)];
                 ends.extend([(low, first), (high, last)]);
             }
         }
         Ok(())
+    }
+
+    #[inline(always)]
+    fn pose<'a>(&self, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
+        Pose { geometry: self.geometry, sigma: self.sigma, turning, q, v }
     }
 
     #[inline(always)]

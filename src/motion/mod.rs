@@ -10,6 +10,6 @@ mod speed;
 pub use course::{Anchor, Course};
 pub use energy::{Energies, SOURCES};
 pub use equation::Motion;
-pub use interface::Interface;
+pub use interface::{Hold, Interface};
 pub use phase::{Twofold, phase};
 pub use speed::{Profile, Speed};

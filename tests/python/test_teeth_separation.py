@@ -243,3 +243,26 @@ def test_a_backlash_that_is_not_used_costs_no_steps(geometry: str, torque: float
     assert not may_part.events
     # steps that watch for flanks that part would be half as long
     assert may_part.statistics.steps == never.statistics.steps
+
+
+@pytest.mark.parametrize("amplitude", [1.02, 1.05, 1.2])
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+@pytest.mark.parametrize("setting", [{"step": 0.45}, {"rtol": 1e-1}, {"rtol": 1e-3}])
+def test_long_steps_see_short_partings(amplitude: float, damping: float, setting: dict[str, float]):
+    """Flanks that are apart for a part of ten of the swing, or a quarter, under steps of up to half of it."""
+    omega = np.sqrt(K / SCENE.effective_mass)
+    system = replace(SCENE, mesh={**SCENE.mesh, "damping_ratio": damping}).package()
+    period = 2 * np.pi / omega
+    options: dict[str, Any] = dict(setting)
+    if "step" in options:
+        options["step"] *= period
+
+    def events(**options: Any) -> list[str]:
+        state = at_deflection(system, STATIC * (1 + amplitude), **options)
+        # damping takes what lifts the flanks off after some swings, so the last of them graze
+        run = system.simulate(3.3 * period, 0.0, initial=state, times=[3.3 * period], **options)
+        return [event.kind for event in run.events]
+
+    exact = events(method="rk45", rtol=1e-10)
+    assert len(exact) >= (2 if damping else 6)
+    assert events(**options) == exact

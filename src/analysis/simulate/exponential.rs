@@ -1,5 +1,7 @@
 //! Runs of the exponential method: its clock and its tables.
 
+use std::f64::consts::TAU;
+
 use super::super::AnalysisError;
 use super::Options;
 use super::coordinates::{Coordinates, enter, leave};
@@ -27,9 +29,10 @@ const EXACT: f64 = 1e-12;
 const FURTHER: usize = 12;
 /// Samples in the shortest period among shafts and teeth.
 const SAMPLES: f64 = 20.0;
-/// Looks at the law, at the nodes and at the end of each step, in a period of teeth that swing on their stiffness alone:
-/// none may part and meet again unseen.
-const LOOKS_A_BOUNCE: f64 = 16.0;
+/// Looks at the law in a period of teeth that swing on their stiffness alone: none may part and meet again unseen.
+const LOOKS_A_SWING: f64 = 16.0;
+/// Steps of ETDRK4 in such a period, unless a step is asked for.
+const STEPS_A_SWING: f64 = 40.0;
 /// Steps of ETDRK4 are this part of the longest, unless one is asked for.
 const EXPLICIT: f64 = 0.1;
 /// Ticks are counted in 64 bits; one is left for the last step.
@@ -76,10 +79,7 @@ pub(super) fn run(
 
 /// The clock of a run: the step that was asked for, or a round number that resolves what is prescribed.
 fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -> Result<Clock, AnalysisError> {
-    // Where flanks may part; fixed steps cannot be shorter there alone.
-    let looks = options.stages.unwrap_or(STAGES) as f64 + 1.0;
-    let bounce = if field.motion.parts() { field.motion.fastest_swing() * LOOKS_A_BOUNCE / looks } else { 0.0 };
-    let fixed = options.step.is_some() || options.is_explicit();
+    let swing = field.motion.fastest_swing();
     let longest = match options.step {
         Some(step) => step,
         None => {
@@ -90,10 +90,14 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
             let turning = model.fastest_turn() * speed * resonant;
             let travelling = model.fastest_teeth_of(Coupling::travels) * speed;
             let engaging = model.fastest_teeth_of(Coupling::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
-            let parting = if fixed { bounce / STEPS_A_CYCLE } else { 0.0 };
-            let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0)).max(parting);
-            let part = if options.is_explicit() { EXPLICIT } else { 1.0 };
-            let most = part * 2.0 * std::f64::consts::PI / (STEPS_A_CYCLE * fastest);
+            let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
+            let mut most = TAU / (STEPS_A_CYCLE * fastest);
+            if options.is_explicit() {
+                most *= EXPLICIT;
+                if field.motion.parts() {
+                    most = most.min(TAU / (STEPS_A_SWING * swing));
+                }
+            }
             // Halved so many times, it is what responses are recorded at unless they are asked for otherwise.
             let sample = sample_step(model, speed);
             if sample.is_finite() {
@@ -103,21 +107,19 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
             }
         }
     };
-    let halved = (longest * bounce / (2.0 * std::f64::consts::PI)).log2().ceil().max(0.0) as usize;
-    let parting = if fixed { 0 } else { halved };
     let [least, most] = EVENT;
     // What an event leaves of its jump over the rest τ of a short step is some (ω τ)³/20 of it, ω that of the teeth.
     let tolerance = if options.step.is_some() { EXACT } else { options.rtol };
-    let swing = field.motion.fastest_swing() / (2.0 * tolerance).cbrt();
-    let event = (longest * (linear.radius / TICK).max(swing)).log2().ceil().clamp(least, most) as usize;
+    let fine = swing / (2.0 * tolerance).cbrt();
+    let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
     let further = if matches!(linear.form, Form::Dense(_)) { HELD_BACK } else { FURTHER };
-    Ok(Clock { longest, finest: event.max(parting) + further, event, parting })
+    Ok(Clock { longest, finest: event + further, event, look: TAU / (LOOKS_A_SWING * swing) })
 }
 
 /// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.
 pub fn sample_step(model: &Model, speed: f64) -> f64 {
     let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
-    round_below(2.0 * std::f64::consts::PI / (fastest * SAMPLES))
+    round_below(TAU / (fastest * SAMPLES))
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `value`: steps then meet the times that people ask
