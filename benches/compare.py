@@ -30,7 +30,6 @@ import numpy as np
 from programs.methods import CHECK, METHODS, REFERENCE, Method, Prepare, Run, TooSlow, offered
 from programs.scenes import SCENES, Array, Scene
 
-ERROR = 1e-3  # what every method must meet
 ROUNDS = 5
 PATIENCE = 25.0  # CPU time of a run, s
 SLOW = 5.0  # CPU time of a run that is not timed again, s
@@ -97,7 +96,7 @@ def search(scene: Scene, method: Method, exact: Array, *, quick: bool) -> dict[s
         error = error_of(found, exact[:, :: every(scene, setting)])
         if row["error"] is None or error < row["error"]:
             row |= {"setting": setting, "error": error, "cost": spent / duration}
-        if error <= ERROR or 2.0 * spent > patience:
+        if error <= scene.error or 2.0 * spent > patience:
             return row
     return row
 
@@ -149,10 +148,14 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
     """Print the table of a scene."""
     scene = SCENES[name]
     apart("reference", name, folder, quick=quick)
-    check = apart("check", name, folder, quick=quick)["error"]
+    within = ""
+    if not scene.own:
+        check = apart("check", name, folder, quick=quick)["error"]
+        within = f" (the reference is within {check:.0e} of SciPy's)"
     rows = []
     for method in methods:
-        if scene.ross or not method.ross:
+        offers = (scene.ross or not method.ross) and method.only in {"", name}
+        if offers and (not scene.own or method.program == "gearbow"):
             rows.append((method, apart(method.title, name, folder, quick=quick)))
     again = [
         (method, row)
@@ -173,16 +176,16 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
     met = {
         method.title: row["cost"]
         for method, row in again
-        if method.program == "gearbow" and row["error"] <= ERROR
+        if method.program == "gearbow" and row["error"] <= scene.error
     }
     cheapest = min(met, key=met.__getitem__) if met else None
-    print(f"\n{scene.title}: error {ERROR:g} (the reference is within {check:.0e} of SciPy's)\n")
+    print(f"\n{scene.title}: error {scene.error:g}{within}\n")
     print("| program | method | setting | error | CPU s per s | ratio | start [s] | over [s] |")
     print("|---|---|---|---|---|---|---|---|")
     for method, row in rows:
         setting = ", ".join(f"{key} {value:g}" for key, value in row["setting"].items())
         error = "out of time" if row["error"] is None else f"{row['error']:.1e}"
-        sign = "≥ " if row["error"] is None or row["error"] > ERROR else ""
+        sign = "≥ " if row["error"] is None or row["error"] > scene.error else ""
         start = "" if row["start"] is None else f"{row['start']:.2g}"
         ratio = ""
         if cheapest:

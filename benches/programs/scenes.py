@@ -31,6 +31,8 @@ class Scene:
     stretch: float = 0.01  # of it for what takes minutes, s
     sample: float = 1e-4  # between the instants at which motions are compared, s
     ross: bool = False  # whether ROSS has such a scene
+    error: float = 1e-3  # what every method must meet
+    own: bool = False  # whether it is gearbow's methods alone that are compared
 
     def shortened(self) -> "Scene":
         """Give the scene with a tenth of the time, for a look."""
@@ -67,6 +69,7 @@ def geared(
     damping_ratio: float,
     *,
     seats: bool = False,
+    backlash: float | None = None,
 ) -> gb.RotorSystem:
     """Describe shafts with gears at the ends of elements, in torque balance."""
     names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
@@ -76,7 +79,10 @@ def geared(
             gb.Gear(gear, on, cut * ELEMENT, teeth, module=3e-3, face_width=0.03)
             for gear, (on, cut, teeth) in where.items()
         ],
-        meshes=[gb.Mesh(*pair, stiffness=stiffness, damping_ratio=damping_ratio) for pair in pairs],
+        meshes=[
+            gb.Mesh(*pair, stiffness=stiffness, damping_ratio=damping_ratio, backlash=backlash)
+            for pair in pairs
+        ],
         bearings=bearings(*names),
         torques=[gb.Torque(pairs[0][0], TORQUE), gb.Torque.balance(pairs[-1][1])],
     )
@@ -91,6 +97,7 @@ TRAIN = {
 }
 STAGES = (("g1", "g2"), ("g3", "g4"))
 SQUARE = gb.Stiffness.square(pair=2e8, engagement="sharp")
+SMOOTH = gb.Stiffness.square(pair=2e8, engagement=0.2)
 MEAN = gb.Stiffness.constant(3.4e8)
 
 
@@ -131,5 +138,14 @@ SCENES = {
         functools.partial(geared, TRAIN, STAGES, MEAN, 0.05),
         places(TRAIN),
         geometry="live",
+    ),
+    "parting": Scene(
+        "The train, square mesh stiffness, smooth engagement, backlash, live geometry, n = 240",
+        functools.partial(geared, TRAIN, STAGES, SMOOTH, 0.05, backlash=1e-4),
+        places(TRAIN),
+        geometry="live",
+        duration=0.1,
+        error=5e-5,
+        own=True,
     ),
 }
