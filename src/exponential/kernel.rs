@@ -7,6 +7,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::modal::LANES;
 
+/// The most terms of a series over less than the shortest step that events use, in which no mode turns by a radian.
+pub const TERMS: usize = 16;
 /// Half the lanes: two registers of AVX2.
 const WIDTH: usize = LANES / 2;
 
@@ -104,6 +106,70 @@ impl WithSimd for Advance<'_> {
             }
             *out_x = first;
             *out_y = second;
+        }
+    }
+}
+
+/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k], with the derivatives of the loads order
+/// after order, as many of them as are not zero.
+pub fn drift(
+    arch: Arch,
+    blocks: &[Vec<f64>; 4],
+    columns: &[f64],
+    derivatives: &[f64],
+    rest: f64,
+    terms: usize,
+    z: &mut [f64],
+) {
+    arch.dispatch(Drift { blocks, columns, derivatives, rest, terms, z });
+}
+
+struct Drift<'a> {
+    blocks: &'a [Vec<f64>; 4],
+    columns: &'a [f64],
+    derivatives: &'a [f64],
+    rest: f64,
+    terms: usize,
+    z: &'a mut [f64],
+}
+
+impl WithSimd for Drift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let len = self.z.len();
+        let loads = self.columns.len() / len.max(1);
+        let [a, b, c, d] = self.blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let (x, y) = self.z.split_at_mut(len / 2);
+        let (x, y) = (x.as_chunks_mut::<WIDTH>().0, y.as_chunks_mut::<WIDTH>().0);
+        let columns = self.columns.as_chunks::<WIDTH>().0;
+        let half = x.len();
+        let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
+        for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
+            let (mut first, mut second) = (*x, *y);
+            let mut derivatives = self.derivatives.chunks_exact(loads.max(1));
+            let mut factor = 1.0;
+            for by in &parts[..self.terms] {
+                factor *= by;
+                let (mut by_x, mut by_y) = ([0.0; WIDTH], [0.0; WIDTH]);
+                if let Some(derivative) = derivatives.next() {
+                    for (p, column) in derivative.iter().zip(columns.chunks_exact(2 * half)) {
+                        for lane in 0..WIDTH {
+                            by_x[lane] += column[i][lane] * p;
+                            by_y[lane] += column[half + i][lane] * p;
+                        }
+                    }
+                }
+                let (before, beside) = (first, second);
+                for lane in 0..WIDTH {
+                    let (u, v) = (before[lane], beside[lane]);
+                    first[lane] = by * (a[i][lane] * u + b[i][lane] * v) + factor * by_x[lane];
+                    second[lane] = by * (c[i][lane] * u + d[i][lane] * v) + factor * by_y[lane];
+                    x[lane] += first[lane];
+                    y[lane] += second[lane];
+                }
+            }
         }
     }
 }

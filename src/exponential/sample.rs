@@ -1,10 +1,9 @@
 //! The motion within a step: the loads are known as a polynomial, so it is made of shorter steps of the table.
 
+use super::kernel::{self, TERMS};
 use super::step::Stepper;
+use crate::modal::Form;
 
-/// Terms of the series over less than the shortest step that events use, in which no mode
-/// turns by more than a radian.
-const TERMS: usize = 16;
 /// Less than this part of the shortest step that events use is nothing.
 const NOTHING: f64 = 1e-9;
 
@@ -134,18 +133,25 @@ impl Sample {
 
     /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
     fn drift(&mut self, stepper: &Stepper<'_>, rest: f64) {
+        let turned = (stepper.linear.radius * rest).abs();
+        // Up to terms that no mode can tell from nothing.
+        let (mut terms, mut size) = (0, 1.0);
+        while terms < TERMS && size >= f64::EPSILON / 8.0 {
+            terms += 1;
+            size *= turned / terms as f64;
+        }
+        if let Form::Pairs(_) = &stepper.linear.form {
+            let (blocks, columns) = (&stepper.linear.blocks, &stepper.bare_columns);
+            kernel::drift(stepper.arch, blocks, columns, &self.derivatives, rest, terms, &mut self.between);
+            return;
+        }
         let loads = stepper.field.loads().max(1);
         self.term.copy_from_slice(&self.between);
-        let (mut factor, mut size) = (1.0, 1.0);
-        for order in 0..TERMS {
-            // Terms that no mode can tell from nothing.
-            if size < f64::EPSILON / 8.0 {
-                break;
-            }
-            size *= (stepper.linear.radius * rest).abs() / (order + 1) as f64;
+        let mut factor = 1.0;
+        for order in 0..terms {
             let by = rest / (order + 1) as f64;
             factor *= by;
-            stepper.rate(&self.term, &mut self.other);
+            stepper.linear.multiply(&self.term, &mut self.other);
             for (term, rate) in self.term.iter_mut().zip(&self.other) {
                 *term = by * rate;
             }

@@ -11,7 +11,7 @@ use super::table::{Ports, Table};
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
-use crate::modal::{Form, Linear};
+use crate::modal::Linear;
 
 /// The method with all that a step needs.
 #[derive(Clone, Debug)]
@@ -27,6 +27,8 @@ pub struct Stepper<'m> {
     /// How many steps were tried.
     pub(super) steps: u64,
     bare_rows: Vec<f64>,
+    /// Columns b, one after the other.
+    pub(super) bare_columns: Vec<f64>,
     /// Columns Aᵐ b, for loads that jump.
     pub(super) powers: Powers,
     /// Accelerations of the scalars under each load.
@@ -73,6 +75,7 @@ impl<'m> Stepper<'m> {
             arch: Arch::new(),
             steps: 0,
             bare_rows: ports.rows.concat(),
+            bare_columns: ports.columns.concat(),
             powers: Powers::new(linear, &ports),
             mobility: mobility(linear, &ports, field.mesh_loads()),
             loads: vec![0.0; stages * loads],
@@ -110,14 +113,6 @@ impl<'m> Stepper<'m> {
         let mut square = [0.0];
         kernel::scalars(self.arch, z, z, &mut square);
         (square[0] + self.field.synchronous_size.powi(2)).sqrt()
-    }
-
-    /// `out = A z`.
-    pub(super) fn rate(&self, z: &[f64], out: &mut [f64]) {
-        match &self.linear.form {
-            Form::Pairs(_) => kernel::advance(self.arch, &self.linear.blocks, &[], &[], z, out),
-            Form::Dense(_) => self.linear.multiply(z, out),
-        }
     }
 
     /// By how much the polynomial of scalars and rates is off at a part of the last step, where the state is `z`; `point`
