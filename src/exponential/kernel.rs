@@ -110,8 +110,8 @@ impl WithSimd for Advance<'_> {
     }
 }
 
-/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k], with the derivatives of the loads order
-/// after order, as many of them as are not zero.
+/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, where `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`; `derivatives` are those of
+/// the loads p, order after order, as many of them as are not zero.
 pub fn drift(
     arch: Arch,
     blocks: &[Vec<f64>; 4],
