@@ -30,28 +30,19 @@ impl Newton {
 
     /// Takes slopes times the `response` of their scalar to all loads off the rows from `row` on; the first `meshes` of
     /// every `loads` loads are unknown.
-    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Iterator<Item = f64> + Clone) {
+    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
         for k in 0..meshes {
-            self.add_row(row + k, self.slopes[k], meshes, loads, response.clone());
+            self.add_row(row + k, self.slopes[k], meshes, loads, &response);
         }
     }
 
     /// Takes `slope` times a response off one row.
-    pub fn add_row(
-        &mut self,
-        row: usize,
-        slope: f64,
-        meshes: usize,
-        loads: usize,
-        mut response: impl Iterator<Item = f64>,
-    ) {
+    pub fn add_row(&mut self, row: usize, slope: f64, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
         if slope != 0.0 {
             let line = &mut self.matrix[row * self.size..(row + 1) * self.size];
-            for unknowns in line.chunks_exact_mut(meshes) {
-                for (k, response) in response.by_ref().take(loads).enumerate() {
-                    if let Some(entry) = unknowns.get_mut(k) {
-                        *entry -= slope * response;
-                    }
+            for (node, unknowns) in line.chunks_exact_mut(meshes).enumerate() {
+                for (k, entry) in unknowns.iter_mut().enumerate() {
+                    *entry -= slope * response(node * loads + k);
                 }
             }
         }

@@ -53,7 +53,7 @@ impl Stepper<'_> {
         for i in 0..stages {
             for row in i * seen..(i + 1) * seen {
                 let response = self.table.levels[level].response_of(row, self.nodes.len());
-                let before = response.zip(&self.loads[..i * loads]).map(|(h, p)| h * p);
+                let before = self.loads[..i * loads].iter().enumerate().map(|(column, p)| response(column) * p);
                 self.nodes[row] = self.free[row] + before.sum::<f64>();
             }
             self.evaluate(level, elapsed, i)?;
@@ -73,17 +73,18 @@ impl Stepper<'_> {
         let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
         self.nodes.copy_from_slice(&self.free);
         self.sweep(level, elapsed, statistics)?;
-        let (table, rows) = (&self.table.levels[level], self.nodes.len());
+        let (table, rows, stages) = (&self.table.levels[level], self.nodes.len(), self.table.rule.stages());
         self.loads.copy_from_slice(&self.trial);
         self.newton.begin();
         for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
             for (k, own) in trial[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
                 let slope = self.field.slope(k, &self.contacts[row]);
-                self.newton.add_row(row, slope, meshes, loads, table.response_of(row, rows));
+                let response = table.response_of(row, rows);
+                self.newton.add_row(row, slope, meshes, loads, &response);
                 // What is prescribed acts through the slope too.
-                let all = table.response_of(row, rows).zip(&self.trial).enumerate();
-                let others = all.filter(|(column, _)| column % loads >= meshes).map(|(_, (h, p))| h * p);
+                let prescribed = (0..stages).flat_map(|node| node * loads + meshes..(node + 1) * loads);
+                let others = prescribed.map(|column| response(column) * self.trial[column]);
                 self.newton.right[row] = own + slope * others.sum::<f64>();
             }
         }

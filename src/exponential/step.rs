@@ -62,6 +62,8 @@ pub struct Stepper<'m> {
     /// Room for those elsewhere.
     pub(super) contacts_elsewhere: Vec<Contact>,
     affine: bool,
+    /// Whether the flanks of a mesh may part.
+    parts: bool,
     pub(super) newton: Newton,
     /// By how much an iteration of the loads shrinks what is missing, as far as that is known.
     pub(super) contraction: f64,
@@ -100,6 +102,7 @@ impl<'m> Stepper<'m> {
             contacts_at_end: vec![Contact::default(); field.meshes()],
             contacts_elsewhere: vec![Contact::default(); field.meshes()],
             affine: field.is_affine(),
+            parts: field.motion.parts(),
             field,
             linear,
             ports,
@@ -156,14 +159,21 @@ impl<'m> Stepper<'m> {
 
     /// How fast teeth swing at the beginning of a step whose flanks may part, rad/s.
     pub(super) fn swing_at_begin(&self) -> f64 {
-        self.field.holds(&self.contacts_at_begin).map(|hold| hold.swing).fold(0.0, f64::max)
+        if self.parts {
+            self.field.holds(&self.contacts_at_begin).map(|hold| hold.swing).fold(0.0, f64::max)
+        } else {
+            0.0
+        }
     }
 
-    /// How fast they swing at its nodes and its end, and for each mesh whether its flanks stay as they are: from one
-    /// node to the next.
+    /// How fast they swing at its nodes and its end, and for each mesh whether its flanks stay as they are, from one node
+    /// to the next; nothing where no flanks part.
     pub(super) fn settle(&self, level: usize, settled: &mut Vec<bool>) -> f64 {
-        let gap = self.table.rule.gap() * self.table.levels[level].step;
         settled.clear();
+        if !self.parts {
+            return 0.0;
+        }
+        let gap = self.table.rule.gap() * self.table.levels[level].step;
         settled.resize(self.field.meshes(), true);
         let mut swing: f64 = 0.0;
         for contacts in self.contacts.chunks_exact(settled.len().max(1)).chain([&self.contacts_at_end[..]]) {

@@ -138,9 +138,9 @@ impl Level {
         kernel::accumulate(arch, &self.response, p, u);
     }
 
-    /// Row (node, scalar) of H: what the loads at all nodes, in their order, add to it.
-    pub fn response_of(&self, row: usize, rows: usize) -> impl Iterator<Item = f64> + Clone + '_ {
-        self.response.iter().skip(row).step_by(rows).copied()
+    /// Row (node, scalar) of the `rows` of H: what a load of one at a column (node, load) adds to it.
+    pub fn response_of(&self, row: usize, rows: usize) -> impl Fn(usize) -> f64 + '_ {
+        move |column| self.response[column * rows + row]
     }
 
     /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
