@@ -218,8 +218,8 @@ fn exponential(
     let clock = Clock { longest, finest: event + 12, event, look: f64::INFINITY };
     let selection = Selection { displacements: vec![3], velocities: vec![3] };
     let mut output = Output::new(&field, &linear, selection);
-    let table = Table::new(&linear, rule.clone(), &ports, longest, event, field.spins());
-    let mut stepper = Stepper::new(field, &linear, ports, table, event);
+    let table = Table::new(&linear, rule.clone(), ports, clock, field.spins());
+    let mut stepper = Stepper::new(field, table);
     let control = if adaptive {
         exponential::Control::Adaptive { rtol: 1e-6, floor: 1e-12 }
     } else {
@@ -234,7 +234,7 @@ fn exponential(
         let mut onlooker = Onlooker { end, next: state.elapsed, seen: 0.0 };
         let info = measure(|| {
             let method = (&mut stepper, &mut output);
-            exponential::run(method, (&clock, &control), &mut state, end, &mut onlooker, &mut statistics).unwrap();
+            exponential::run(method, control, &mut state, end, &mut onlooker, &mut statistics).unwrap();
         });
         (info, statistics)
     };

@@ -31,7 +31,7 @@ impl Driver {
         level: usize,
         state: &State,
     ) -> Result<Option<Change>, Halt> {
-        let step = stepper.table.levels[level].step;
+        let step = stepper.table.clock.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;
         let looks = if self.settled.contains(&false) { (step / self.clock.look).ceil().max(1.0) } else { 1.0 };
@@ -78,8 +78,8 @@ impl Driver {
         self.off.fill(0.0);
         self.found.clone_from(&self.after);
         // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = self.ticks(level.max(self.clock.event));
-        let units = self.ticks(level) / unit;
+        let unit = self.clock.ticks(level.max(self.clock.event));
+        let units = self.clock.ticks(level) / unit;
         let whole = ((change * units as f64).floor() as u64).min(units);
         Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
     }
@@ -189,9 +189,8 @@ impl Driver {
         change: Change,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let tick = self.clock.tick();
-        let within = change.ticks as f64 * tick;
-        let step = stepper.table.levels[level].step;
+        let within = change.ticks as f64 * self.clock.tick();
+        let step = stepper.table.clock.step(level);
         let reached = self.at(state.count + change.ticks);
         let since = change.at - reached;
         let at_tick = self.sample.within(stepper, level, &state.y, within);

@@ -13,9 +13,10 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use num_complex::Complex64;
 
+use super::level::{Passage, Sight, Transition};
 use super::phi::factorial;
 use super::rule::Rule;
-use super::table::{Level, Ports, Transition, gram};
+use super::table::{Ports, Table, gram};
 
 /// Terms of the series; with |A h| below 1/20 the last is below round-off.
 const TERMS: usize = 14;
@@ -29,23 +30,18 @@ struct Rung {
     phi: Vec<Vec<DVector<f64>>>,
 }
 
-/// Levels 0 to `finest`, of steps `longest`·2^−level.
-pub fn levels(
-    matrix: &DMatrix<f64>,
-    rule: &Rule,
-    ports: &Ports,
-    longest: f64,
-    finest: usize,
-    turns: impl Fn(usize) -> Vec<Complex64>,
-) -> Vec<Level> {
+/// The steps of the clock of a table.
+pub fn levels(matrix: &DMatrix<f64>, table: &Table<'_>) -> Vec<(Passage, Sight)> {
+    let (rule, ports, clock) = (&table.rule, &table.ports, &table.clock);
+    let finest = clock.finest;
     let orders = rule.stages() + 1;
     let loads: Vec<DVector<f64>> = ports.columns.iter().map(|column| DVector::from_column_slice(column)).collect();
-    let mut rungs = vec![first(matrix, longest * 0.5_f64.powi(finest as i32), &loads, orders)];
-    let mut levels = vec![level(matrix, &rungs, rule, ports, turns(finest))];
+    let mut rungs = vec![first(matrix, clock.step(finest), &loads, orders)];
+    let mut levels = vec![level(matrix, &rungs, rule, ports, table.turns(finest))];
     for at in (0..finest).rev() {
         let rung = doubled(&rungs[rungs.len() - 1]);
         rungs.push(rung);
-        levels.push(level(matrix, &rungs, rule, ports, turns(at)));
+        levels.push(level(matrix, &rungs, rule, ports, table.turns(at)));
     }
     levels.reverse();
     levels
@@ -96,7 +92,7 @@ fn weighted(rung: &Rung, polynomial: &[f64], load: usize) -> DVector<f64> {
 }
 
 /// The level of the last rung; those before it are the shorter ones.
-fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turns: Vec<Complex64>) -> Level {
+fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turns: Vec<Complex64>) -> (Passage, Sight) {
     let rung = &rungs[rungs.len() - 1];
     let (stages, loads, scalars) = (rule.stages(), ports.columns.len(), ports.rows.len());
     let columns: Vec<f64> = (0..stages)
@@ -107,7 +103,7 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
         (0..ports.meshes).flat_map(|k| weighted(rung, &rule.missed, k).as_slice().to_vec()).collect();
 
     let mut rows = Vec::new();
-    let mut response = vec![0.0; stages * scalars * stages * loads];
+    let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
     for (i, node) in rule.nodes.iter().enumerate() {
         for (scalar, row) in ports.rows.iter().enumerate() {
             let seen = row_after(matrix, rungs, row, *node);
@@ -119,14 +115,14 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
                 let state = loaded(matrix, rungs, rule, &ports.columns[k], (j, k), *node);
                 for (scalar, row) in ports.rows.iter().enumerate() {
                     let seen = row.iter().zip(state.iter()).map(|(w, z)| w * z).sum();
-                    response[(j * loads + k) * stages * scalars + i * scalars + scalar] = seen;
+                    response[i][(j * loads + k) * scalars + scalar] = seen;
                 }
             }
         }
     }
     // Row after row: the transpose of how it is stored.
     let transition = Transition::Dense(rung.change.transpose().as_slice().to_vec());
-    Level { step: rung.step, transition, columns, rows, response, gram: gram(&missed, ports.meshes), turns }
+    (Passage { transition, columns, gram: gram(&missed, ports.meshes) }, Sight { rows, response, turns })
 }
 
 /// The rungs that make up a part of the last one, longest first, and what is left of it, both in parts of its length.

@@ -3,31 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::Outcome;
+use super::clock::Clock;
 use super::output::{Course, Output};
 use super::sample::Sample;
 use super::shift::POINTS;
 use super::step::Stepper;
 use crate::integrate::{Halt, Halted, Observer, PATIENCE, State, Statistics, System as _};
-
-/// Ticks: the time of a run is a whole number of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clock {
-    /// The longest step, s.
-    pub longest: f64,
-    /// How often it is halved at most: a tick is longest·2^−finest.
-    pub finest: usize,
-    /// How often it is halved for an event: what is left to it, no mode turns by a radian in.
-    pub event: usize,
-    /// The longest time between two looks at whether flanks have parted, s, unless it is known that they have not.
-    pub look: f64,
-}
-
-impl Clock {
-    /// A tick, s.
-    pub fn tick(&self) -> f64 {
-        self.longest * 0.5_f64.powi(self.finest as i32)
-    }
-}
 
 /// How the length of a step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +27,7 @@ pub enum Control {
 /// A longer step is tried where its error is foretold to be below this part of the tolerance.
 const SAFETY: f64 = 0.5;
 /// Loads are found to this part of the tolerance,
-const SOLVED: f64 = 0.1;
+const SOLVED: f64 = 0.03;
 /// or of this tolerance, where the one asked for is looser: collocation is stable whatever its steps, loads that are
 /// half found are not.
 const LOOSEST: f64 = 1e-3;
@@ -76,13 +57,13 @@ pub(super) struct Reached<'a, 'm> {
 /// [`Halted`]; `state` is then the last good one.
 pub fn run(
     (stepper, output): (&mut Stepper<'_>, &mut Output),
-    (clock, control): (&Clock, &Control),
+    control: Control,
     state: &mut State,
     end: f64,
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
-    let mut driver = Driver::new(stepper, *clock, *control, state);
+    let mut driver = Driver::new(stepper, control, state);
     let outcome = driver.run(stepper, state, end, output, observer, statistics);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }
@@ -114,7 +95,8 @@ pub(super) struct Driver {
 }
 
 impl Driver {
-    fn new(stepper: &Stepper<'_>, clock: Clock, control: Control, state: &mut State) -> Self {
+    fn new(stepper: &Stepper<'_>, control: Control, state: &mut State) -> Self {
+        let clock = stepper.table.clock;
         let continues = |base: &f64| base + state.count as f64 * clock.tick() == state.elapsed;
         if !state.memory.first().is_some_and(continues) {
             // The state of another clock: ticks count from there.
@@ -122,14 +104,14 @@ impl Driver {
             state.memory = vec![state.elapsed];
         }
         let base = state.memory[0];
-        // The step to try is kept as its length; a power of two of the longest.
-        let wanted = if state.next_step > 0.0 { (clock.longest / state.next_step).log2().round() as usize } else { 0 };
+        // The step to try is kept as its length.
+        let wanted = if state.next_step > 0.0 { clock.level_of(state.next_step) } else { 0 };
         Self {
             clock,
             control,
             base,
             sample: Sample::new(stepper),
-            wanted: wanted.min(clock.finest),
+            wanted,
             found: Vec::new(),
             point: vec![0.0; stepper.begin.len()],
             off: vec![0.0; stepper.begin.len()],
@@ -173,10 +155,9 @@ impl Driver {
                 return Err(Halt::Interrupted);
             }
             let (level, error) = self.attempt(stepper, state, statistics)?;
-            let step = stepper.table.levels[level].step;
             let ticks = self.to_grid(state.count, level);
-            let held = ticks < self.ticks(level);
-            let length = if held { ticks as f64 * self.clock.tick() } else { step };
+            let held = ticks < self.clock.ticks(level);
+            let length = ticks as f64 * self.clock.tick();
             let change =
                 if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
             let until = change.map_or(state.elapsed + length, |change| change.at);
@@ -217,20 +198,15 @@ impl Driver {
         Ok(())
     }
 
-    /// Ticks in a step.
-    pub(super) fn ticks(&self, level: usize) -> u64 {
-        1 << (self.clock.finest - level)
-    }
-
     /// Ticks from `count` to the grid of a level, at least one and at most a step of it.
     fn to_grid(&self, count: u64, level: usize) -> u64 {
-        let ticks = self.ticks(level);
+        let ticks = self.clock.ticks(level);
         ticks - count % ticks
     }
 
     /// The step to try next, s.
     pub(super) fn next_step(&self) -> f64 {
-        self.clock.longest * 0.5_f64.powi(self.wanted as i32)
+        self.clock.step(self.wanted)
     }
 
     /// Elapsed time at a tick.
@@ -249,25 +225,26 @@ impl Driver {
         state.previous_error = error;
         state.next_step = self.next_step();
         state.memory.truncate(1);
-        if stepper.remembers() && ticks == self.ticks(level) {
+        if stepper.remembers() && ticks == self.clock.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
-            state.memory.extend([stepper.table.levels[level].step, stepper.contraction]);
+            state.memory.extend([self.clock.step(level), stepper.contraction]);
         }
     }
 
-    /// The level of the step to try: the one wanted on its grid, or half of that to get there. What is further off its
-    /// grid, as after an event, takes the step from where it is, and of it what leads to the grid; fixed steps get there
-    /// by shorter ones.
-    fn begin_with(&self, count: u64) -> usize {
-        let aligned = if count == 0 { 0 } else { self.clock.finest.saturating_sub(count.trailing_zeros() as usize) };
-        let far = aligned > self.wanted + 1 && !matches!(self.control, Control::Fixed);
-        if far { self.wanted } else { self.wanted.max(aligned) }
+    /// The level of a step from `count` ticks on that is no longer than one of `level`: on its own grid, if one to half as
+    /// long is. What is further off, as after an event, takes the step from where it is, and of it what leads to the grid;
+    /// fixed steps get there by shorter ones.
+    fn fitting(&self, count: u64, level: usize) -> usize {
+        let shortest = match self.control {
+            Control::Fixed => self.clock.finest,
+            Control::Adaptive { .. } => (level + 1).min(self.clock.finest),
+        };
+        (level..=shortest).find(|level| count.is_multiple_of(self.clock.ticks(*level))).unwrap_or(level)
     }
 
     /// The level of the longest step that follows teeth whose flanks may part and that swing at so many rad/s.
     fn of_swing(&self, swing: f64) -> usize {
-        let shorter = (self.clock.longest * swing * STEPS_A_SWING / TAU).log2().ceil().max(0.0) as usize;
-        if matches!(self.control, Control::Fixed) { 0 } else { shorter.min(self.clock.finest) }
+        if matches!(self.control, Control::Fixed) { 0 } else { self.clock.level_of(TAU / (STEPS_A_SWING * swing)) }
     }
 
     /// Tries steps until one meets the tolerance; its level and scaled error.
@@ -278,22 +255,22 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(usize, f64), Halt> {
         let before = self.size;
-        let mut level = self.begin_with(state.count).max(self.of_swing(stepper.swing_at_begin()));
+        let begin = self.wanted.max(self.of_swing(stepper.swing_at_begin()));
+        let mut level = self.fitting(state.count, begin);
         let mut rejected = false;
         loop {
             let solved = match self.control {
                 Control::Fixed => TIGHT * before,
                 Control::Adaptive { rtol, floor } => SOLVED * rtol.min(LOOSEST) * before.max(floor),
             };
-            stepper.table.reach(stepper.linear, &stepper.ports, level);
             stepper.guess(level, &state.memory[1..]);
-            let end = self.at(state.count + self.ticks(level));
+            let end = self.at(state.count + self.clock.ticks(level));
             let outcome = match stepper.step(level, (state.elapsed, end), &state.y, solved, statistics) {
                 // Loads that are only tried may close the centres further than the motion does.
                 Err(Halt::Overlap { .. }) if level < self.clock.finest => Outcome::Unsolved,
                 outcome => outcome?,
             };
-            if outcome == Outcome::Solved {
+            let shorter = if outcome == Outcome::Solved {
                 let after = stepper.size(&stepper.after);
                 let (error, tolerance) = match self.control {
                     Control::Fixed => (0.0, f64::INFINITY),
@@ -311,7 +288,7 @@ impl Driver {
                 if level + 1 < bound {
                     statistics.rejected += 1;
                     rejected = true;
-                    level = bound;
+                    level = self.fitting(state.count, bound);
                     continue;
                 }
                 // The shortest step is taken as it is: at a kink no step is short enough.
@@ -323,16 +300,20 @@ impl Driver {
                     }
                     return Ok((level, error));
                 }
-            }
+                // Were it smooth, the error of so much a shorter step would be what is asked for.
+                let smooth = error.powf(-0.5 / stepper.table.rule.stages() as f64);
+                (level + 1).max(self.clock.level_of(self.clock.step(level) * smooth))
+            } else if level == self.clock.finest {
+                return Err(Halt::Diverged);
+            } else {
+                level + 1
+            };
             statistics.rejected += 1;
             rejected = true;
-            level += 1;
-            if level > self.clock.finest {
-                return Err(Halt::Diverged);
-            }
             if !matches!(self.control, Control::Fixed) {
-                self.wanted = self.wanted.max(level);
+                self.wanted = self.wanted.max(shorter);
             }
+            level = self.fitting(state.count, shorter);
         }
     }
 }

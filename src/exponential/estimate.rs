@@ -43,10 +43,10 @@ impl Stepper<'_> {
     /// Of a load that the modes do not outpace, the nodes miss what is orthogonal to all polynomials below s: next to
     /// nothing. One that changes faster than the step resolves, as at a kink, is missed by its whole size.
     fn foretold(&self, level: usize, longer: f64) -> f64 {
-        let (table, stages) = (&self.table.levels[level], self.table.rule.stages() as i32);
+        let (step, stages) = (self.table.clock.step(level), self.table.rule.stages() as i32);
         let unresolved = (longer * self.pace).min(1.0).powi(stages);
         let missed = self.bare(&self.missed).max(self.bare(&self.changed) / 2.0);
-        (table.error(&self.missed) + UNRESOLVED * table.step * unresolved * missed) * longer.powi(stages)
+        (self.table.passage(level).error(&self.missed) + UNRESOLVED * step * unresolved * missed) * longer.powi(stages)
     }
 
     /// Energy norm that loads add to a state in a second.

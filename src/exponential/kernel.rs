@@ -11,6 +11,8 @@ use crate::modal::LANES;
 pub const TERMS: usize = 16;
 /// Half the lanes: two registers of AVX2.
 const WIDTH: usize = LANES / 2;
+/// One of them.
+const NARROW: usize = WIDTH / 2;
 
 /// `out[i] = rows[i]·z`, rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
@@ -189,24 +191,30 @@ impl WithSimd for Accumulate<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(mut self, _: S) {
         let len = self.out.len();
-        let (wide, rest) = self.out.as_chunks_mut::<WIDTH>();
-        let narrow = len - rest.len();
-        for (i, out) in wide.iter_mut().enumerate() {
+        let wide = len / WIDTH * WIDTH;
+        let narrow = len / NARROW * NARROW;
+        self.over::<WIDTH>(0, wide);
+        self.over::<NARROW>(wide, narrow);
+        self.over::<1>(narrow, len);
+    }
+}
+
+impl Accumulate<'_> {
+    #[inline(always)]
+    fn over<const LANES: usize>(&mut self, from: usize, to: usize) {
+        let len = self.out.len();
+        for (i, out) in self.out[from..to].as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            let at = from + i * LANES;
             let mut sum = *out;
             for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len)) {
-                let column = &column[i * WIDTH..(i + 1) * WIDTH];
-                for lane in 0..WIDTH {
+                let column = &column[at..at + LANES];
+                for lane in 0..LANES {
                     sum[lane] += column[lane] * p;
                 }
             }
             *out = sum;
-        }
-        for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len.max(1))) {
-            for (out, column) in rest.iter_mut().zip(&column[narrow..]) {
-                *out += column * p;
-            }
         }
     }
 }

@@ -8,12 +8,14 @@
 //! Coefficients are tabulated for each: a step that ends at a tooth event or at a time asked for rebuilds nothing.
 
 mod change;
+mod clock;
 mod dense;
 mod driver;
 mod estimate;
 mod field;
 mod in_modes;
 mod kernel;
+mod level;
 mod newton;
 mod output;
 mod phi;
@@ -24,13 +26,14 @@ mod solve;
 mod step;
 mod table;
 
-pub use driver::{Clock, Control, run};
+pub use clock::Clock;
+pub use driver::{Control, run};
 pub use field::{Field, is_resonant};
 pub use in_modes::InModes;
 pub use output::{Output, Selection};
 pub use rule::{MOST as MOST_STAGES, Rule};
 pub use step::Stepper;
-pub use table::{HELD_BACK, Ports, Table};
+pub use table::{Ports, Table};
 
 /// What became of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -110,7 +110,7 @@ impl Trajectory for Course<'_, '_> {
 
     fn state(&mut self, elapsed: f64, _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let Reached { stepper, level, z, begin, .. } = self.reached;
-        let step = stepper.table.levels[level].step;
+        let step = stepper.table.clock.step(level);
         let within = elapsed - begin;
         // Times asked for on the grid of the steps are met as exactly as they can be told.
         if (within - step).abs() <= 1e-9 * step {

@@ -1,11 +1,9 @@
 //! The motion within a step: the loads are known as a polynomial, so it is made of shorter steps of the table.
 
+use super::clock::NOTHING;
 use super::kernel::{self, TERMS};
 use super::step::Stepper;
 use crate::modal::Form;
-
-/// Less than this part of the shortest step that events use is nothing.
-const NOTHING: f64 = 1e-9;
 
 /// Room for states within a step.
 #[derive(Clone, Debug, Default)]
@@ -29,12 +27,12 @@ pub struct Sample {
 impl Sample {
     /// Room for states of a stepper.
     pub fn new(stepper: &Stepper<'_>) -> Self {
-        let len = stepper.linear.len();
+        let len = stepper.table.linear.len();
         let course = stepper.field.loads() * stepper.table.rule.whole.len();
         Self {
             step: 0,
             ticks: 0,
-            passed: vec![vec![0.0; len]; stepper.event + 1],
+            passed: vec![vec![0.0; len]; stepper.table.clock.parts(0).len()],
             between: vec![0.0; len],
             other: vec![0.0; len],
             loads: vec![0.0; stepper.loads.len()],
@@ -46,10 +44,9 @@ impl Sample {
 
     /// The state after `within` seconds of the last step, which was one of `level` from `z`.
     pub fn within<'a>(&'a mut self, stepper: &Stepper<'_>, level: usize, z: &'a [f64], within: f64) -> &'a [f64] {
-        let levels = &stepper.table.levels;
-        let whole = levels[level].step;
-        let finest = level.max(stepper.event);
-        let tick = levels[finest].step;
+        let (table, parts) = (&stepper.table, stepper.table.clock.parts(level));
+        let whole = table.clock.step(level);
+        let tick = table.clock.step(level.max(table.clock.event));
         let elapsed = (within / tick + NOTHING).floor();
         let ticks = elapsed as u64;
         if self.step != stepper.steps {
@@ -58,18 +55,19 @@ impl Sample {
         }
         let mut begun = 0.0;
         let mut last = None;
-        for (above, shorter) in levels[level..=finest].iter().enumerate() {
-            let below = finest - level - above;
+        let count = parts.len();
+        for (above, shorter) in parts.enumerate() {
+            let below = count - 1 - above;
             if (ticks >> below) & 1 == 0 {
                 continue;
             }
-            let part = shorter.step / whole;
+            let part = table.clock.step(shorter) / whole;
             // Up to where the two part, the way to the state found last was the same.
             if (ticks ^ self.ticks) >> below != 0 {
                 self.interpolate(stepper, begun, part);
                 let (before, here) = self.passed.split_at_mut(above);
                 let from = last.map_or(z, |at: usize| &before[at]);
-                shorter.advance(stepper.arch, &self.loads, from, &mut here[0]);
+                table.passage(shorter).advance(stepper.arch, &self.loads, from, &mut here[0]);
             }
             last = Some(above);
             begun += part;
@@ -133,15 +131,15 @@ impl Sample {
 
     /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
     fn drift(&mut self, stepper: &Stepper<'_>, rest: f64) {
-        let turned = (stepper.linear.radius * rest).abs();
+        let turned = (stepper.table.linear.radius * rest).abs();
         // Up to terms that no mode can tell from nothing.
         let (mut terms, mut size) = (0, 1.0);
         while terms < TERMS && size >= f64::EPSILON / 8.0 {
             terms += 1;
             size *= turned / terms as f64;
         }
-        if let Form::Pairs(_) = &stepper.linear.form {
-            let (blocks, columns) = (&stepper.linear.blocks, &stepper.bare_columns);
+        if let Form::Pairs(_) = &stepper.table.linear.form {
+            let (blocks, columns) = (&stepper.table.linear.blocks, &stepper.bare_columns);
             kernel::drift(stepper.arch, blocks, columns, &self.derivatives, rest, terms, &mut self.between);
             return;
         }
@@ -151,12 +149,12 @@ impl Sample {
         for order in 0..terms {
             let by = rest / (order + 1) as f64;
             factor *= by;
-            stepper.linear.multiply(&self.term, &mut self.other);
+            stepper.table.linear.multiply(&self.term, &mut self.other);
             for (term, rate) in self.term.iter_mut().zip(&self.other) {
                 *term = by * rate;
             }
             if let Some(derivative) = self.derivatives.chunks_exact(loads).nth(order) {
-                for (p, column) in derivative.iter().zip(&stepper.ports.columns).filter(|(p, _)| **p != 0.0) {
+                for (p, column) in derivative.iter().zip(&stepper.table.ports.columns).filter(|(p, _)| **p != 0.0) {
                     for (term, b) in self.term.iter_mut().zip(column) {
                         *term += factor * b * p;
                     }

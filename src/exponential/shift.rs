@@ -60,7 +60,7 @@ impl Stepper<'_> {
                 count = m + 1;
                 power *= -since / (m + 1) as f64;
                 // Terms that no mode can tell from nothing.
-                if (power / since).abs() * self.linear.radius.powi(m as i32 + 1) < f64::EPSILON / 8.0 {
+                if (power / since).abs() * self.table.linear.radius.powi(m as i32 + 1) < f64::EPSILON / 8.0 {
                     break;
                 }
             }

@@ -20,17 +20,23 @@ const NEWTON: usize = 12;
 const ROUND_OFF: f64 = 1e-14;
 
 impl Stepper<'_> {
-    /// What the loads that stand cause, into `nodes`.
-    pub(super) fn respond(&mut self, level: usize) {
-        self.nodes.copy_from_slice(&self.free);
-        self.table.levels[level].respond(self.arch, &self.loads, &mut self.nodes);
+    /// What the loads that stand cause at node `i`, into `nodes`.
+    fn respond(&mut self, level: usize, i: usize) {
+        let of_node = i * self.field.seen()..(i + 1) * self.field.seen();
+        let node = &mut self.nodes[of_node.clone()];
+        node.copy_from_slice(&self.free[of_node]);
+        self.table.sight(level).respond(self.arch, i, &self.loads, node);
+    }
+
+    /// What the loads that stand cause at all nodes.
+    fn respond_all(&mut self, level: usize) {
+        (0..self.table.rule.stages()).for_each(|i| self.respond(level, i));
     }
 
     /// Evaluates the loads at node `i`, into `trial`.
     fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
         let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
-        let table = &self.table.levels[level];
-        let time = elapsed + self.table.rule.nodes[i] * table.step;
+        let time = elapsed + self.table.rule.nodes[i] * self.table.clock.step(level);
         let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.trial[i * loads..(i + 1) * loads]);
         let sources = self.turns.len();
         let turns = &self.node_turns[i * sources..(i + 1) * sources];
@@ -47,17 +53,14 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// Evaluates node after node, each with the loads of those before it.
-    pub(super) fn follow(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        let (stages, loads, seen) = (self.table.rule.stages(), self.field.loads(), self.field.seen());
+    /// Evaluates node after node, each under the latest loads of all; what stood before is left in `trial`.
+    pub(super) fn pass(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+        let (stages, loads) = (self.table.rule.stages(), self.field.loads());
         for i in 0..stages {
-            for row in i * seen..(i + 1) * seen {
-                let response = self.table.levels[level].response_of(row, self.nodes.len());
-                let before = self.loads[..i * loads].iter().enumerate().map(|(column, p)| response(column) * p);
-                self.nodes[row] = self.free[row] + before.sum::<f64>();
-            }
+            self.respond(level, i);
             self.evaluate(level, elapsed, i)?;
-            self.loads[i * loads..(i + 1) * loads].copy_from_slice(&self.trial[i * loads..(i + 1) * loads]);
+            let of_node = i * loads..(i + 1) * loads;
+            self.loads[of_node.clone()].swap_with_slice(&mut self.trial[of_node]);
         }
         statistics.evaluations += stages as u64;
         Ok(())
@@ -73,14 +76,14 @@ impl Stepper<'_> {
         let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
         self.nodes.copy_from_slice(&self.free);
         self.sweep(level, elapsed, statistics)?;
-        let (table, rows, stages) = (&self.table.levels[level], self.nodes.len(), self.table.rule.stages());
+        let (sight, seen, stages) = (self.table.sight(level), self.field.seen(), self.table.rule.stages());
         self.loads.copy_from_slice(&self.trial);
         self.newton.begin();
         for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
             for (k, own) in trial[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
                 let slope = self.field.slope(k, &self.contacts[row]);
-                let response = table.response_of(row, rows);
+                let response = sight.response_of((node, k), seen);
                 self.newton.add_row(row, slope, meshes, loads, &response);
                 // What is prescribed acts through the slope too.
                 let prescribed = (0..stages).flat_map(|node| node * loads + meshes..(node + 1) * loads);
@@ -94,7 +97,7 @@ impl Stepper<'_> {
         for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.newton.right.chunks_exact(meshes.max(1))) {
             loads[..meshes].copy_from_slice(solved);
         }
-        self.respond(level);
+        self.respond_all(level);
         Ok(true)
     }
 
@@ -106,13 +109,11 @@ impl Stepper<'_> {
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let step = self.table.levels[level].step;
+        let step = self.table.clock.step(level);
         let mut before = f64::INFINITY;
         for iteration in 0..ITERATIONS {
-            self.respond(level);
-            self.sweep(level, elapsed, statistics)?;
+            self.pass(level, elapsed, statistics)?;
             let change = self.change(step);
-            std::mem::swap(&mut self.loads, &mut self.trial);
             if !change.is_finite() {
                 return Ok(false);
             }
@@ -167,16 +168,15 @@ impl Stepper<'_> {
     ) -> Result<bool, Halt> {
         let (meshes, loads, seen) = (self.field.mesh_loads(), self.field.loads(), self.field.seen());
         for _ in 0..NEWTON {
-            self.respond(level);
+            self.respond_all(level);
             self.sweep(level, elapsed, statistics)?;
-            let table = &self.table.levels[level];
-            let stages = self.table.rule.stages();
+            let (sight, step) = (self.table.sight(level), self.table.clock.step(level));
             self.newton.begin();
             for (i, node) in self.table.rule.nodes.iter().enumerate() {
                 let turns = &self.node_turns[i * self.turns.len()..(i + 1) * self.turns.len()];
                 let u = &mut self.nodes[i * seen..(i + 1) * seen];
                 let load = &self.trial[i * loads..(i + 1) * loads];
-                let time = elapsed + node * table.step;
+                let time = elapsed + node * step;
                 for k in 0..seen {
                     // A small part of it, and of what a mesh moves by: a nanometre, or so many radians.
                     let small = 1e-7 * u[k].abs().max(1e-2);
@@ -190,7 +190,7 @@ impl Stepper<'_> {
                     for (slope, load) in slopes.iter_mut().zip(load) {
                         *slope = (*slope - load) / moved;
                     }
-                    self.newton.add(i * meshes, meshes, loads, table.response_of(i * seen + k, stages * seen));
+                    self.newton.add(i * meshes, meshes, loads, sight.response_of((i, k), seen));
                 }
                 statistics.evaluations += seen as u64;
             }
@@ -204,7 +204,6 @@ impl Stepper<'_> {
             if !self.newton.solve() {
                 return Ok(false);
             }
-            let step = table.step;
             self.trial.copy_from_slice(&self.loads);
             for (i, load) in self.loads.chunks_exact_mut(loads).enumerate() {
                 for (load, step) in load.iter_mut().zip(&self.newton.right[i * meshes..(i + 1) * meshes]) {
@@ -216,7 +215,7 @@ impl Stepper<'_> {
                 return Ok(false);
             }
             if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * self.added(step) {
-                self.respond(level);
+                self.respond_all(level);
                 return Ok(true);
             }
         }

@@ -18,11 +18,7 @@ use crate::modal::Linear;
 pub struct Stepper<'m> {
     /// What acts.
     pub field: Field<'m>,
-    pub(super) linear: &'m Linear,
-    pub(super) ports: Ports,
-    pub(super) table: Table,
-    /// The level of the shortest step that events use.
-    pub(super) event: usize,
+    pub(super) table: Table<'m>,
     pub(super) arch: Arch,
     /// How many steps were tried.
     pub(super) steps: u64,
@@ -71,15 +67,16 @@ pub struct Stepper<'m> {
 
 impl<'m> Stepper<'m> {
     /// A stepper of a field, with a table of steps.
-    pub fn new(field: Field<'m>, linear: &'m Linear, ports: Ports, table: Table, event: usize) -> Self {
+    pub fn new(field: Field<'m>, table: Table<'m>) -> Self {
+        let (linear, ports) = (table.linear, &table.ports);
         let (stages, seen, loads) = (table.rule.stages(), field.seen(), field.loads());
         Self {
             arch: Arch::new(),
             steps: 0,
             bare_rows: ports.rows.concat(),
             bare_columns: ports.columns.concat(),
-            powers: Powers::new(linear, &ports),
-            mobility: mobility(linear, &ports, field.mesh_loads()),
+            powers: Powers::new(linear, ports),
+            mobility: mobility(linear, ports, field.mesh_loads()),
             loads: vec![0.0; stages * loads],
             nodes: vec![0.0; stages * seen],
             begin: vec![0.0; seen],
@@ -104,10 +101,7 @@ impl<'m> Stepper<'m> {
             affine: field.is_affine(),
             parts: field.motion.parts(),
             field,
-            linear,
-            ports,
             table,
-            event,
         }
     }
 
@@ -173,7 +167,7 @@ impl<'m> Stepper<'m> {
         if !self.parts {
             return 0.0;
         }
-        let gap = self.table.rule.gap() * self.table.levels[level].step;
+        let gap = self.table.rule.gap() * self.table.clock.step(level);
         settled.resize(self.field.meshes(), true);
         let mut swing: f64 = 0.0;
         for contacts in self.contacts.chunks_exact(settled.len().max(1)).chain([&self.contacts_at_end[..]]) {
@@ -200,7 +194,7 @@ impl<'m> Stepper<'m> {
             return;
         }
         let (loads, rule) = (self.field.loads(), &self.table.rule);
-        let step = self.table.levels[level].step;
+        let step = self.table.clock.step(level);
         for load in self.loads.chunks_exact_mut(loads) {
             load.copy_from_slice(&self.begin_load);
         }
@@ -243,17 +237,17 @@ impl<'m> Stepper<'m> {
         if self.field.loads() > 0 {
             let seen = self.field.seen();
             self.turn(elapsed);
-            let table = &self.table.levels[level];
-            kernel::scalars(self.arch, &table.rows, z, &mut self.free);
+            let sight = self.table.sight(level);
+            kernel::scalars(self.arch, &sight.rows, z, &mut self.free);
             let sources = self.turns.len();
-            for ((at_node, turn), by) in self.node_turns.iter_mut().zip(self.turns.iter().cycle()).zip(&table.turns) {
+            for ((at_node, turn), by) in self.node_turns.iter_mut().zip(self.turns.iter().cycle()).zip(&sight.turns) {
                 *at_node = turn * by;
             }
             for (i, free) in self.free.chunks_exact_mut(seen.max(1)).enumerate() {
                 self.field.add_synchronous(&self.node_turns[i * sources..(i + 1) * sources], free);
             }
             if self.table.rule.explicit {
-                self.follow(level, elapsed, statistics)?;
+                self.pass(level, elapsed, statistics)?;
             } else if self.affine {
                 if !self.solve_affine(level, elapsed, statistics)? {
                     return Ok(Outcome::Unsolved);
@@ -262,8 +256,7 @@ impl<'m> Stepper<'m> {
                 return Ok(Outcome::Unsolved);
             }
         }
-        let table = &self.table.levels[level];
-        table.advance(self.arch, &self.loads, z, &mut self.after);
+        self.table.passage(level).advance(self.arch, &self.loads, z, &mut self.after);
         self.look_ahead(end, statistics)?;
         Ok(Outcome::Solved)
     }

@@ -6,7 +6,7 @@ use super::super::AnalysisError;
 use super::Options;
 use super::coordinates::{Coordinates, enter, leave};
 use super::initial::Start;
-use crate::exponential::{Clock, Control, Field, HELD_BACK, Rule, Stepper, Table, run as integrate};
+use crate::exponential::{Clock, Control, Field, Rule, Stepper, Table, run as integrate};
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::mesh::Coupling;
 use crate::modal::{Basis, Form, Linear, WORST};
@@ -27,6 +27,8 @@ const EVENT: [f64; 2] = [4.0, 30.0];
 const EXACT: f64 = 1e-12;
 /// How often it can be halved further, for accuracy.
 const FURTHER: usize = 12;
+/// The same where a step is a matrix.
+const FURTHER_DENSE: usize = 4;
 /// Samples in the shortest period among shafts and teeth.
 const SAMPLES: f64 = 20.0;
 /// Looks at the law in a period of teeth that swing on their stiffness alone: none may part and meet again unseen.
@@ -66,14 +68,14 @@ pub(super) fn run(
         return Err(SceneError::new("duration", message).into());
     }
     let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
-    let table = Table::new(&linear, rule, &ports, clock.longest, clock.event, field.spins());
+    let table = Table::new(&linear, rule, ports, clock, field.spins());
     let mut state = enter(basis, &linear, &field, start);
-    let mut stepper = Stepper::new(field, &linear, ports, table, clock.event);
+    let mut stepper = Stepper::new(field, table);
     let control = match options.step {
         None if !options.is_explicit() => Control::Adaptive { rtol: options.rtol, floor: start.floor },
         _ => Control::Fixed,
     };
-    let outcome = integrate((&mut stepper, &mut output), (&clock, &control), &mut state, end, observer, statistics);
+    let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
     Ok((leave(state, &linear, &stepper.field), outcome))
 }
 
@@ -112,7 +114,8 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
     let tolerance = if options.step.is_some() { EXACT } else { options.rtol };
     let fine = swing / (2.0 * tolerance).cbrt();
     let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
-    let further = if matches!(linear.form, Form::Dense(_)) { HELD_BACK } else { FURTHER };
+    // A step that is a matrix takes long to make.
+    let further = if matches!(linear.form, Form::Dense(_)) { FURTHER_DENSE } else { FURTHER };
     Ok(Clock { longest, finest: event + further, event, look: TAU / (LOOKS_A_SWING * swing) })
 }
 

@@ -1,0 +1,162 @@
+//! A step of one length: what it makes of a state, and what its nodes see.
+//!
+//! With nodes c_i, Lagrange polynomials l_j, interface rows w and columns b, over a step h:
+//!
+//! ```text
+//! u_i = w e^{A c_i h} z + Σ_j H_ij p_j,        H_ij = h ∫₀^{c_i} w e^{A h(c_i − τ)} b l_j(τ) dτ
+//! z⁺  = e^{Ah} z + Σ_j h ψ_j b p_j,            ψ_j = ∫₀¹ e^{Ah(1 − τ)} l_j(τ) dτ
+//! ```
+
+use num_complex::Complex64;
+use pulp::Arch;
+
+use super::kernel;
+use super::phi::{Block, COUNT, factorial, phi_of_pair};
+use super::rule::Rule;
+use super::table::{Ports, form, gram};
+use crate::modal::Pair;
+
+/// How a state moves by itself over a step.
+#[derive(Clone, Debug)]
+pub enum Transition {
+    /// Pair by pair: the lists of a, b, c, d of the blocks [[a, b], [c, d]].
+    Pairs([Vec<f64>; 4]),
+    /// The matrix less one, row after row.
+    Dense(Vec<f64>),
+}
+
+/// What a step makes of a state.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// e^{Ah}.
+    pub transition: Transition,
+    /// h ψ_j b of node j and load k at j·loads + k, one after the other.
+    pub columns: Vec<f64>,
+    /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
+    pub gram: Vec<f64>,
+}
+
+impl Passage {
+    /// That of a step of length `step` of a motion in pairs.
+    pub fn of_pairs(pairs: &[Pair], rule: &Rule, ports: &Ports, step: f64) -> Self {
+        let whole: Vec<_> = pairs.iter().map(|pair| phi_of_pair(pair, step)).collect();
+        let entry = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect();
+        let transition = Transition::Pairs([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]);
+        let mut columns = Vec::with_capacity(rule.stages() * ports.columns.len() * 2 * pairs.len());
+        for lagrange in &rule.lagrange {
+            let psi = integrals(lagrange, &whole, 1.0, step);
+            columns.extend(ports.columns.iter().flat_map(|load| apply(&psi, load)));
+        }
+        let chi = integrals(&rule.missed, &whole, 1.0, step);
+        let missed: Vec<f64> = ports.columns[..ports.meshes].iter().flat_map(|load| apply(&chi, load)).collect();
+        Self { transition, columns, gram: gram(&missed, ports.meshes) }
+    }
+
+    /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`; `p` holds the loads at node after node.
+    pub fn advance(&self, arch: Arch, p: &[f64], z: &[f64], out: &mut [f64]) {
+        match &self.transition {
+            Transition::Pairs(blocks) => kernel::advance(arch, blocks, &self.columns, p, z, out),
+            Transition::Dense(matrix) => {
+                kernel::scalars(arch, matrix, z, out);
+                for (out, z) in out.iter_mut().zip(z) {
+                    *out += z;
+                }
+                for (p, column) in p.iter().zip(self.columns.chunks_exact(z.len())) {
+                    for (out, value) in out.iter_mut().zip(column) {
+                        *out += value * p;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
+    pub fn error(&self, missed: &[f64]) -> f64 {
+        form(&self.gram, missed).max(0.0).sqrt()
+    }
+}
+
+/// What the nodes of a step see.
+#[derive(Clone, Debug)]
+pub struct Sight {
+    /// w e^{A c_i h} of node i and scalar at i·scalars + scalar, one after the other.
+    pub rows: Vec<f64>,
+    /// H: for each node i column (j, load) after column, of its scalars.
+    pub response: Vec<Vec<f64>>,
+    /// e^{iΩ c_i h} of node i and source s at i·sources + s.
+    pub turns: Vec<Complex64>,
+}
+
+impl Sight {
+    /// That of a step of length `step` of a motion in pairs.
+    pub fn of_pairs(pairs: &[Pair], rule: &Rule, ports: &Ports, step: f64, turns: Vec<Complex64>) -> Self {
+        let (arch, stages, scalars, loads) = (Arch::new(), rule.stages(), ports.rows.len(), ports.columns.len());
+        let bare = ports.rows.concat();
+        let of_step = |part: f64| -> Vec<_> { pairs.iter().map(|pair| phi_of_pair(pair, part * step)).collect() };
+        let half = if rule.explicit { of_step(0.5) } else { Vec::new() };
+        let mut rows = Vec::with_capacity(stages * bare.len());
+        let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
+        for ((i, node), response) in rule.nodes.iter().enumerate().zip(&mut response) {
+            let part = of_step(*node);
+            let moved: Vec<Block> = part.iter().map(|phi| transposed(phi[0])).collect();
+            rows.extend(ports.rows.iter().flat_map(|row| apply(&moved, row)));
+            let mut to = response.chunks_exact_mut(scalars.max(1));
+            for (j, lagrange) in rule.lagrange.iter().enumerate() {
+                let until = if rule.explicit {
+                    half.iter().map(|half| scaled(rule.before(i, half)[j], step * node)).collect()
+                } else {
+                    integrals(lagrange, &part, *node, step * node)
+                };
+                for (load, to) in ports.columns.iter().zip(&mut to) {
+                    kernel::scalars(arch, &bare, &apply(&until, load), to);
+                }
+            }
+        }
+        Self { rows, response, turns }
+    }
+
+    /// `u += H_i p` of node `i`; loads beyond those in `p` are none.
+    pub fn respond(&self, arch: Arch, i: usize, p: &[f64], u: &mut [f64]) {
+        kernel::accumulate(arch, &self.response[i], p, u);
+    }
+
+    /// What a load of one at a column (node, load) adds to a scalar, one of `seen`, at node `i`.
+    pub fn response_of(&self, (i, scalar): (usize, usize), seen: usize) -> impl Fn(usize) -> f64 + '_ {
+        move |column| self.response[i][column * seen + scalar]
+    }
+}
+
+/// `step` ∫₀¹ e^{z(1−τ)} l(cτ) dτ of a polynomial l for every pair, from φ of z: Σ a_m c^m m! φ_{m+1}.
+fn integrals(polynomial: &[f64], phi: &[[Block; COUNT]], c: f64, step: f64) -> Vec<Block> {
+    let mut factors = [0.0; COUNT - 1];
+    for (m, (factor, coefficient)) in factors.iter_mut().zip(polynomial).enumerate() {
+        *factor = step * coefficient * c.powi(m as i32) * factorial(m);
+    }
+    let sum = |phi: &[Block; COUNT]| {
+        let mut sum = [[0.0; 2]; 2];
+        for (factor, phi) in factors.iter().zip(&phi[1..]) {
+            for (sum, entry) in sum.as_flattened_mut().iter_mut().zip(phi.as_flattened()) {
+                *sum += factor * entry;
+            }
+        }
+        sum
+    };
+    phi.iter().map(sum).collect()
+}
+
+fn transposed([[a, b], [c, d]]: Block) -> Block {
+    [[a, c], [b, d]]
+}
+
+fn scaled(block: Block, factor: f64) -> Block {
+    block.map(|row| row.map(|entry| factor * entry))
+}
+
+/// A block for every slot times a state.
+fn apply(blocks: &[Block], state: &[f64]) -> Vec<f64> {
+    let (x, y) = state.split_at(blocks.len());
+    let side = |row: usize| {
+        blocks.iter().zip(x.iter().zip(y)).map(move |(block, (x, y))| block[row][0] * x + block[row][1] * y)
+    };
+    side(0).chain(side(1)).collect()
+}
