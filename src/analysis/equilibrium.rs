@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::AnalysisError;
-use crate::linalg::solve;
+use crate::linalg::Factors;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::Basis;
 use crate::model::Model;
@@ -22,6 +22,8 @@ const ROUND_OFF: f64 = 1e-12;
 const CONVERGED: f64 = 1e-26;
 /// Round-off of a stiff scene may not allow that: a step that stopped shrinking below this part has converged too.
 const STALLED: f64 = 1e-14;
+/// A step that leaves more than this part of the energy of the one before asks for a new tangent.
+const SLOW: f64 = 1e-4;
 /// A smooth problem takes three to five; more mean that there is no equilibrium near.
 const ITERATIONS: usize = 60;
 
@@ -33,28 +35,40 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
     let model = &basis.model;
     let real = basis.real_modes(speed)?;
     let load = &model.constant_load;
-    let linear = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
     let null = real.vectors.columns(0, real.null).into_owned();
     check_balance(model, &null, load)?;
     // Null motions get a stiffness of their own, that of the lowest elastic mode; no load ever meets it.
-    let weighted = model.mass_matrix() * &null;
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    let held = &weighted * weighted.transpose() * (lowest * lowest);
+    let held = weighted(model, &null) * lowest;
+    let mut linear = model.shaft_stiffness_matrix();
+    linear += model.support_stiffness_matrix();
+    linear.gemm(1.0, &held, &held.transpose(), 1.0);
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
+    let mut factors: Option<Factors> = None;
     for _ in 0..ITERATIONS {
         let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
         // Summed from strains: rigid motion, large beside them in soft bearings, leaves no round-off.
         let residual = load - model.static_force(&q) - force;
-        let step =
-            solve(&(&linear + tangent + &held), &DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
+        let known = factors.get_or_insert_with(|| {
+            let mut matrix = linear.clone();
+            for (row, column, value) in &tangent {
+                matrix[(*row, *column)] += value;
+            }
+            Factors::of(&matrix)
+        });
+        let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
         let stalled = energy <= STALLED * scale && energy >= previous / 4.0;
         let converged = energy <= CONVERGED * scale || stalled;
+        // The tangent of an earlier step serves as long as it leaves little.
+        if energy > SLOW * previous {
+            factors = None;
+        }
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step.into_owned())?;
         q.axpy(fraction, &step, 1.0);
@@ -65,13 +79,13 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
             // A flank that would pull has parted; the other one carries.
             let pulls = pulling(model, geometry, speed, &flanks, &q)?;
             if pulls.is_empty() {
-                check_held(&(&held * &q), load)?;
+                check_held(&(&held * held.tr_mul(&q)), load)?;
                 return Ok(q);
             }
             for mesh in pulls {
                 flanks[mesh] = if flanks[mesh] == Flank::Drive { Flank::Back } else { Flank::Drive };
             }
-            previous = f64::INFINITY;
+            (previous, factors) = (f64::INFINITY, None);
         }
     }
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
@@ -116,6 +130,20 @@ fn check_held(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), Analysi
     Err(SceneError::new("bearings", message).into())
 }
 
+/// M times the columns of a matrix.
+fn weighted(model: &Model, vectors: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut weighted = DMatrix::zeros(vectors.nrows(), vectors.ncols());
+    for (vector, mut weighted) in vectors.column_iter().zip(weighted.column_iter_mut()) {
+        let mut product = vec![0.0; vector.len()];
+        model.multiply_mass(vector.into_owned().as_slice(), &mut product);
+        weighted.copy_from_slice(&product);
+    }
+    weighted
+}
+
+/// Row, column and value of an entry of a matrix; entries of one place add up.
+type Entry = (usize, usize, f64);
+
 /// ΣF ∂δ/∂q and its derivative.
 fn mesh_forces(
     model: &Model,
@@ -123,13 +151,15 @@ fn mesh_forces(
     speed: f64,
     flanks: &[Flank],
     q: &DVector<f64>,
-) -> Result<(DVector<f64>, DMatrix<f64>), AnalysisError> {
+) -> Result<(DVector<f64>, Vec<Entry>), AnalysisError> {
     let mut force = DVector::zeros(model.len());
-    let mut tangent = DMatrix::zeros(model.len(), model.len());
+    let mut tangent = Vec::new();
     for (index, (mesh, flank)) in model.meshes.iter().zip(flanks).enumerate() {
         let sigma = model.sigma(index, speed);
         let (pressed, normal) = mesh
-            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |row, column, value| tangent[(row, column)] += value)
+            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |row, column, value| {
+                tangent.push((row, column, value))
+            })
             .map_err(|overlap| overlapped(model, index, overlap))?;
         let sigma = if *flank == Flank::Back { -sigma } else { sigma };
         mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);

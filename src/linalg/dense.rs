@@ -3,7 +3,7 @@
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::traits::ComplexField;
 use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -135,9 +135,25 @@ fn parts(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     parts
 }
 
+/// The factors of a square real matrix by LU with partial pivoting.
+#[derive(Clone, Debug)]
+pub struct Factors(PartialPivLu<f64>);
+
+impl Factors {
+    /// Factorises.
+    pub fn of(matrix: &DMatrix<f64>) -> Self {
+        Self(view(matrix).partial_piv_lu())
+    }
+
+    /// Solves for the columns of `right`.
+    pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
+        copy(self.0.solve(view(right)).as_ref())
+    }
+}
+
 /// Solves a square real system by LU with partial pivoting.
 pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
-    copy(view(matrix).partial_piv_lu().solve(view(right)).as_ref())
+    Factors::of(matrix).solve(right)
 }
 
 /// Solves a square complex system by LU with partial pivoting.

@@ -6,5 +6,5 @@ mod pencil;
 mod repair;
 
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
-pub use dense::{DecompositionError, Eigen, eigen, hermitian_eigen, solve, solve_complex};
+pub use dense::{DecompositionError, Eigen, Factors, eigen, hermitian_eigen, solve, solve_complex};
 pub use pencil::{SymmetricPencil, symmetric_pencil};
