@@ -26,6 +26,8 @@ pub enum Control {
 
 /// A longer step is tried where its error is foretold to be below this part of the tolerance.
 const SAFETY: f64 = 0.5;
+/// Halvings at once of a step whose error is too large: of steps much shorter it says nothing.
+const HALVINGS: usize = 4;
 /// Loads are found to this part of the tolerance,
 const SOLVED: f64 = 0.03;
 /// or of this tolerance, where the one asked for is looser: collocation is stable whatever its steps, loads that are
@@ -302,7 +304,8 @@ impl Driver {
                 }
                 // Were it smooth, the error of so much a shorter step would be what is asked for.
                 let smooth = error.powf(-0.5 / stepper.table.rule.stages() as f64);
-                (level + 1).max(self.clock.level_of(self.clock.step(level) * smooth))
+                let shorter = self.clock.level_of(self.clock.step(level) * smooth);
+                shorter.clamp(level + 1, level + HALVINGS).min(self.clock.finest)
             } else if level == self.clock.finest {
                 return Err(Halt::Diverged);
             } else {

@@ -246,3 +246,14 @@ def test_two_threads_give_the_same_bits(name: str):
     for found in (first, second):
         same_end(found, alone)
         assert np.array_equal(found.mesh("ga", "gb").force, alone.mesh("ga", "gb").force)
+
+
+@pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen"])
+def test_the_first_step_is_found_in_a_few_tries(name: str):
+    """From rest it is a small part of the longest, which halving it again and again takes long to find."""
+    tight = {"rtol": 1e-9, "times": [0.0]}
+    shortest = run(name, 2e-5, **tight).statistics.step_min
+    halvings = np.log2(run(name, 2e-2, rtol=0.5, times=[0.0]).statistics.step_max / shortest)
+    assert halvings >= 4
+    # the first step is tried, and not gone on from
+    assert 1 <= run(name, 1e-9, **tight).statistics.rejected <= halvings / 2
