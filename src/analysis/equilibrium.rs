@@ -39,7 +39,7 @@ pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVec
     check_balance(model, &null, load)?;
     // Null motions get a stiffness of their own, that of the lowest elastic mode; no load ever meets it.
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    let held = weighted(model, &null) * lowest;
+    let held = model.mass_times(&null) * lowest;
     let mut linear = model.shaft_stiffness_matrix();
     linear += model.support_stiffness_matrix();
     linear.gemm(1.0, &held, &held.transpose(), 1.0);
@@ -128,17 +128,6 @@ fn check_held(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), Analysi
     }
     let message = "the stiffness of a bearing is singular, and pushes where it does not hold: no static equilibrium";
     Err(SceneError::new("bearings", message).into())
-}
-
-/// M times the columns of a matrix.
-fn weighted(model: &Model, vectors: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut weighted = DMatrix::zeros(vectors.nrows(), vectors.ncols());
-    for (vector, mut weighted) in vectors.column_iter().zip(weighted.column_iter_mut()) {
-        let mut product = vec![0.0; vector.len()];
-        model.multiply_mass(vector.into_owned().as_slice(), &mut product);
-        weighted.copy_from_slice(&product);
-    }
-    weighted
 }
 
 /// Row, column and value of an entry of a matrix; entries of one place add up.

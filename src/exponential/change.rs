@@ -78,7 +78,7 @@ impl Driver {
         self.off.fill(0.0);
         self.found.clone_from(&self.after);
         // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = self.clock.ticks(level.max(self.clock.event));
+        let unit = self.clock.ticks(self.clock.part(level));
         let units = self.clock.ticks(level) / unit;
         let whole = ((change * units as f64).floor() as u64).min(units);
         Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
@@ -189,7 +189,7 @@ impl Driver {
         change: Change,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let within = change.ticks as f64 * self.clock.tick();
+        let within = self.clock.time(change.ticks);
         let step = stepper.table.clock.step(level);
         let reached = self.at(state.count + change.ticks);
         let since = change.at - reached;

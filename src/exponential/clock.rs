@@ -3,9 +3,6 @@
 //! A step is a power of two of ticks and begins at a multiple of itself, so that steps and the times asked for meet, and
 //! what is tabulated for a length serves all steps of it.
 
-/// Less than this part of the shortest step that events use is nothing.
-pub(super) const NOTHING: f64 = 1e-9;
-
 /// How time is counted, and which steps there are: level 0 is the longest, each other half as long as the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
@@ -35,15 +32,19 @@ impl Clock {
         self.step(self.finest)
     }
 
+    /// The time of so many ticks, s.
+    pub fn time(&self, ticks: u64) -> f64 {
+        ticks as f64 * self.tick()
+    }
+
     /// The level of the longest step that is not above `length`, seconds, or of the shortest there is.
     pub fn level_of(&self, length: f64) -> usize {
         (0..self.finest).find(|level| self.step(*level) <= length).unwrap_or(self.finest)
     }
 
-    /// The levels of the parts that what lies within a step of `level` is made of, down to the shortest that events use:
-    /// the step itself first, for its end.
-    pub fn parts(&self, level: usize) -> impl ExactSizeIterator<Item = usize> + use<> {
-        level..level.max(self.event) + 1
+    /// The level of the shortest part that what lies within a step of `level` is made of: that of events, or the step.
+    pub fn part(&self, level: usize) -> usize {
+        level.max(self.event)
     }
 }
 
@@ -55,9 +56,9 @@ mod tests {
     fn steps_fit_into_each_other() {
         let clock = Clock { longest: 5e-5, finest: 8, event: 5, look: f64::INFINITY };
         for level in 0..=clock.finest {
-            assert_eq!(clock.ticks(level) as f64 * clock.tick(), clock.step(level));
+            assert_eq!(clock.time(clock.ticks(level)), clock.step(level));
             assert_eq!([clock.level_of(clock.step(level)), clock.level_of(1.9 * clock.step(level))], [level; 2]);
-            assert_eq!(clock.parts(level).map(|part| clock.ticks(part)).max(), Some(clock.ticks(level)));
+            assert!(clock.part(level) >= clock.event && clock.ticks(clock.part(level)) <= clock.ticks(level));
         }
         assert_eq!([clock.level_of(f64::INFINITY), clock.level_of(0.0)], [0, clock.finest]);
     }

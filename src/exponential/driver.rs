@@ -99,7 +99,7 @@ pub(super) struct Driver {
 impl Driver {
     fn new(stepper: &Stepper<'_>, control: Control, state: &mut State) -> Self {
         let clock = stepper.table.clock;
-        let continues = |base: &f64| base + state.count as f64 * clock.tick() == state.elapsed;
+        let continues = |base: &f64| base + clock.time(state.count) == state.elapsed;
         if !state.memory.first().is_some_and(continues) {
             // The state of another clock: ticks count from there.
             (state.count, state.next_step) = (0, 0.0);
@@ -159,7 +159,7 @@ impl Driver {
             let (level, error) = self.attempt(stepper, state, statistics)?;
             let ticks = self.to_grid(state.count, level);
             let held = ticks < self.clock.ticks(level);
-            let length = ticks as f64 * self.clock.tick();
+            let length = self.clock.time(ticks);
             let change =
                 if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
             let until = change.map_or(state.elapsed + length, |change| change.at);
@@ -182,7 +182,7 @@ impl Driver {
                 observer.switched(change.at, &mut read, found);
                 self.switch(stepper, level, state, change, statistics)?;
                 if change.ticks > 0 {
-                    statistics.accept(change.ticks as f64 * self.clock.tick(), false);
+                    statistics.accept(self.clock.time(change.ticks), false);
                 }
                 continue;
             }
@@ -213,7 +213,7 @@ impl Driver {
 
     /// Elapsed time at a tick.
     pub(super) fn at(&self, tick: u64) -> f64 {
-        self.base + tick as f64 * self.clock.tick()
+        self.base + self.clock.time(tick)
     }
 
     /// Takes the end of the step, after so many ticks of it, as the beginning of the next.

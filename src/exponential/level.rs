@@ -100,10 +100,11 @@ impl Sight {
             let part = of_step(*node);
             let moved: Vec<Block> = part.iter().map(|phi| transposed(phi[0])).collect();
             rows.extend(ports.rows.iter().flat_map(|row| apply(&moved, row)));
+            let before: Vec<Vec<Block>> = half.iter().map(|half| rule.before(i, half)).collect();
             let mut to = response.chunks_exact_mut(scalars.max(1));
             for (j, lagrange) in rule.lagrange.iter().enumerate() {
                 let until = if rule.explicit {
-                    half.iter().map(|half| scaled(rule.before(i, half)[j], step * node)).collect()
+                    before.iter().map(|before| scaled(before[j], step * node)).collect()
                 } else {
                     integrals(lagrange, &part, *node, step * node)
                 };

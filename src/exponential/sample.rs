@@ -1,9 +1,11 @@
 //! The motion within a step: the loads are known as a polynomial, so it is made of shorter steps of the table.
 
-use super::clock::NOTHING;
 use super::kernel::{self, TERMS};
 use super::step::Stepper;
 use crate::modal::Form;
+
+/// Less than this part of the shortest step that events use is nothing.
+const NOTHING: f64 = 1e-9;
 
 /// Room for states within a step.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +34,7 @@ impl Sample {
         Self {
             step: 0,
             ticks: 0,
-            passed: vec![vec![0.0; len]; stepper.table.clock.parts(0).len()],
+            passed: vec![vec![0.0; len]; stepper.table.clock.event + 1],
             between: vec![0.0; len],
             other: vec![0.0; len],
             loads: vec![0.0; stepper.loads.len()],
@@ -44,9 +46,9 @@ impl Sample {
 
     /// The state after `within` seconds of the last step, which was one of `level` from `z`.
     pub fn within<'a>(&'a mut self, stepper: &Stepper<'_>, level: usize, z: &'a [f64], within: f64) -> &'a [f64] {
-        let (table, parts) = (&stepper.table, stepper.table.clock.parts(level));
-        let whole = table.clock.step(level);
-        let tick = table.clock.step(level.max(table.clock.event));
+        let (table, clock) = (&stepper.table, &stepper.table.clock);
+        let (whole, shortest) = (clock.step(level), clock.part(level));
+        let tick = clock.step(shortest);
         let elapsed = (within / tick + NOTHING).floor();
         let ticks = elapsed as u64;
         if self.step != stepper.steps {
@@ -55,13 +57,12 @@ impl Sample {
         }
         let mut begun = 0.0;
         let mut last = None;
-        let count = parts.len();
-        for (above, shorter) in parts.enumerate() {
-            let below = count - 1 - above;
+        for (above, shorter) in (level..=shortest).enumerate() {
+            let below = shortest - shorter;
             if (ticks >> below) & 1 == 0 {
                 continue;
             }
-            let part = table.clock.step(shorter) / whole;
+            let part = clock.step(shorter) / whole;
             // Up to where the two part, the way to the state found last was the same.
             if (ticks ^ self.ticks) >> below != 0 {
                 self.interpolate(stepper, begun, part);

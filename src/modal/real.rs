@@ -169,11 +169,7 @@ fn aligned(model: &Model, mut vectors: DMatrix<f64>, known: usize, square: impl 
         if count > 1 {
             let cluster = vectors.columns(first, count).into_owned();
             let weighted = DMatrix::from_fn(model.len(), count, |row, column| weights[row] * cluster[(row, column)]);
-            let mut moved = DMatrix::zeros(model.len(), count);
-            for (from, mut to) in weighted.column_iter().zip(moved.column_iter_mut()) {
-                model.multiply_mass(&from.iter().copied().collect::<Vec<_>>(), to.as_mut_slice());
-            }
-            let form = cluster.transpose() * moved;
+            let form = cluster.transpose() * model.mass_times(&weighted);
             let turn = ((&form + form.transpose()) / 2.0).symmetric_eigen().eigenvectors;
             vectors.columns_mut(first, count).copy_from(&(cluster * turn));
         }

@@ -13,7 +13,7 @@ mod form;
 mod numbering;
 mod shaft;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 pub use numbering::{Dof, Kind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
@@ -244,6 +244,16 @@ impl Model {
         for shaft in &self.shafts {
             shaft.multiply_mass(x, out);
         }
+    }
+
+    /// M times the columns of a matrix.
+    pub fn mass_times(&self, vectors: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut weighted = DMatrix::zeros(self.len(), vectors.ncols());
+        for (vector, mut weighted) in vectors.as_slice().chunks_exact(self.len().max(1)).zip(weighted.column_iter_mut())
+        {
+            self.multiply_mass(vector, weighted.as_mut_slice());
+        }
+        weighted
     }
 }
 
