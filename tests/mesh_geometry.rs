@@ -6,7 +6,9 @@ mod common;
 use std::f64::consts::PI;
 
 use gearbow::mesh::stiffness::Path;
-use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Turning};
+use gearbow::mesh::{
+    Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Relative, Turning,
+};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
@@ -75,7 +77,8 @@ struct Contact {
 const STILL: [Turning; 2] = [Turning { angle: 0.0, spin: 0.0 }; 2];
 
 fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
-    let found = coupling.contact(&Pose { geometry, sigma, turning: &STILL, q, v }, &Law::ALWAYS)?;
+    let (position, velocity) = (coupling.relative(q), coupling.relative(v));
+    let found = coupling.contact(&Pose { geometry, sigma, turning: &STILL, position, velocity }, &Law::ALWAYS)?;
     let LineOfAction { normal, across, tangent, .. } = match geometry {
         Geometry::Live => coupling.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
         Geometry::Frozen => coupling.involute.line_at_rest(sigma),
@@ -84,8 +87,9 @@ fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f6
 }
 
 /// Live geometry at rest in displacements.
-fn still(sigma: f64, q: &Vector6<f64>) -> Pose<'_> {
-    Pose { geometry: Geometry::Live, sigma, turning: &STILL, q: q.as_slice(), v: &[0.0; 6] }
+fn still(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Pose<'static> {
+    let (position, velocity) = (coupling.relative(q.as_slice()), Relative::default());
+    Pose { geometry: Geometry::Live, sigma, turning: &STILL, position, velocity }
 }
 
 fn at_rest(coupling: &Coupling, sigma: f64) -> Contact {
@@ -157,7 +161,7 @@ proptest! {
         let slopes = gradient(&coupling, sigma, &contact);
         let curvature: Matrix6<f64> = tangent - STIFFNESS * slopes * slopes.transpose();
         let force = |q: &Vector6<f64>| {
-            let contact = coupling.contact(&still(sigma, q), &Law::ALWAYS).unwrap();
+            let contact = coupling.contact(&still(&coupling, sigma, q), &Law::ALWAYS).unwrap();
             let mut force = Vector6::zeros();
             coupling.apply(&contact, force.as_mut_slice());
             -force
@@ -183,7 +187,7 @@ proptest! {
         let contact = live(&coupling, sigma, &q);
         // Round-off of the centres that this test itself computes.
         prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
-        let state = coupling.state(&still(sigma, &q), &Law::ALWAYS).unwrap();
+        let state = coupling.state(&still(&coupling, sigma, &q), &Law::ALWAYS).unwrap();
         prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
         prop_assert!((state.centres.angle - pair.angle - turn).abs() < 1e-13);
     }

@@ -67,16 +67,17 @@ impl Course {
     fn law(&self, coupling: &Coupling, flank: Flank) -> Law {
         let (q, v) = (self.q.as_slice(), self.v.as_slice());
         let turning = self.turning(0.0);
-        Law { flank, ..coupling.law(&self.pose(&turning, q, v)).unwrap() }
+        Law { flank, ..coupling.law(&self.pose(coupling, &turning, q, v)).unwrap() }
     }
 
     fn contact(&self, coupling: &Coupling, law: &Law, after: f64) -> Contact {
         let q = self.q + self.v * after;
-        coupling.contact(&self.pose(&self.turning(after), q.as_slice(), self.v.as_slice()), law).unwrap()
+        coupling.contact(&self.pose(coupling, &self.turning(after), q.as_slice(), self.v.as_slice()), law).unwrap()
     }
 
-    fn pose<'a>(&self, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
-        Pose { geometry: self.geometry, sigma: self.sigma(), turning, q, v }
+    fn pose<'a>(&self, coupling: &Coupling, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
+        let (position, velocity) = (coupling.relative(q), coupling.relative(v));
+        Pose { geometry: self.geometry, sigma: self.sigma(), turning, position, velocity }
     }
 }
 

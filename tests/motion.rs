@@ -105,8 +105,9 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
         let mut force = vec![0.0; n];
         for (index, mesh) in model.meshes.iter().enumerate() {
             let sigma = model.sigma(index, speed);
-            let contact =
-                mesh.contact(&Pose { geometry, sigma, turning: &[Turning::default(); 2], q, v }, &Law::ALWAYS).unwrap();
+            let (position, velocity) = (mesh.relative(q), mesh.relative(v));
+            let pose = Pose { geometry, sigma, turning: &[Turning::default(); 2], position, velocity };
+            let contact = mesh.contact(&pose, &Law::ALWAYS).unwrap();
             mesh.apply(&contact, &mut force);
         }
         forces.push(DVector::from_vec(force));

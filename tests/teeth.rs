@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::COORDINATES;
 use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, Cycle, Pair, Path, Stiffness, Tooth, UniformCurve, iso6336};
-use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Turning};
+use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Relative, Turning};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -40,17 +40,18 @@ fn at_part(part: f64) -> [Turning; 2] {
 }
 
 /// The mesh in frozen geometry.
-fn frozen<'a>(sigma: f64, turning: &'a [Turning; 2], q: &'a [f64; 6], v: &'a [f64; 6]) -> Pose<'a> {
-    Pose { geometry: Geometry::Frozen, sigma, turning, q, v }
+fn frozen<'a>(coupling: &Coupling, sigma: f64, turning: &'a [Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Pose<'a> {
+    let (position, velocity) = (coupling.relative(q), coupling.relative(v));
+    Pose { geometry: Geometry::Frozen, sigma, turning, position, velocity }
 }
 
 fn touch(coupling: &Coupling, law: &Law, turning: &[Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Contact {
-    coupling.contact(&frozen(1.0, turning, q, v), law).unwrap()
+    coupling.contact(&frozen(coupling, 1.0, turning, q, v), law).unwrap()
 }
 
 /// The law that holds, but for the flank.
 fn law(coupling: &Coupling, turning: &[Turning; 2], q: &[f64; 6], flank: Flank) -> Law {
-    Law { flank, ..coupling.law(&frozen(1.0, turning, q, &AT_REST)).unwrap() }
+    Law { flank, ..coupling.law(&frozen(coupling, 1.0, turning, q, &AT_REST)).unwrap() }
 }
 
 /// What the quadratic slope of a cubic piece says of it: its rise, and its second derivative at both ends.
@@ -433,7 +434,7 @@ fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
         for sigma in [-1.0, 1.0] {
             let beyond = |angle: f64, back: bool| {
                 let turning = standing([angle, 0.0]);
-                let path = coupling.engagement(&frozen(sigma, &turning, &AT_REST, &AT_REST), back).unwrap();
+                let path = coupling.engagement(&frozen(&coupling, sigma, &turning, &AT_REST, &AT_REST), back).unwrap();
                 (path.position - pitch_point) / path.pitch
             };
             let passes = -sigma * beyond(0.0, false) * TAU / TEETH[0];
@@ -454,7 +455,7 @@ fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
         for i in 0..PARTS {
             let turning = at_part((i as f64 + 0.5) / PARTS as f64);
             let law = law(&coupling, &turning, &AT_REST, flank);
-            let pose = frozen(1.0, &turning, &AT_REST, &AT_REST);
+            let pose = frozen(&coupling, 1.0, &turning, &AT_REST, &AT_REST);
             let state = coupling.state(&pose, &law).unwrap();
             if flank != Flank::Apart {
                 let path = coupling.engagement(&pose, flank == Flank::Back).unwrap();
@@ -487,7 +488,7 @@ fn flanks_press_while_their_force_pushes() {
         (-1e-6, 1.0, Flank::Apart),
     ] {
         let (q, v) = (moved(deflection), moved(rate));
-        let law = coupling.law(&frozen(1.0, &turning, &q, &v)).unwrap();
+        let law = coupling.law(&frozen(&coupling, 1.0, &turning, &q, &v)).unwrap();
         assert_eq!(law.flank, expected, "{deflection} {rate}");
         let contact = touch(&coupling, &law, &turning, &q, &v);
         let force = match expected {
@@ -531,7 +532,8 @@ proptest! {
         let turning = standing([0.0; 2]);
         let forces = |flank: Flank, q: &Vector6<f64>| {
             let law = Law { flank, ..Law::ALWAYS };
-            let pose = Pose { geometry, sigma, turning: &turning, q: q.as_slice(), v: &AT_REST };
+            let (position, velocity) = (coupling.relative(q.as_slice()), Relative::default());
+            let pose = Pose { geometry, sigma, turning: &turning, position, velocity };
             let contact = coupling.contact(&pose, &law).unwrap();
             let mut forces = Vector6::zeros();
             coupling.apply(&contact, forces.as_mut_slice());

@@ -107,8 +107,8 @@ fn tooth_pairs() -> Work {
         for i in 0..1000 {
             let angle = 1e-3 * f64::from(i);
             let turning = [Turning { angle, spin: SPEED }, Turning { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
-            let q = black_box(rest.as_slice());
-            let pose = Pose { geometry: Geometry::Live, sigma, turning: &turning, q, v: &zero };
+            let (position, velocity) = (mesh.relative(black_box(rest.as_slice())), mesh.relative(&zero));
+            let pose = Pose { geometry: Geometry::Live, sigma, turning: &turning, position, velocity };
             black_box(mesh.contact(&pose, &Law::ALWAYS).unwrap());
         }
     })

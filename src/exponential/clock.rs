@@ -24,7 +24,7 @@ impl Clock {
 
     /// The length of a step, s.
     pub fn step(&self, level: usize) -> f64 {
-        self.longest * 0.5_f64.powi(level as i32)
+        self.longest / (1_u64 << level) as f64
     }
 
     /// A tick, s.

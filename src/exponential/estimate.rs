@@ -1,6 +1,5 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
-use super::rule::MOST;
 use super::step::Stepper;
 use super::table::form;
 
@@ -15,21 +14,25 @@ impl Stepper<'_> {
             return 0.0;
         }
         let (loads, rule) = (self.field.loads(), &self.table.rule);
-        let meshes = self.missed.len();
         // π is odd or even about the middle.
         let even = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
-        let weights: [[f64; MOST]; 2] =
-            [0.0, 1.0].map(|side| std::array::from_fn(|j| if j < rule.stages() { rule.weight(j, side) } else { 0.0 }));
-        for k in 0..meshes {
-            let polynomial = |side: usize| -> f64 {
-                self.loads.chunks_exact(loads).zip(weights[side]).map(|(load, weight)| weight * load[k]).sum()
-            };
-            let (begin, end) = (self.begin_load[k] - polynomial(0), self.end_load[k] - polynomial(1));
-            self.missed[k] = (end + even * begin) / 2.0;
-            self.changed[k] = end - even * begin;
+        let (begin, end) = (&mut self.missed, &mut self.changed);
+        let meshes = begin.len();
+        begin.copy_from_slice(&self.begin_load[..meshes]);
+        end.copy_from_slice(&self.end_load[..meshes]);
+        let [at_begin, at_end] = &rule.at_ends;
+        for (load, (at_begin, at_end)) in self.loads.chunks_exact(loads).zip(at_begin.iter().zip(at_end)) {
+            for ((begin, end), load) in begin.iter_mut().zip(end.iter_mut()).zip(load) {
+                *begin -= at_begin * load;
+                *end -= at_end * load;
+            }
+        }
+        for (begin, end) in begin.iter_mut().zip(end) {
+            (*begin, *end) = ((*end + even * *begin) / 2.0, *end - even * *begin);
         }
         let (size, change) = (self.bare(&self.missed), self.bare(&self.changed));
         self.pace = if change > 0.0 { change / size } else { 0.0 };
+        self.unresolved = UNRESOLVED * size.max(change / 2.0);
         self.foretold(level, 1.0)
     }
 
@@ -45,8 +48,7 @@ impl Stepper<'_> {
     fn foretold(&self, level: usize, longer: f64) -> f64 {
         let (step, stages) = (self.table.clock.step(level), self.table.rule.stages() as i32);
         let unresolved = (longer * self.pace).min(1.0).powi(stages);
-        let missed = self.bare(&self.missed).max(self.bare(&self.changed) / 2.0);
-        (self.table.passage(level).error(&self.missed) + UNRESOLVED * step * unresolved * missed) * longer.powi(stages)
+        (self.table.passage(level).error(&self.missed) + step * unresolved * self.unresolved) * longer.powi(stages)
     }
 
     /// Energy norm that loads add to a state in a second.

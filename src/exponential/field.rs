@@ -37,6 +37,13 @@ struct Source {
     at_origin: Complex64,
 }
 
+impl Source {
+    /// e^{iϑ}.
+    fn turn(&self, elapsed: f64) -> Complex64 {
+        self.at_origin * Complex64::from_polar(1.0, self.spin * elapsed)
+    }
+}
+
 /// What acts on the linear motion.
 #[derive(Clone, Debug)]
 pub struct Field<'m> {
@@ -52,7 +59,7 @@ pub struct Field<'m> {
     sources: Vec<Source>,
     /// Synchronous amplitudes of all displacements, a column for each source.
     amplitudes: DMatrix<Complex<f64>>,
-    /// The same of the scalars and rates: row after row, source after source.
+    /// The same of the scalars and rates, source after source.
     seen: Vec<Complex64>,
     prescribed: Vec<Prescribed>,
     /// Energy norm of the synchronous motion.
@@ -104,12 +111,12 @@ impl<'m> Field<'m> {
             }
         }
         let mut seen = Vec::new();
-        for rate in kinds {
-            for entry in &entries {
-                for (index, source) in sources.iter().enumerate() {
+        for (index, source) in sources.iter().enumerate() {
+            for rate in kinds {
+                seen.extend(entries.iter().map(|entry| {
                     let value: Complex64 = entry.iter().map(|(i, factor)| amplitudes[(*i, index)] * *factor).sum();
-                    seen.push(if *rate { value * Complex64::new(0.0, source.spin) } else { value });
-                }
+                    if *rate { value * Complex64::new(0.0, source.spin) } else { value }
+                }));
             }
         }
         let mut field = Self {
@@ -161,17 +168,14 @@ impl<'m> Field<'m> {
     /// e^{iϑ} of every source.
     pub fn turns(&self, elapsed: f64, turns: &mut [Complex64]) {
         for (turn, source) in turns.iter_mut().zip(&self.sources) {
-            *turn = source.at_origin * Complex64::from_polar(1.0, source.spin * elapsed);
+            *turn = source.turn(elapsed);
         }
     }
 
     /// Adds what the synchronous motion contributes to the scalars and rates `u`.
     pub fn add_synchronous(&self, turns: &[Complex64], u: &mut [f64]) {
-        if turns.is_empty() {
-            return;
-        }
-        for (u, amplitudes) in u.iter_mut().zip(self.seen.chunks_exact(turns.len())) {
-            *u += amplitudes.iter().zip(turns).map(|(a, turn)| a.re * turn.re - a.im * turn.im).sum::<f64>();
+        for (index, turn) in turns.iter().enumerate() {
+            self.add_source(index, *turn, u);
         }
     }
 
@@ -183,10 +187,14 @@ impl<'m> Field<'m> {
     /// The same at an instant whose turns are not at hand.
     pub fn add_synchronous_at(&self, elapsed: f64, u: &mut [f64]) {
         for (index, source) in self.sources.iter().enumerate() {
-            let turn = source.at_origin * Complex64::from_polar(1.0, source.spin * elapsed);
-            for (u, amplitudes) in u.iter_mut().zip(self.seen.chunks_exact(self.sources.len())) {
-                *u += (amplitudes[index] * turn).re;
-            }
+            self.add_source(index, source.turn(elapsed), u);
+        }
+    }
+
+    /// Adds what one source contributes to the scalars and rates `u`.
+    fn add_source(&self, index: usize, turn: Complex64, u: &mut [f64]) {
+        for (u, amplitude) in u.iter_mut().zip(&self.seen[index * self.seen()..]) {
+            *u += amplitude.re * turn.re - amplitude.im * turn.im;
         }
     }
 

@@ -17,6 +17,8 @@ pub struct Rule {
     /// Coefficients of the polynomials of the loads at the beginning, at the nodes and at the end that carry the motion
     /// within a step, where a step of order 2s asks for more than the nodes alone tell.
     pub whole: Vec<Vec<f64>>,
+    /// l_j at the beginning and at the end.
+    pub at_ends: [Vec<f64>; 2],
     /// Whether each node sees the loads of those before it alone.
     pub explicit: bool,
 }
@@ -31,6 +33,7 @@ impl Rule {
             nodes: vec![0.0, 0.5, 0.5, 1.0],
             missed: vec![0.0],
             whole: [&[vec![0.0]], &lagrange[..], &[vec![0.0]]].concat(),
+            at_ends: at_ends(&lagrange),
             lagrange,
             explicit: true,
         }
@@ -51,11 +54,11 @@ impl Rule {
             }
         };
         let nodes: Vec<f64> = nodes.into_iter().map(|x| (1.0 + x) / 2.0).collect();
-        let lagrange = (0..nodes.len()).map(|j| through(&nodes, j)).collect();
+        let lagrange: Vec<Vec<f64>> = (0..nodes.len()).map(|j| through(&nodes, j)).collect();
         let missed = scaled(product_of_roots(nodes.iter().copied()), 1.0);
         let points: Vec<f64> = [&[0.0], &nodes[..], &[1.0]].concat();
         let whole = (0..points.len()).map(|j| through(&points, j)).collect();
-        Self { nodes, lagrange, missed, whole, explicit: false }
+        Self { nodes, at_ends: at_ends(&lagrange), lagrange, missed, whole, explicit: false }
     }
 
     /// What each load adds to node `i` of the explicit rule, in parts of c_i h; `half` holds φ at half the step.
@@ -96,10 +99,22 @@ impl Rule {
         std::array::from_fn(|j| self.whole.get(j).map_or(0.0, |polynomial| evaluate(polynomial, tau)))
     }
 
-    /// π(τ).
-    pub fn missing(&self, tau: f64) -> f64 {
-        evaluate(&self.missed, tau)
+    /// Weights, at the nodes of a step that is so many times as long as the one before it, of the loads at that one's end
+    /// and at its nodes, node after node: the polynomial through them.
+    pub fn beyond(&self, longer: f64, weights: &mut [f64]) {
+        for (node, weights) in self.nodes.iter().zip(weights.chunks_exact_mut(self.stages() + 1)) {
+            let tau = 1.0 + node * longer;
+            // l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
+            weights[0] = evaluate(&self.missed, tau);
+            for (j, (weight, at)) in weights[1..].iter_mut().zip(&self.nodes).enumerate() {
+                *weight = self.weight(j, tau) * (tau - 1.0) / (at - 1.0);
+            }
+        }
     }
+}
+
+fn at_ends(lagrange: &[Vec<f64>]) -> [Vec<f64>; 2] {
+    [0.0, 1.0].map(|end| lagrange.iter().map(|polynomial| evaluate(polynomial, end)).collect())
 }
 
 fn product(a: &Block, b: &Block) -> Block {

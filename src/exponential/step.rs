@@ -51,6 +51,10 @@ pub struct Stepper<'m> {
     /// How much what is missed changes over a step, and that in parts of its size.
     pub(super) changed: Vec<f64>,
     pub(super) pace: f64,
+    /// Energy norm that what is missed adds to a state in a second.
+    pub(super) unresolved: f64,
+    /// How many times as long as the step before it the last one was, with the weights that foretell its loads.
+    beyond: (f64, Vec<f64>),
     /// Contacts of the meshes at the nodes, node after node, at the beginning and at the end.
     pub(super) contacts: Vec<Contact>,
     contacts_at_begin: Vec<Contact>,
@@ -92,6 +96,8 @@ impl<'m> Stepper<'m> {
             missed: vec![0.0; field.mesh_loads()],
             changed: vec![0.0; field.mesh_loads()],
             pace: 0.0,
+            unresolved: 0.0,
+            beyond: (0.0, vec![0.0; stages * (stages + 1)]),
             newton: Newton::new(stages * field.mesh_loads()),
             contraction: f64::INFINITY,
             contacts: vec![Contact::default(); stages * field.meshes()],
@@ -205,14 +211,13 @@ impl<'m> Stepper<'m> {
         // It grows as the square of a step under stiffness, and as the step itself under damping.
         let longer = step / length;
         self.contraction = contraction * longer.max(longer * longer);
-        for (i, node) in rule.nodes.iter().enumerate() {
-            let tau = 1.0 + node * step / length;
-            // Through the nodes c_j and the end: l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
-            let of_end = rule.missing(tau);
-            let load = &mut self.loads[i * loads..(i + 1) * loads];
-            load.iter_mut().for_each(|load| *load *= of_end);
-            for (j, (at, before)) in rule.nodes.iter().zip(memory.chunks_exact(loads)).enumerate() {
-                let weight = rule.weight(j, tau) * (tau - 1.0) / (at - 1.0);
+        if self.beyond.0 != longer {
+            rule.beyond(longer, &mut self.beyond.1);
+            self.beyond.0 = longer;
+        }
+        for (load, weights) in self.loads.chunks_exact_mut(loads).zip(self.beyond.1.chunks_exact(rule.stages() + 1)) {
+            load.iter_mut().for_each(|load| *load *= weights[0]);
+            for (weight, before) in weights[1..].iter().zip(memory.chunks_exact(loads)) {
                 for (load, before) in load.iter_mut().zip(before) {
                     *load += weight * before;
                 }

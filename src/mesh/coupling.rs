@@ -45,10 +45,21 @@ pub struct Pose<'a> {
     pub sigma: f64,
     /// Angles and spins of the shafts of driver and driven gear.
     pub turning: &'a [Turning; 2],
-    /// Displacements that contain its six coordinates, m and rad.
-    pub q: &'a [f64],
-    /// Their rates.
-    pub v: &'a [f64],
+    /// What it sees of the displacements.
+    pub position: Relative,
+    /// What it sees of their rates.
+    pub velocity: Relative,
+}
+
+/// What a mesh sees of displacements, or of their rates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Relative {
+    /// u_b − u_a over (y, z), m.
+    pub apart: [f64; 2],
+    /// r_a θ_a + r_b θ_b, m.
+    pub rolled: f64,
+    /// θ_a and θ_b, rad: they matter by themselves where teeth follow the twist, or gears run off their centres.
+    pub twist: [f64; 2],
 }
 
 /// A mesh with its coordinates.
@@ -77,13 +88,6 @@ pub struct Coupling {
     run_out: Option<[(f64, f64); 2]>,
     /// The line of action of the centres at rest, for σ = −1 and +1.
     pub(super) at_rest: [LineOfAction; 2],
-}
-
-/// Displacements, or their rates, of a mesh: u_b − u_a and r_a θ_a + r_b θ_b.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Relative {
-    pub apart: [f64; 2],
-    pub rolled: f64,
 }
 
 impl Coupling {
@@ -135,12 +139,6 @@ impl Coupling {
         !self.teeth.is_stepwise() || self.error.is_some()
     }
 
-    /// The same mesh on other coordinates.
-    #[must_use]
-    pub fn on(&self, coordinates: Coordinates) -> Self {
-        Self { coordinates, ..self.clone() }
-    }
-
     /// Whether its teeth are moved by the twist, or by gears that run off their centres.
     pub fn follows(&self) -> bool {
         self.phase == Phase::Twist || self.run_out.is_some()
@@ -155,8 +153,8 @@ impl Coupling {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn centres(&self, turning: &[Turning; 2], q: &[f64]) -> Result<Centres, Overlap> {
-        self.involute.centres(self.apart(turning, q))
+    pub fn centres(&self, turning: &[Turning; 2], position: &Relative) -> Result<Centres, Overlap> {
+        self.involute.centres(self.apart(turning, position))
     }
 
     /// The coordinates that it acts on.
@@ -170,23 +168,24 @@ impl Coupling {
         self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
     }
 
+    /// What it sees of displacements that contain its coordinates, or of their rates.
     #[inline(always)]
-    pub(super) fn relative(&self, q: &[f64]) -> Relative {
+    pub fn relative(&self, q: &[f64]) -> Relative {
         let [ra, rb] = self.involute.base_radius;
-        let [a, b] = self.coordinates.twist;
+        let twist = self.coordinates.twist.map(|index| q[index]);
         let apart = match self.coordinates.translation {
             Some([a, b]) => [q[b] - q[a], q[b + 1] - q[a + 1]],
             None => [0.0; 2],
         };
-        Relative { apart, rolled: ra * q[a] + rb * q[b] }
+        Relative { apart, rolled: ra * twist[0] + rb * twist[1], twist }
     }
 
     /// Where the base circles stand off their shafts.
-    pub(super) fn eccentric(&self, turning: &[Turning; 2], q: &[f64]) -> Option<[[f64; 2]; 2]> {
+    pub(super) fn eccentric(&self, turning: &[Turning; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;
         let at = |i: usize| {
             let (size, phase): (f64, f64) = out[i];
-            let (sin, cos) = (turning[i].angle + q[self.coordinates.twist[i]] + phase).sin_cos();
+            let (sin, cos) = (turning[i].angle + twist[i] + phase).sin_cos();
             [size * cos, size * sin]
         };
         Some([at(0), at(1)])
@@ -219,9 +218,8 @@ impl Coupling {
     /// [`Overlap`] of the base circles.
     #[inline(always)]
     pub fn contact(&self, pose: &Pose<'_>, law: &Law) -> Result<Contact, Overlap> {
-        let &Pose { geometry, sigma, q, v, .. } = pose;
+        let &Pose { geometry, sigma, position, velocity, .. } = pose;
         if self.is_autonomous() && law.flank == Flank::Drive {
-            let (position, velocity) = (self.relative(q), self.relative(v));
             let lie = self.lie(geometry, position.apart)?;
             let line = self.line(sigma, &lie, position.apart);
             let deflection = sigma * position.rolled + line.deflection;
@@ -256,9 +254,9 @@ impl Coupling {
     }
 
     /// u_b − u_a of the base circles.
-    fn apart(&self, turning: &[Turning; 2], q: &[f64]) -> [f64; 2] {
-        let apart = self.relative(q).apart;
-        match self.eccentric(turning, q) {
+    fn apart(&self, turning: &[Turning; 2], position: &Relative) -> [f64; 2] {
+        let apart = position.apart;
+        match self.eccentric(turning, position.twist) {
             Some([ea, eb]) => [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]],
             None => apart,
         }
@@ -299,7 +297,7 @@ impl Coupling {
     /// [`Overlap`] of the base circles.
     pub fn state(&self, pose: &Pose<'_>, law: &Law) -> Result<MeshState, Overlap> {
         let contact = self.contact(pose, law)?;
-        let centres = self.centres(pose.turning, pose.q)?;
+        let centres = self.centres(pose.turning, &pose.position)?;
         let (first, last) = self.engagement(pose, !law.flank.drives() && law.flank.holds_back())?.engaged();
         let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {

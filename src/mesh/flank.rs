@@ -37,13 +37,12 @@ impl Coupling {
     /// [`Overlap`] of the base circles.
     #[inline(always)]
     pub(super) fn approach<'a>(&self, pose: &Pose<'a>) -> Result<Approach<'a>, Overlap> {
-        let &Pose { geometry, turning, q, v, .. } = pose;
-        let (mut position, mut velocity) = (self.relative(q), self.relative(v));
-        let eccentric = self.eccentric(turning, q);
+        let &Pose { geometry, turning, mut position, mut velocity, .. } = pose;
+        let eccentric = self.eccentric(turning, position.twist);
         let mut carried = [0.0; 2];
         if let Some([ea, eb]) = eccentric {
-            let [a, b] = self.coordinates.twist;
-            let (rate_a, rate_b) = (turning[0].spin + v[a], turning[1].spin + v[b]);
+            let [a, b] = velocity.twist;
+            let (rate_a, rate_b) = (turning[0].spin + a, turning[1].spin + b);
             position.apart = [position.apart[0] + eb[0] - ea[0], position.apart[1] + eb[1] - ea[1]];
             velocity.apart[0] += rate_a * ea[1] - rate_b * eb[1];
             velocity.apart[1] += rate_b * eb[0] - rate_a * ea[0];
@@ -118,9 +117,9 @@ impl Coupling {
     }
 
     /// Where the tooth pairs of a flank are on the path of contact.
-    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, q: &[f64]) -> Path {
+    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, twist: f64) -> Path {
         let turned = match self.phase {
-            Phase::Twist => angle + q[self.coordinates.twist[0]],
+            Phase::Twist => angle + twist,
             Phase::Prescribed => angle,
         };
         let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
@@ -135,7 +134,7 @@ impl Coupling {
 
     /// The same of teeth that meet so.
     fn path_of(&self, pose: &Pose<'_>, meeting: &Meeting) -> Path {
-        self.path(meeting.sigma, meeting.back, &meeting.line, pose.turning[0].angle, pose.q)
+        self.path(meeting.sigma, meeting.back, &meeting.line, pose.turning[0].angle, pose.position.twist[0])
     }
 
     /// Where the tooth pairs of the drive flank are on the path of contact, or those of the back flank.

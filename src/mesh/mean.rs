@@ -73,7 +73,7 @@ impl Coupling {
         };
         let centres = self.involute.centres(relative.apart)?;
         let line = self.line(sigma, &self.lie(geometry, relative.apart)?, relative.apart);
-        let (first, last) = self.path(sigma, false, &line, 0.0, q).engaged();
+        let (first, last) = self.path(sigma, false, &line, 0.0, relative.twist[0]).engaged();
         Ok(MeshState {
             deflection: drive / self.stiffness,
             force,

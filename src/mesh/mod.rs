@@ -9,5 +9,5 @@ mod mean;
 pub mod stiffness;
 
 pub use contact::{Contact, Flank, Law, MeshState, Turning};
-pub use coupling::{Coordinates, Coupling, Geometry, Pose};
+pub use coupling::{Coordinates, Coupling, Geometry, Pose, Relative};
 pub use involute::{Centres, Involute, LineOfAction, Overlap};

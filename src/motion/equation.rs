@@ -214,8 +214,10 @@ impl<'m> Motion<'m> {
 
     /// How a mesh stands.
     #[inline(always)]
-    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
-        Pose { geometry: self.geometry, sigma: self.sigma[mesh], turning, q, v }
+    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
+        let coupling = &self.model.meshes[mesh];
+        let (position, velocity) = (coupling.relative(q), coupling.relative(v));
+        Pose { geometry: self.geometry, sigma: self.sigma[mesh], turning, position, velocity }
     }
 
     /// The forces that turn with shafts whose speed changes.

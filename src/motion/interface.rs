@@ -9,7 +9,7 @@ use nalgebra::DVector;
 
 use super::Motion;
 use crate::integrate::Halt;
-use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap, Pose, Turning};
+use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap, Pose, Relative, Turning};
 use crate::scene::Phase;
 
 /// Through which scalars a mesh sees the motion.
@@ -34,15 +34,12 @@ pub struct Hold {
 
 /// The most scalars that a mesh has.
 const MOST: usize = 4;
-/// Coordinates of a mesh on its own: v and w of either gear, then θ of either.
-const OWN: usize = 6;
 
 /// The interface of one mesh with everything linear.
 #[derive(Clone, Debug)]
 pub struct Interface {
     /// Index of the mesh.
     pub mesh: usize,
-    /// The mesh on coordinates of its own.
     coupling: Coupling,
     scalars: Scalars,
     geometry: Geometry,
@@ -76,8 +73,7 @@ impl Interface {
             (false, true) => Scalars::Along,
             (false, false) => Scalars::Plane,
         };
-        let translation = global.coordinates.translation.map(|_| [0, 2]);
-        let coupling = global.on(Coordinates { translation, twist: [4, 5] });
+        let coupling = global.clone();
         let [ra, rb] = coupling.involute.base_radius;
         let [y, z] = coupling.normal_at_rest(sigma);
         let gradient = match scalars {
@@ -101,7 +97,7 @@ impl Interface {
         for (at, row) in interface.at.iter_mut().zip(Self::rows_of(global, scalars, sigma)) {
             *at = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
         }
-        (interface.held, interface.carried) = interface.mean_force()?;
+        (interface.held, interface.carried) = interface.mean_force(reference.as_slice())?;
         Ok(interface)
     }
 
@@ -146,14 +142,14 @@ impl Interface {
         }
     }
 
-    /// The coordinates of its own that have these scalars.
+    /// What the mesh sees of these scalars, or of their rates.
     #[inline(always)]
-    fn own(&self, scalars: &[f64; MOST]) -> [f64; OWN] {
-        let [ra, _] = self.coupling.involute.base_radius;
+    fn relative(&self, [a, b, c, d]: [f64; MOST]) -> Relative {
+        let [ra, rb] = self.coupling.involute.base_radius;
         match self.scalars {
-            Scalars::Along => [0.0, 0.0, 0.0, 0.0, self.sigma * scalars[0] / ra, 0.0],
-            Scalars::Plane => [0.0, 0.0, scalars[0], scalars[1], scalars[2] / ra, 0.0],
-            Scalars::Each => [0.0, 0.0, scalars[0], scalars[1], scalars[2], scalars[3]],
+            Scalars::Along => Relative { rolled: self.sigma * a, ..Relative::default() },
+            Scalars::Plane => Relative { apart: [a, b], rolled: c, ..Relative::default() },
+            Scalars::Each => Relative { apart: [a, b], rolled: ra * c + rb * d, twist: [c, d] },
         }
     }
 
@@ -169,9 +165,8 @@ impl Interface {
     }
 
     /// The generalised forces of the mean stiffness at the reference, on the flank that carries there, and its force.
-    fn mean_force(&self) -> Result<([f64; MOST], f64), Overlap> {
-        let own = self.own(&self.at);
-        let pressed = |flank| self.coupling.mean_tangent(self.geometry, self.sigma, flank, &own, |_, _, _| {});
+    fn mean_force(&self, reference: &[f64]) -> Result<([f64; MOST], f64), Overlap> {
+        let pressed = |flank| self.coupling.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
         let drive = pressed(Flank::Drive)?;
         let ((force, [y, z]), sigma) = match self.coupling.backlash {
             Some(_) if drive.0 < 0.0 => (pressed(Flank::Back)?, -self.sigma),
@@ -205,10 +200,9 @@ impl Interface {
         rates: &[f64],
         load: &mut [f64],
     ) -> Result<Contact, Halt> {
-        let (q, v) = self.place(u, rates);
         let turning = motion.turning(self.mesh, elapsed);
         let law = &motion.laws[self.mesh];
-        let contact = self.coupling.contact(&self.pose(&turning, &q, &v), law);
+        let contact = self.coupling.contact(&self.pose(&turning, u, rates), law);
         let contact = contact.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?;
         let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
         let linear = self.coupling.stiffness * along(u) + self.coupling.damping * along(rates);
@@ -278,8 +272,7 @@ impl Interface {
         if settled && !self.coupling.teeth.is_sharp() {
             return Ok(motion.laws[self.mesh]);
         }
-        let (q, v) = self.place(u, rates);
-        let law = self.coupling.law(&self.pose(&motion.turning(self.mesh, elapsed), &q, &v));
+        let law = self.coupling.law(&self.pose(&motion.turning(self.mesh, elapsed), u, rates));
         law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
@@ -292,11 +285,10 @@ impl Interface {
         if !self.coupling.teeth.is_sharp() {
             return Ok(());
         }
-        let (q, v) = self.place(u, &[]);
         let turning = motion.turning(self.mesh, elapsed);
         for back in [false, true] {
             if !back || self.coupling.backlash.is_some() {
-                let path = self.coupling.engagement(&self.pose(&turning, &q, &v), back);
+                let path = self.coupling.engagement(&self.pose(&turning, u, &[]), back);
                 let [low, high] = path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends();
                 let (first, last) = motion.laws[self.mesh].engaged[usize::from(back)];
                 ends.extend([(low, first), (high, last)]);
@@ -306,12 +298,7 @@ impl Interface {
     }
 
     #[inline(always)]
-    fn pose<'a>(&self, turning: &'a [Turning; 2], q: &'a [f64], v: &'a [f64]) -> Pose<'a> {
-        Pose { geometry: self.geometry, sigma: self.sigma, turning, q, v }
-    }
-
-    #[inline(always)]
-    fn place(&self, u: &[f64], rates: &[f64]) -> ([f64; OWN], [f64; OWN]) {
+    fn pose<'a>(&self, turning: &'a [Turning; 2], u: &[f64], rates: &[f64]) -> Pose<'a> {
         let (mut scalars, mut speeds) = (self.at, [0.0; MOST]);
         for (scalar, u) in scalars.iter_mut().zip(u) {
             *scalar += u;
@@ -319,6 +306,7 @@ impl Interface {
         for (speed, rate) in speeds.iter_mut().zip(rates) {
             *speed = *rate;
         }
-        (self.own(&scalars), self.own(&speeds))
+        let (position, velocity) = (self.relative(scalars), self.relative(speeds));
+        Pose { geometry: self.geometry, sigma: self.sigma, turning, position, velocity }
     }
 }

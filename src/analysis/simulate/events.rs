@@ -120,7 +120,7 @@ impl Events {
         };
         for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
             // Centres that overlap stop the run elsewhere.
-            if let Ok(apart) = mesh.centres(&motion.turning(index, step.end()), q) {
+            if let Ok(apart) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
                 self.see(motion, index, step.end(), &apart);
             }
         }

@@ -115,7 +115,7 @@ impl Stiffness {
             Self::Pairs { pair, engagement, relief } => {
                 let (first, last) = engagement.range(path, engaged);
                 let mut sum = Stored::default();
-                for j in first..=last {
+                for j in first..last + 1 {
                     let s = path.position + j as f64 * path.pitch;
                     let [k, slope, by_low] = pair.at(s, path.low);
                     let (entered, left) = (s - path.low, path.high - s);
