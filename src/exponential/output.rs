@@ -123,8 +123,8 @@ impl Trajectory for Course<'_, '_> {
         }
     }
 
-    fn parts(&self) -> usize {
-        4
+    fn is_resolved(&self) -> bool {
+        false
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {

@@ -14,9 +14,9 @@ pub trait Trajectory {
     /// Writes displacement and velocity of `coordinates` at an instant, each at its index.
     fn state(&mut self, elapsed: f64, coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
 
-    /// Into how many parts it is divided so that each is a small part of every period that matters.
-    fn parts(&self) -> usize {
-        1
+    /// Whether it is shorter than whatever moves: a low polynomial then is the motion within it.
+    fn is_resolved(&self) -> bool {
+        true
     }
 
     /// All displacements at the end, where they are at hand.

@@ -336,13 +336,13 @@ def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Dr
 
 @scenes(40)
 def test_energy_is_neither_made_nor_lost(scene: Drawn):
-    # Works are summed by a rule of three points a step: steps of "rk45" resolve what is fastest; those of
-    # "exponential" are longer than what damping ends at once where a bent shaft lets go.
-    for method, part in (("rk45", 1e-5), ("exponential", 1e-2)):
+    # Some ten times what the default tolerances leave of the energy; of works over steps that are longer than
+    # what damping ends at once, none is lost.
+    for method in ("rk45", "exponential"):
         balance = scene.run(record=["energy"], method=method).energy_balance()
         # a nanojoule is what a force of a newton does on a nanometre: less is nothing
         scale = max(np.abs(balance.total).max() + np.ptp(balance.work), 1e-9)
-        assert np.abs(balance.residual).max() <= part * scale
+        assert np.abs(balance.residual).max() <= 1e-5 * scale
         assert np.diff(balance.damping).max() <= 1e-9 * scale
 
 
