@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use num_complex::Complex64;
 
+use super::kernel::aligned;
 use super::level::{Passage, Sight, Transition};
 use super::phi::factorial;
 use super::rule::Rule;
@@ -122,6 +123,7 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
     }
     // Row after row: the transpose of how it is stored.
     let transition = Transition::Dense(rung.change.transpose().as_slice().to_vec());
+    let (columns, rows) = (aligned(&columns), aligned(&rows));
     (Passage { transition, columns, gram: gram(&missed, ports.meshes) }, Sight { rows, response, turns })
 }
 

@@ -3,6 +3,7 @@
 //! Sums go over fixed lanes in plain arithmetic, so their bits are the same whatever instructions a machine has; the
 //! compiler makes of them what that machine is best at (`pulp` chooses at run time).
 
+use aligned_vec::{AVec, ConstAlign};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::modal::LANES;
@@ -13,6 +14,16 @@ pub const TERMS: usize = 16;
 const WIDTH: usize = LANES / 2;
 /// One of them.
 const NARROW: usize = WIDTH / 2;
+
+/// What is read at every step begins at a cache line: half of all vector loads would cross one otherwise.
+pub type Aligned = AVec<f64, ConstAlign<LINE>>;
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+/// Numbers that begin at a cache line.
+pub fn aligned(values: &[f64]) -> Aligned {
+    Aligned::from_slice(LINE, values)
+}
 
 /// `out[i] = rows[i]·z`, rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
@@ -68,12 +79,12 @@ fn total(sum: &[f64; WIDTH]) -> f64 {
 }
 
 /// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
-pub fn advance(arch: Arch, transition: &[Vec<f64>; 4], columns: &[f64], p: &[f64], z: &[f64], out: &mut [f64]) {
+pub fn advance(arch: Arch, transition: &[Aligned; 4], columns: &[f64], p: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Advance { transition, columns, p, z, out });
 }
 
 struct Advance<'a> {
-    transition: &'a [Vec<f64>; 4],
+    transition: &'a [Aligned; 4],
     columns: &'a [f64],
     p: &'a [f64],
     z: &'a [f64],

@@ -10,7 +10,7 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::kernel;
+use super::kernel::{self, Aligned, aligned};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
 use super::rule::Rule;
 use super::table::{Ports, form, gram};
@@ -20,7 +20,7 @@ use crate::modal::Pair;
 #[derive(Clone, Debug)]
 pub enum Transition {
     /// Pair by pair: the lists of a, b, c, d of the blocks [[a, b], [c, d]].
-    Pairs([Vec<f64>; 4]),
+    Pairs([Aligned; 4]),
     /// The matrix less one, row after row.
     Dense(Vec<f64>),
 }
@@ -31,7 +31,7 @@ pub struct Passage {
     /// e^{Ah}.
     pub transition: Transition,
     /// h ψ_j b of node j and load k at j·loads + k, one after the other.
-    pub columns: Vec<f64>,
+    pub columns: Aligned,
     /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
     pub gram: Vec<f64>,
 }
@@ -40,7 +40,8 @@ impl Passage {
     /// That of a step of length `step` of a motion in pairs.
     pub fn of_pairs(pairs: &[Pair], rule: &Rule, ports: &Ports, step: f64) -> Self {
         let whole: Vec<_> = pairs.iter().map(|pair| phi_of_pair(pair, step)).collect();
-        let entry = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect();
+        let list = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect::<Vec<_>>();
+        let entry = |row: usize, column: usize| aligned(&list(row, column));
         let transition = Transition::Pairs([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]);
         let mut columns = Vec::with_capacity(rule.stages() * ports.columns.len() * 2 * pairs.len());
         for lagrange in &rule.lagrange {
@@ -49,7 +50,7 @@ impl Passage {
         }
         let chi = integrals(&rule.missed, &whole, 1.0, step);
         let missed: Vec<f64> = ports.columns[..ports.meshes].iter().flat_map(|load| apply(&chi, load)).collect();
-        Self { transition, columns, gram: gram(&missed, ports.meshes) }
+        Self { transition, columns: aligned(&columns), gram: gram(&missed, ports.meshes) }
     }
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`; `p` holds the loads at node after node.
@@ -80,7 +81,7 @@ impl Passage {
 #[derive(Clone, Debug)]
 pub struct Sight {
     /// w e^{A c_i h} of node i and scalar at i·scalars + scalar, one after the other.
-    pub rows: Vec<f64>,
+    pub rows: Aligned,
     /// H: for each node i column (j, load) after column, of its scalars.
     pub response: Vec<Vec<f64>>,
     /// e^{iΩ c_i h} of node i and source s at i·sources + s.
@@ -113,7 +114,7 @@ impl Sight {
                 }
             }
         }
-        Self { rows, response, turns }
+        Self { rows: aligned(&rows), response, turns }
     }
 
     /// `u += H_i p` of node `i`; loads beyond those in `p` are none.

@@ -5,7 +5,7 @@ use pulp::Arch;
 
 use super::driver::Reached;
 use super::field::Field;
-use super::kernel;
+use super::kernel::{self, Aligned, aligned};
 use super::sample::Sample;
 use crate::integrate::{Span, Trajectory};
 use crate::modal::Linear;
@@ -23,7 +23,7 @@ pub struct Selection {
 #[derive(Clone, Debug)]
 pub struct Output {
     selection: Selection,
-    rows: Vec<f64>,
+    rows: Aligned,
     reference: Vec<f64>,
     amplitudes: Vec<Complex64>,
     values: Vec<f64>,
@@ -39,14 +39,14 @@ impl Output {
             let displacements = selection.displacements.iter().map(|index| (*index, false));
             displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
         };
-        let rows = both().flat_map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
+        let rows: Vec<f64> = both().flat_map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
         let amplitudes = both().flat_map(|(index, rate)| field.amplitudes(index, rate)).collect();
         let reference = both().map(|(index, rate)| if rate { 0.0 } else { field.reference[index] }).collect();
         Self {
             values: vec![0.0; both().count()],
             ends: std::array::from_fn(|_| vec![0.0; both().count()]),
             turns: vec![Complex64::ZERO; field.sources()],
-            rows,
+            rows: aligned(&rows),
             reference,
             amplitudes,
             selection,

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::field::Field;
+use super::kernel::{Aligned, aligned};
 use super::newton::Newton;
 use super::rule::MOST;
 use super::shift::Powers;
@@ -22,9 +23,9 @@ pub struct Stepper<'m> {
     pub(super) arch: Arch,
     /// How many steps were tried.
     pub(super) steps: u64,
-    bare_rows: Vec<f64>,
+    bare_rows: Aligned,
     /// Columns b, one after the other.
-    pub(super) bare_columns: Vec<f64>,
+    pub(super) bare_columns: Aligned,
     /// Columns Aᵐ b, for loads that jump.
     pub(super) powers: Powers,
     /// Accelerations of the scalars under each load.
@@ -77,8 +78,8 @@ impl<'m> Stepper<'m> {
         Self {
             arch: Arch::new(),
             steps: 0,
-            bare_rows: ports.rows.concat(),
-            bare_columns: ports.columns.concat(),
+            bare_rows: aligned(&ports.rows.concat()),
+            bare_columns: aligned(&ports.columns.concat()),
             powers: Powers::new(linear, ports),
             mobility: mobility(linear, ports, field.mesh_loads()),
             loads: vec![0.0; stages * loads],
