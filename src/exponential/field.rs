@@ -82,7 +82,7 @@ impl<'m> Field<'m> {
         let model = motion.model();
         let interface = |mesh| Interface::new(&motion, mesh, &reference).map_err(|overlap| (mesh, overlap));
         let interfaces = (0..model.meshes.len()).map(interface).collect::<Result<Vec<_>, _>>()?;
-        let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(|interface| interface.rows(&motion)).collect();
+        let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(Interface::rows).collect();
         let rates = interfaces.iter().any(Interface::has_rates);
         let kinds: &[bool] = if rates { &[false, true] } else { &[false] };
         let rows: Vec<Vec<f64>> =
@@ -292,12 +292,10 @@ impl<'m> Field<'m> {
         (q, v)
     }
 
-    /// Synchronous amplitudes of one displacement, or of its rate, source after source.
-    pub fn amplitudes(&self, index: usize, rate: bool) -> impl Iterator<Item = Complex64> + '_ {
-        self.sources.iter().enumerate().map(move |(source, turning)| {
-            let amplitude = self.amplitudes[(index, source)];
-            if rate { amplitude * Complex64::new(0.0, turning.spin) } else { amplitude }
-        })
+    /// Synchronous amplitude that a source makes of one displacement, or of its rate.
+    pub fn amplitude(&self, source: usize, index: usize, rate: bool) -> Complex64 {
+        let amplitude = self.amplitudes[(index, source)];
+        if rate { amplitude * Complex64::new(0.0, self.sources[source].spin) } else { amplitude }
     }
 
     /// Number of sources.

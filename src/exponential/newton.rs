@@ -52,29 +52,37 @@ impl Newton {
     pub fn solve(&mut self) -> bool {
         let n = self.size;
         for column in 0..n {
-            let size = |row: usize| self.matrix[row * n + column].abs();
-            let pivot = (column..n).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(column);
-            let value = self.matrix[pivot * n + column];
+            let (mut pivot, mut value) = (column, 0.0_f64);
+            for row in column..n {
+                let entry = self.matrix[row * n + column];
+                if entry.abs() >= value.abs() || entry.is_nan() {
+                    (pivot, value) = (row, entry);
+                }
+            }
             if value == 0.0 || !value.is_finite() {
                 return false;
             }
-            for k in 0..n {
-                self.matrix.swap(column * n + k, pivot * n + k);
+            let (above, below) = self.matrix.split_at_mut((column + 1) * n);
+            let line = &mut above[column * n..];
+            if pivot != column {
+                line.swap_with_slice(&mut below[(pivot - column - 1) * n..(pivot - column) * n]);
+                self.right.swap(column, pivot);
             }
-            self.right.swap(column, pivot);
-            for row in column + 1..n {
-                let factor = self.matrix[row * n + column] / value;
+            let (known, unknown) = self.right.split_at_mut(column + 1);
+            for (row, right) in below.chunks_exact_mut(n).zip(unknown) {
+                let factor = row[column] / value;
                 if factor != 0.0 {
-                    for k in column..n {
-                        self.matrix[row * n + k] -= factor * self.matrix[column * n + k];
+                    for (entry, above) in row[column..].iter_mut().zip(&line[column..]) {
+                        *entry -= factor * above;
                     }
-                    self.right[row] -= factor * self.right[column];
+                    *right -= factor * known[column];
                 }
             }
         }
-        for row in (0..n).rev() {
-            let known: f64 = (row + 1..n).map(|k| self.matrix[row * n + k] * self.right[k]).sum();
-            self.right[row] = (self.right[row] - known) / self.matrix[row * n + row];
+        for (row, line) in self.matrix.chunks_exact(n.max(1)).enumerate().rev() {
+            let (unknown, known) = self.right.split_at_mut(row + 1);
+            let taken: f64 = line[row + 1..].iter().zip(known).map(|(entry, known)| entry * *known).sum();
+            unknown[row] = (unknown[row] - taken) / line[row];
         }
         true
     }

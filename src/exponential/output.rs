@@ -25,6 +25,7 @@ pub struct Output {
     selection: Selection,
     rows: Aligned,
     reference: Vec<f64>,
+    /// Of the synchronous motion, source after source.
     amplitudes: Vec<Complex64>,
     values: Vec<f64>,
     ends: [Vec<f64>; 4],
@@ -40,7 +41,9 @@ impl Output {
             displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
         };
         let rows: Vec<f64> = both().flat_map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
-        let amplitudes = both().flat_map(|(index, rate)| field.amplitudes(index, rate)).collect();
+        let amplitudes = (0..field.sources())
+            .flat_map(|source| both().map(move |(index, rate)| field.amplitude(source, index, rate)))
+            .collect();
         let reference = both().map(|(index, rate)| if rate { 0.0 } else { field.reference[index] }).collect();
         Self {
             values: vec![0.0; both().count()],
@@ -76,11 +79,13 @@ impl Output {
     /// Adds what is carried to the values and writes them where they belong.
     fn write(&mut self, field: &Field<'_>, elapsed: f64, q: &mut [f64], v: &mut [f64]) {
         field.turns(elapsed, &mut self.turns);
-        let sources = self.turns.len();
-        for (at, (value, reference)) in self.values.iter_mut().zip(&self.reference).enumerate() {
-            let amplitudes = &self.amplitudes[at * sources..(at + 1) * sources];
-            let carried = amplitudes.iter().zip(&self.turns).map(|(a, turn)| a.re * turn.re - a.im * turn.im);
-            *value += reference + carried.sum::<f64>();
+        for (value, reference) in self.values.iter_mut().zip(&self.reference) {
+            *value += reference;
+        }
+        for (turn, amplitudes) in self.turns.iter().zip(self.amplitudes.chunks_exact(self.values.len().max(1))) {
+            for (value, amplitude) in self.values.iter_mut().zip(amplitudes) {
+                *value += amplitude.re * turn.re - amplitude.im * turn.im;
+            }
         }
         let (displacements, velocities) = self.values.split_at(self.selection.displacements.len());
         for (index, value) in self.selection.displacements.iter().zip(displacements) {

@@ -62,18 +62,17 @@ impl Interface {
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
     pub fn new(motion: &Motion, mesh: usize, reference: &DVector<f64>) -> Result<Self, Overlap> {
-        let global = &motion.model.meshes[mesh];
+        let coupling = motion.model.meshes[mesh].clone();
         let (geometry, sigma) = (motion.geometry, motion.sigma[mesh]);
-        let follows_twist = global.phase == Phase::Twist && !global.teeth.is_constant();
+        let follows_twist = coupling.phase == Phase::Twist && !coupling.teeth.is_constant();
         // The line of action of the back flank is another one, unless there is no bending.
-        let frozen = geometry == Geometry::Frozen && global.backlash.is_none();
-        let flat = frozen || global.coordinates.translation.is_none();
-        let scalars = match (follows_twist || global.has_run_out(), flat) {
+        let frozen = geometry == Geometry::Frozen && coupling.backlash.is_none();
+        let flat = frozen || coupling.coordinates.translation.is_none();
+        let scalars = match (follows_twist || coupling.has_run_out(), flat) {
             (true, _) => Scalars::Each,
             (false, true) => Scalars::Along,
             (false, false) => Scalars::Plane,
         };
-        let coupling = global.clone();
         let [ra, rb] = coupling.involute.base_radius;
         let [y, z] = coupling.normal_at_rest(sigma);
         let gradient = match scalars {
@@ -94,7 +93,8 @@ impl Interface {
             mobility: motion.mobility(mesh),
             gradient,
         };
-        for (at, row) in interface.at.iter_mut().zip(Self::rows_of(global, scalars, sigma)) {
+        let rows = interface.rows();
+        for (at, row) in interface.at.iter_mut().zip(rows) {
             *at = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
         }
         (interface.held, interface.carried) = interface.mean_force(reference.as_slice())?;
@@ -123,15 +123,12 @@ impl Interface {
 
     /// Every scalar as entries (index, coefficient) over the displacements of the model; a load on it acts on the same
     /// coordinates with the same coefficients.
-    pub fn rows(&self, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
-        Self::rows_of(&motion.model.meshes[self.mesh], self.scalars, self.sigma)
-    }
-
-    fn rows_of(coupling: &Coupling, scalars: Scalars, sigma: f64) -> Vec<Vec<(usize, f64)>> {
+    pub fn rows(&self) -> Vec<Vec<(usize, f64)>> {
+        let (coupling, sigma) = (&self.coupling, self.sigma);
         let [ra, rb] = coupling.involute.base_radius;
         let Coordinates { translation, twist: [a, b] } = coupling.coordinates;
         let apart = |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
-        match scalars {
+        match self.scalars {
             Scalars::Along => {
                 let mut row = Vec::new();
                 coupling.gradient(sigma, coupling.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
