@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -50,12 +51,26 @@ class EnoughError(Exception):
     pass
 
 
+class Pause:
+    """Takes longer at first than a run waits before it asks again: it then asks after a few steps on any machine."""
+
+    left = 6
+
+    def __call__(self, _: float) -> None:
+        if self.left > 0:
+            self.left -= 1
+            time.sleep(0.06)
+
+
 class Stop:
     """Ends a run as soon as it has taken a step."""
 
-    begun: float | None = None
+    def __init__(self, pause: Pause) -> None:
+        self.pause = pause
+        self.begun: float | None = None
 
     def __call__(self, fraction: float) -> None:
+        self.pause(fraction)
         self.begun = fraction if self.begun is None else self.begun
         if self.begun < fraction < 1.0:
             raise EnoughError
@@ -83,15 +98,16 @@ def test_a_run_that_is_stopped_everywhere_is_the_whole(name, tmp_path, writings)
     system, path = RUNS[name][0].package(), tmp_path / "run.npz"
     whole = system.simulate(**asked(name))
     # the run is taken apart at every question whether to go on, first within one call,
-    found = system.simulate(**asked(name), checkpoint=path, every=1e-9)
+    found = system.simulate(**asked(name), checkpoint=path, every=1e-9, progress=Pause())
     assert_same(found, whole)
     assert_same(gb.Response.load(path), whole)
     assert len(writings) > 2
     # then from call to call
     path.unlink()
+    pause = Pause()
     for _ in range(100):
         try:
-            found = system.simulate(**asked(name), checkpoint=path, progress=Stop())
+            found = system.simulate(**asked(name), checkpoint=path, progress=Stop(pause))
             break
         except EnoughError as error:
             done = np.unique(error.response.time)  # type: ignore[attr-defined]
@@ -119,7 +135,7 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
 KILLED = """
 import os, signal, sys
 from gearbow import storage
-from test_checkpoint import RUNS, asked
+from test_checkpoint import RUNS, Pause, asked
 
 count, replace = [], storage.Path.replace
 
@@ -130,7 +146,8 @@ def twice(self, target):
     return replace(self, target)
 
 storage.Path.replace = twice
-RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[1], every=1e-9)
+often = {"every": 1e-9, "progress": Pause()}
+RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[1], **often)
 """
 
 
@@ -153,7 +170,10 @@ def test_ctrl_c_leaves_the_newest_state(tmp_path):
     path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
 
+    pause = Pause()
+
     def interrupt(fraction: float) -> None:
+        pause(fraction)
         if fraction > 0.0:
             signal.raise_signal(signal.SIGINT)
 
@@ -170,7 +190,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
     path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     with pytest.raises(EnoughError):
-        system.simulate(**options, checkpoint=path, progress=Stop())
+        system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
     before = path.read_bytes()
 
     def interrupted(file: Any, **_: Any) -> None:
@@ -180,7 +200,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
     with monkeypatch.context() as patch:
         patch.setattr(np, "savez", interrupted)
         with pytest.raises(KeyboardInterrupt) as caught:
-            system.simulate(**options, checkpoint=path, every=1e-9)
+            system.simulate(**options, checkpoint=path, every=1e-9, progress=Pause())
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
     # what was computed is not lost with it
@@ -214,13 +234,13 @@ def test_a_full_disk_does_not_end_the_run(tmp_path):
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     whole = system.simulate(**options)
     with pytest.raises(EnoughError):
-        system.simulate(**options, checkpoint=path, progress=Stop())
+        system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
     before = path.read_bytes()
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # no file may become longer
     try:
         with pytest.warns(gb.CheckpointWarning, match=r"run\.npz could not be written"):
-            found = system.simulate(**options, checkpoint=path, every=1e-9)
+            found = system.simulate(**options, checkpoint=path, every=1e-9, progress=Pause())
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert_same(found, whole)

@@ -21,7 +21,7 @@ const RULE: [(f64, f64, f64); 7] = [
 const GAUSS: usize = 3;
 
 /// The rules agree where they differ by this part of all that has been done.
-const SAME: f64 = 1e-6;
+const SAME: f64 = 1e-8;
 /// How often a step is halved at most.
 const HALVINGS: usize = 20;
 
