@@ -193,9 +193,7 @@ impl<'m> Field<'m> {
 
     /// Adds what one source contributes to the scalars and rates `u`.
     fn add_source(&self, index: usize, turn: Complex64, u: &mut [f64]) {
-        for (u, amplitude) in u.iter_mut().zip(&self.seen[index * self.seen()..]) {
-            *u += amplitude.re * turn.re - amplitude.im * turn.im;
-        }
+        add_turned(&self.seen[index * self.seen()..], turn, u);
     }
 
     /// The loads at scalars and rates `u`, of which each mesh takes its own, and the contacts of the meshes.
@@ -315,6 +313,14 @@ impl<'m> Field<'m> {
             }
         }
         sum.max(0.0).sqrt()
+    }
+}
+
+/// Adds the real parts of amplitudes that have turned by `turn` to `values`.
+#[inline]
+pub(super) fn add_turned(amplitudes: &[Complex64], turn: Complex64, values: &mut [f64]) {
+    for (value, amplitude) in values.iter_mut().zip(amplitudes) {
+        *value += amplitude.re * turn.re - amplitude.im * turn.im;
     }
 }
 

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::driver::Reached;
-use super::field::Field;
+use super::field::{Field, add_turned};
 use super::kernel::{self, Aligned, aligned};
 use super::sample::Sample;
 use crate::integrate::{Span, Trajectory};
@@ -83,9 +83,7 @@ impl Output {
             *value += reference;
         }
         for (turn, amplitudes) in self.turns.iter().zip(self.amplitudes.chunks_exact(self.values.len().max(1))) {
-            for (value, amplitude) in self.values.iter_mut().zip(amplitudes) {
-                *value += amplitude.re * turn.re - amplitude.im * turn.im;
-            }
+            add_turned(amplitudes, *turn, &mut self.values);
         }
         let (displacements, velocities) = self.values.split_at(self.selection.displacements.len());
         for (index, value) in self.selection.displacements.iter().zip(displacements) {
