@@ -6,9 +6,7 @@ mod common;
 use std::f64::consts::PI;
 
 use gearbow::mesh::stiffness::Path;
-use gearbow::mesh::{
-    Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Relative, Turning,
-};
+use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Turning};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
@@ -77,8 +75,7 @@ struct Contact {
 const STILL: [Turning; 2] = [Turning { angle: 0.0, spin: 0.0 }; 2];
 
 fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
-    let (position, velocity) = (coupling.relative(q), coupling.relative(v));
-    let found = coupling.contact(&Pose { geometry, sigma, turning: &STILL, position, velocity }, &Law::ALWAYS)?;
+    let found = coupling.contact(&coupling.pose(geometry, sigma, &STILL, q, v), &Law::ALWAYS)?;
     let LineOfAction { normal, across, tangent, .. } = match geometry {
         Geometry::Live => coupling.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
         Geometry::Frozen => coupling.involute.line_at_rest(sigma),
@@ -88,8 +85,7 @@ fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f6
 
 /// Live geometry at rest in displacements.
 fn still(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Pose<'static> {
-    let (position, velocity) = (coupling.relative(q.as_slice()), Relative::default());
-    Pose { geometry: Geometry::Live, sigma, turning: &STILL, position, velocity }
+    coupling.pose(Geometry::Live, sigma, &STILL, q.as_slice(), &[0.0; 6])
 }
 
 fn at_rest(coupling: &Coupling, sigma: f64) -> Contact {

@@ -76,8 +76,7 @@ impl Course {
     }
 
     fn pose<'a>(&self, coupling: &Coupling, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
-        let (position, velocity) = (coupling.relative(q), coupling.relative(v));
-        Pose { geometry: self.geometry, sigma: self.sigma(), turning, position, velocity }
+        coupling.pose(self.geometry, self.sigma(), turning, q, v)
     }
 }
 

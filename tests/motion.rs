@@ -5,7 +5,7 @@ mod common;
 
 use common::{Noise, basis, everything, free_train, largest, motion, points, train};
 use gearbow::integrate::System as _;
-use gearbow::mesh::{Geometry, Law, Pose, Turning};
+use gearbow::mesh::{Geometry, Law, Turning};
 use gearbow::modal::Basis;
 use gearbow::motion::{Motion, phase};
 use gearbow::scene::Node;
@@ -105,9 +105,8 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
         let mut force = vec![0.0; n];
         for (index, mesh) in model.meshes.iter().enumerate() {
             let sigma = model.sigma(index, speed);
-            let (position, velocity) = (mesh.relative(q), mesh.relative(v));
-            let pose = Pose { geometry, sigma, turning: &[Turning::default(); 2], position, velocity };
-            let contact = mesh.contact(&pose, &Law::ALWAYS).unwrap();
+            let turning = [Turning::default(); 2];
+            let contact = mesh.contact(&mesh.pose(geometry, sigma, &turning, q, v), &Law::ALWAYS).unwrap();
             mesh.apply(&contact, &mut force);
         }
         forces.push(DVector::from_vec(force));

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::COORDINATES;
 use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, Cycle, Pair, Path, Stiffness, Tooth, UniformCurve, iso6336};
-use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Relative, Turning};
+use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Turning};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -41,8 +41,7 @@ fn at_part(part: f64) -> [Turning; 2] {
 
 /// The mesh in frozen geometry.
 fn frozen<'a>(coupling: &Coupling, sigma: f64, turning: &'a [Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Pose<'a> {
-    let (position, velocity) = (coupling.relative(q), coupling.relative(v));
-    Pose { geometry: Geometry::Frozen, sigma, turning, position, velocity }
+    coupling.pose(Geometry::Frozen, sigma, turning, q, v)
 }
 
 fn touch(coupling: &Coupling, law: &Law, turning: &[Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Contact {
@@ -532,8 +531,7 @@ proptest! {
         let turning = standing([0.0; 2]);
         let forces = |flank: Flank, q: &Vector6<f64>| {
             let law = Law { flank, ..Law::ALWAYS };
-            let (position, velocity) = (coupling.relative(q.as_slice()), Relative::default());
-            let pose = Pose { geometry, sigma, turning: &turning, position, velocity };
+            let pose = coupling.pose(geometry, sigma, &turning, q.as_slice(), &AT_REST);
             let contact = coupling.contact(&pose, &law).unwrap();
             let mut forces = Vector6::zeros();
             coupling.apply(&contact, forces.as_mut_slice());

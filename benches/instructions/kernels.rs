@@ -6,7 +6,7 @@ use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simul
 use gearbow::analysis::{Spectrum, equilibrium};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, Control, RungeKutta, State, Statistics, System as _, run};
-use gearbow::mesh::{Geometry, Law, Pose, Turning};
+use gearbow::mesh::{Geometry, Law, Turning};
 use gearbow::modal::{self, Basis};
 use gearbow::model::Model;
 use gearbow::scene::Scene;
@@ -107,8 +107,7 @@ fn tooth_pairs() -> Work {
         for i in 0..1000 {
             let angle = 1e-3 * f64::from(i);
             let turning = [Turning { angle, spin: SPEED }, Turning { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
-            let (position, velocity) = (mesh.relative(black_box(rest.as_slice())), mesh.relative(&zero));
-            let pose = Pose { geometry: Geometry::Live, sigma, turning: &turning, position, velocity };
+            let pose = mesh.pose(Geometry::Live, sigma, &turning, black_box(rest.as_slice()), &zero);
             black_box(mesh.contact(&pose, &Law::ALWAYS).unwrap());
         }
     })

@@ -180,6 +180,19 @@ impl Coupling {
         Relative { apart, rolled: ra * twist[0] + rb * twist[1], twist }
     }
 
+    /// How it stands in displacements `q` that contain its coordinates, with rates `v`.
+    #[inline(always)]
+    pub fn pose<'a>(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        turning: &'a [Turning; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Pose<'a> {
+        Pose { geometry, sigma, turning, position: self.relative(q), velocity: self.relative(v) }
+    }
+
     /// Where the base circles stand off their shafts.
     pub(super) fn eccentric(&self, turning: &[Turning; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;

@@ -215,9 +215,7 @@ impl<'m> Motion<'m> {
     /// How a mesh stands.
     #[inline(always)]
     pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
-        let coupling = &self.model.meshes[mesh];
-        let (position, velocity) = (coupling.relative(q), coupling.relative(v));
-        Pose { geometry: self.geometry, sigma: self.sigma[mesh], turning, position, velocity }
+        self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], turning, q, v)
     }
 
     /// The forces that turn with shafts whose speed changes.
