@@ -32,7 +32,7 @@ fn pressed(basis: &Basis, back: bool) -> (Motion<'_>, Interface) {
     let deflection = if back { -CARRIED / STIFFNESS - BACKLASH } else { CARRIED / STIFFNESS };
     let mut reference = DVector::zeros(basis.model.len());
     reference[mesh.coordinates.twist[0]] = sigma * deflection / mesh.involute.base_radius[0];
-    let interface = Interface::new(&motion, 0, &reference).unwrap();
+    let interface = Interface::new(&motion, 0, &reference, true).unwrap();
     (motion, interface)
 }
 

@@ -31,6 +31,10 @@ impl Driver {
         level: usize,
         state: &State,
     ) -> Result<Option<Change>, Halt> {
+        // Flanks that stay as they are change no law, and teeth that come and go smoothly none either.
+        if !stepper.sharp && !self.settled.is_empty() && !self.settled.contains(&false) {
+            return Ok(None);
+        }
         let step = stepper.table.clock.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;
@@ -61,6 +65,11 @@ impl Driver {
             stepper.measure_off(change, state.elapsed + change * step, z, &mut self.point, &mut self.off);
             let near = ((change - NEAR).max(begin), (change + NEAR).min(1.0));
             if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
+                // It is off by more than the scalars move: only the motion itself tells.
+                if let Some(found) = self.bisect(stepper, level, state, (begin, high))? {
+                    change = found;
+                    self.keep_laws(stepper, state, step, change)?;
+                }
                 break;
             }
             let again = self.narrow(stepper, state, step, near)?;
@@ -82,6 +91,38 @@ impl Driver {
         let units = self.clock.ticks(level) / unit;
         let whole = ((change * units as f64).floor() as u64).min(units);
         Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
+    }
+
+    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the polynomial
+    /// is left to meet it there. None where flanks graze: what has just been adopted is the law by round-off alone.
+    fn bisect(
+        &mut self,
+        stepper: &Stepper<'_>,
+        level: usize,
+        state: &State,
+        (mut low, mut high): (f64, f64),
+    ) -> Result<Option<f64>, Halt> {
+        let step = stepper.table.clock.step(level);
+        let changed = |driver: &mut Self, part: f64| {
+            let z = driver.sample.within(stepper, level, &state.y, part * step);
+            stepper.measure_off(part, state.elapsed + part * step, z, &mut driver.point, &mut driver.off);
+            driver.changed(stepper, state, step, part)
+        };
+        if !changed(self, high)? {
+            high = 1.0;
+        }
+        if changed(self, low)? {
+            (low, high) = ((state.carry / step).min(1.0), low);
+            if low >= high || changed(self, low)? {
+                return Ok(None);
+            }
+        }
+        while high - low > RESOLUTION {
+            let middle = (low + high) / 2.0;
+            if changed(self, middle)? { high = middle } else { low = middle }
+        }
+        changed(self, high)?;
+        Ok(Some(high))
     }
 
     /// Keeps the laws that hold after a part of a step, on the scalars on which it was found.

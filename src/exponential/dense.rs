@@ -13,8 +13,8 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use num_complex::Complex64;
 
-use super::kernel::aligned;
 use super::level::{Passage, Sight, Transition};
+use super::packed::Columns;
 use super::phi::factorial;
 use super::rule::Rule;
 use super::table::{Ports, Table, gram};
@@ -96,9 +96,9 @@ fn weighted(rung: &Rung, polynomial: &[f64], load: usize) -> DVector<f64> {
 fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turns: Vec<Complex64>) -> (Passage, Sight) {
     let rung = &rungs[rungs.len() - 1];
     let (stages, loads, scalars) = (rule.stages(), ports.columns.len(), ports.rows.len());
-    let columns: Vec<f64> = (0..stages)
+    let columns: Vec<Vec<f64>> = (0..stages)
         .flat_map(|j| (0..loads).map(move |k| (j, k)))
-        .flat_map(|(j, k)| weighted(rung, &rule.lagrange[j], k).as_slice().to_vec())
+        .map(|(j, k)| weighted(rung, &rule.lagrange[j], k).as_slice().to_vec())
         .collect();
     let missed: Vec<f64> =
         (0..ports.meshes).flat_map(|k| weighted(rung, &rule.missed, k).as_slice().to_vec()).collect();
@@ -106,11 +106,7 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
     let mut rows = Vec::new();
     let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
     for (i, node) in rule.nodes.iter().enumerate() {
-        for (scalar, row) in ports.rows.iter().enumerate() {
-            let seen = row_after(matrix, rungs, row, *node);
-            rows.extend(seen.iter());
-            debug_assert_eq!(rows.len(), (i * scalars + scalar + 1) * row.len());
-        }
+        rows.extend(ports.rows.iter().map(|row| row_after(matrix, rungs, row, *node).as_slice().to_vec()));
         for j in 0..stages {
             for k in 0..loads {
                 let state = loaded(matrix, rungs, rule, &ports.columns[k], (j, k), *node);
@@ -123,8 +119,8 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
     }
     // Row after row: the transpose of how it is stored.
     let transition = Transition::Dense(rung.change.transpose().as_slice().to_vec());
-    let (columns, rows) = (aligned(&columns), aligned(&rows));
-    (Passage { transition, columns, gram: gram(&missed, ports.meshes) }, Sight { rows, response, turns })
+    let columns = Columns::new(&columns, &ports.parts);
+    (Passage { transition, columns, gram: gram(&missed, ports.meshes) }, Sight::of_rows(ports, &rows, &response, turns))
 }
 
 /// The rungs that make up a part of the last one, longest first, and what is left of it, both in parts of its length.

@@ -29,7 +29,7 @@ const SAFETY: f64 = 0.5;
 /// Halvings at once of a step whose error is too large: of steps much shorter it says nothing.
 const HALVINGS: usize = 4;
 /// Loads are found to this part of the tolerance,
-const SOLVED: f64 = 0.03;
+const SOLVED: f64 = 0.01;
 /// or of this tolerance, where the one asked for is looser: collocation is stable whatever its steps, loads that are
 /// half found are not.
 const LOOSEST: f64 = 1e-3;
@@ -123,7 +123,7 @@ impl Driver {
             after: Vec::new(),
             settled: Vec::new(),
             at_once: 0,
-            size: stepper.size(&state.y),
+            size: 0.0,
         }
     }
 
@@ -146,6 +146,7 @@ impl Driver {
             stepper.field.motion.set_laws(&state.laws);
         }
         stepper.look(state.elapsed, &state.y, &mut looks)?;
+        self.size = stepper.size(&state.y);
         statistics.begin(looks.evaluations);
         let mut read = |q: &mut [f64], v: &mut [f64]| output.read(&stepper.field, state.elapsed, &state.y, q, v);
         observer.switched(state.elapsed, &mut read, &state.laws);
@@ -163,6 +164,11 @@ impl Driver {
             let change =
                 if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
             let until = change.map_or(state.elapsed + length, |change| change.at);
+            if (held || change.is_some()) && self.is_off(stepper, level, state, until, statistics)? {
+                statistics.rejected += 1;
+                self.wanted = level + 1;
+                continue;
+            }
             if observer.sees_every_step() || observer.next().is_some_and(|next| next <= until) {
                 let reached = Reached { stepper, level, z: &state.y, begin: state.elapsed, end: until };
                 let mut course = Course { reached, output, sample: &mut self.sample };
@@ -200,6 +206,29 @@ impl Driver {
         Ok(())
     }
 
+    /// Whether the loads that a step ends with early, at `until`, are not those of its polynomial to within the tolerance:
+    /// that is less exact than the end of the step.
+    fn is_off(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        level: usize,
+        state: &State,
+        until: f64,
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        let Control::Adaptive { rtol, floor } = self.control else {
+            return Ok(false);
+        };
+        let within = until - state.elapsed;
+        if level == self.clock.finest || within <= 0.0 {
+            return Ok(false);
+        }
+        let z = self.sample.within(stepper, level, &state.y, within);
+        let missed = stepper.missed_at(within / self.clock.step(level), until, z, &mut self.point, &mut self.loads)?;
+        statistics.evaluations += 1;
+        Ok(within * missed > rtol * self.size.max(floor))
+    }
+
     /// Ticks from `count` to the grid of a level, at least one and at most a step of it.
     fn to_grid(&self, count: u64, level: usize) -> u64 {
         let ticks = self.clock.ticks(level);
@@ -229,6 +258,7 @@ impl Driver {
         state.memory.truncate(1);
         if stepper.remembers() && ticks == self.clock.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
+            state.memory.extend_from_slice(&stepper.nodes);
             state.memory.extend([self.clock.step(level), stepper.contraction]);
         }
     }

@@ -1,7 +1,9 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
+use super::kernel;
 use super::step::Stepper;
 use super::table::form;
+use crate::integrate::Halt;
 
 /// Of a load that is not resolved, this part counts: the mean of |π|, and some more.
 const UNRESOLVED: f64 = 0.5;
@@ -49,6 +51,29 @@ impl Stepper<'_> {
         let (step, stages) = (self.table.clock.step(level), self.table.rule.stages() as i32);
         let unresolved = (longer * self.pace).min(1.0).powi(stages);
         (self.table.passage(level).error(&self.missed) + step * unresolved * self.unresolved) * longer.powi(stages)
+    }
+
+    /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second; the
+    /// state there is `z`, and `point` and `loads` are room for what it sees and for its loads.
+    pub(super) fn missed_at(
+        &mut self,
+        part: f64,
+        elapsed: f64,
+        z: &[f64],
+        point: &mut [f64],
+        loads: &mut [f64],
+    ) -> Result<f64, Halt> {
+        kernel::seen(self.arch, &self.bare_rows, z, point);
+        self.field.add_synchronous_at(elapsed, point);
+        self.load_at(elapsed, point, loads)?;
+        let mut polynomial = std::mem::take(&mut self.at_part);
+        self.loads_at(part, &mut polynomial);
+        self.at_part = polynomial;
+        let meshes = self.missed.len();
+        for ((missed, load), polynomial) in self.changed.iter_mut().zip(&loads[..meshes]).zip(&self.at_part) {
+            *missed = load - polynomial;
+        }
+        Ok(UNRESOLVED * self.bare(&self.changed))
     }
 
     /// Energy norm that loads add to a state in a second.

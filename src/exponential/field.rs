@@ -7,7 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::table::Ports;
+use super::table::{Ports, Tangent};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, Overlap};
 use crate::modal::Linear;
@@ -80,7 +80,8 @@ impl<'m> Field<'m> {
         synchronous: &DMatrix<Complex<f64>>,
     ) -> Result<(Self, Ports), (usize, Overlap)> {
         let model = motion.model();
-        let interface = |mesh| Interface::new(&motion, mesh, &reference).map_err(|overlap| (mesh, overlap));
+        let interface =
+            |mesh| Interface::new(&motion, mesh, &reference, linear.meshed).map_err(|overlap| (mesh, overlap));
         let interfaces = (0..model.meshes.len()).map(interface).collect::<Result<Vec<_>, _>>()?;
         let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(Interface::rows).collect();
         let rates = interfaces.iter().any(Interface::has_rates);
@@ -89,6 +90,7 @@ impl<'m> Field<'m> {
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
         let mut columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
         let meshes = columns.len();
+        let tangents = tangents(&interfaces, linear.meshed);
 
         let mut prescribed = Vec::new();
         let constant = constant_load(&motion, &interfaces, &entries, &reference);
@@ -131,8 +133,9 @@ impl<'m> Field<'m> {
             prescribed,
             synchronous_size: 0.0,
         };
-        field.synchronous_size = field.size_of_synchronous();
-        Ok((field, Ports { rows, columns, meshes }))
+        field.synchronous_size = field.size_of_synchronous(linear.meshed);
+        let (parts, synchronous) = (linear.parts.clone(), field.seen.clone());
+        Ok((field, Ports { rows, columns, meshes, parts, tangents, synchronous }))
     }
 
     /// Number of scalars and rates that it sees.
@@ -302,14 +305,17 @@ impl<'m> Field<'m> {
     }
 
     /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root of the mean square over their angles.
-    fn size_of_synchronous(&self) -> f64 {
+    fn size_of_synchronous(&self, meshed: bool) -> f64 {
         let model = self.motion.model();
+        let elastic_form = |vector: &[f64]| match meshed {
+            true => model.elastic_form(vector, |mesh| self.motion.sigma_of(mesh)),
+            false => model.unmeshed_elastic_form(vector),
+        };
         let mut sum = 0.0;
         for (index, source) in self.sources.iter().enumerate() {
             for part in [|value: &Complex<f64>| value.re, |value: &Complex<f64>| value.im] {
                 let vector: Vec<f64> = self.amplitudes.column(index).iter().map(part).collect();
-                let elastic = model.elastic_form(&vector, |mesh| self.motion.sigma_of(mesh));
-                sum += (elastic + source.spin * source.spin * model.kinetic_form(&vector)) / 2.0;
+                sum += (elastic_form(&vector) + source.spin * source.spin * model.kinetic_form(&vector)) / 2.0;
             }
         }
         sum.max(0.0).sqrt()
@@ -327,6 +333,19 @@ pub(super) fn add_turned(amplitudes: &[Complex64], turn: Complex64, values: &mut
 /// Whether a shaft of this spin runs at a critical speed that nothing damps: it has no synchronous motion.
 pub fn is_resonant(linear: &Linear, spin: f64) -> bool {
     linear.nearest(spin) < RESONANT * spin.abs()
+}
+
+/// The laws of the meshes at rest.
+fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<Tangent> {
+    let mut from = 0;
+    let tangent = |interface: &Interface| {
+        let (gradient, [stiffness, damping]) = interface.tangent();
+        let scalars = from..from + gradient.len();
+        from = scalars.end;
+        let (delay, stiffness) = (damping / stiffness, if meshed { 0.0 } else { stiffness });
+        Tangent { scalars, gradient: gradient.to_vec(), delay, stiffness }
+    };
+    interfaces.iter().map(tangent).collect()
 }
 
 /// What acts at the reference and is not held there, as entries (index, value).

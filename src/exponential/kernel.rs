@@ -3,15 +3,18 @@
 //! Sums go over fixed lanes in plain arithmetic, so their bits are the same whatever instructions a machine has; the
 //! compiler makes of them what that machine is best at (`pulp` chooses at run time).
 
+use std::ops::Range;
+
 use aligned_vec::{AVec, ConstAlign};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::packed::{Columns, Panel, Rows};
 use crate::modal::LANES;
 
 /// The most terms of a series over less than the shortest step that events use, in which no mode turns by a radian.
 pub const TERMS: usize = 16;
-/// Half the lanes: two registers of AVX2.
-const WIDTH: usize = LANES / 2;
+/// Two registers of AVX2.
+pub(super) const WIDTH: usize = LANES;
 /// One of them.
 const NARROW: usize = WIDTH / 2;
 
@@ -58,14 +61,64 @@ impl WithSimd for Scalars<'_> {
 fn products<const N: usize>(rows: &[f64], z: &[f64]) -> [f64; N] {
     let z = z.as_chunks::<WIDTH>().0;
     let chunks = rows.as_chunks::<WIDTH>().0;
-    let rows: [&[[f64; WIDTH]]; N] = std::array::from_fn(|k| &chunks[k * z.len()..(k + 1) * z.len()]);
     let mut sums = [[0.0; WIDTH]; N];
+    add_products(&mut sums, std::array::from_fn(|k| &chunks[k * z.len()..(k + 1) * z.len()]), z);
+    std::array::from_fn(|k| total(&sums[k]))
+}
+
+#[inline(always)]
+fn add_products<const N: usize>(sums: &mut [[f64; WIDTH]; N], rows: [&[[f64; WIDTH]]; N], z: &[[f64; WIDTH]]) {
     for i in 0..z.len() {
         for (sum, row) in sums.iter_mut().zip(rows) {
             for lane in 0..WIDTH {
                 sum[lane] += row[i][lane] * z[i][lane];
             }
         }
+    }
+}
+
+/// `out[i] = rows[i]·z`.
+pub fn seen(arch: Arch, rows: &Rows, z: &[f64], out: &mut [f64]) {
+    arch.dispatch(Seen { rows, z, out });
+}
+
+struct Seen<'a> {
+    rows: &'a Rows,
+    z: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Seen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let z = self.z.as_chunks::<WIDTH>().0;
+        let mut values = self.rows.values.as_chunks::<WIDTH>().0;
+        for group in &self.rows.groups {
+            let (own, rest) = values.split_at(group.rows.len() * group.len);
+            values = rest;
+            match group.rows[..] {
+                [a, b, c, d] => {
+                    [self.out[a], self.out[b], self.out[c], self.out[d]] = over_spans(own, &group.spans, z);
+                }
+                [a, b] => [self.out[a], self.out[b]] = over_spans(own, &group.spans, z),
+                [a] => [self.out[a]] = over_spans(own, &group.spans, z),
+                _ => {}
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn over_spans<const N: usize>(rows: &[[f64; WIDTH]], spans: &[Range<usize>], z: &[[f64; WIDTH]]) -> [f64; N] {
+    let mut sums = [[0.0; WIDTH]; N];
+    let len = rows.len() / N;
+    let mut at = 0;
+    for span in spans {
+        let z = &z[span.clone()];
+        add_products(&mut sums, std::array::from_fn(|k| &rows[k * len + at..k * len + at + z.len()]), z);
+        at += z.len();
     }
     std::array::from_fn(|k| total(&sums[k]))
 }
@@ -79,13 +132,13 @@ fn total(sum: &[f64; WIDTH]) -> f64 {
 }
 
 /// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
-pub fn advance(arch: Arch, transition: &[Aligned; 4], columns: &[f64], p: &[f64], z: &[f64], out: &mut [f64]) {
+pub fn advance(arch: Arch, transition: &[Aligned; 4], columns: &Columns, p: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Advance { transition, columns, p, z, out });
 }
 
 struct Advance<'a> {
     transition: &'a [Aligned; 4],
-    columns: &'a [f64],
+    columns: &'a Columns,
     p: &'a [f64],
     z: &'a [f64],
     out: &'a mut [f64],
@@ -102,23 +155,27 @@ impl WithSimd for Advance<'_> {
         let (x, y) = (x.as_chunks::<WIDTH>().0, y.as_chunks::<WIDTH>().0);
         let (out_x, out_y) = self.out.split_at_mut(slots);
         let (out_x, out_y) = (out_x.as_chunks_mut::<WIDTH>().0, out_y.as_chunks_mut::<WIDTH>().0);
-        let columns = self.columns.as_chunks::<WIDTH>().0;
-        let half = slots / WIDTH;
-        for (i, (out_x, out_y)) in out_x.iter_mut().zip(out_y).enumerate() {
-            let (mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH]);
-            for lane in 0..WIDTH {
-                first[lane] = a[i][lane] * x[i][lane] + b[i][lane] * y[i][lane];
-                second[lane] = c[i][lane] * x[i][lane] + d[i][lane] * y[i][lane];
-            }
-            for (p, column) in self.p.iter().zip(columns.chunks_exact(2 * half)) {
-                let (by_x, by_y) = (&column[i], &column[half + i]);
+        let mut values = self.columns.values.as_chunks::<WIDTH>().0;
+        for part in &self.columns.parts {
+            let (own, rest) = values.split_at(2 * part.slots.len() * part.columns.len());
+            values = rest;
+            for (i, at) in part.slots.clone().zip((0..).step_by(2)) {
+                let (mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH]);
                 for lane in 0..WIDTH {
-                    first[lane] += by_x[lane] * p;
-                    second[lane] += by_y[lane] * p;
+                    first[lane] = a[i][lane] * x[i][lane] + b[i][lane] * y[i][lane];
+                    second[lane] = c[i][lane] * x[i][lane] + d[i][lane] * y[i][lane];
                 }
+                let by = own[at * part.columns.len()..].as_chunks::<2>().0;
+                for (k, [by_x, by_y]) in part.columns.iter().zip(by) {
+                    let p = self.p[*k];
+                    for lane in 0..WIDTH {
+                        first[lane] += by_x[lane] * p;
+                        second[lane] += by_y[lane] * p;
+                    }
+                }
+                out_x[i] = first;
+                out_y[i] = second;
             }
-            *out_x = first;
-            *out_y = second;
         }
     }
 }
@@ -226,6 +283,49 @@ impl Accumulate<'_> {
                 }
             }
             *out = sum;
+        }
+    }
+}
+
+/// `out += Σ p[k]` times column k of a panel.
+pub fn accumulate_panel(arch: Arch, panel: &Panel, p: &[f64], out: &mut [f64]) {
+    arch.dispatch(AccumulatePanel { panel, p, out });
+}
+
+struct AccumulatePanel<'a> {
+    panel: &'a Panel,
+    p: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for AccumulatePanel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let values = self.panel.values.as_chunks::<WIDTH>().0;
+        let (whole, rest) = self.out.as_chunks_mut::<WIDTH>();
+        let mut columns = values.chunks_exact(self.p.len().max(1));
+        for (out, columns) in whole.iter_mut().zip(&mut columns) {
+            let mut sum = *out;
+            for (p, column) in self.p.iter().zip(columns) {
+                for lane in 0..WIDTH {
+                    sum[lane] += column[lane] * p;
+                }
+            }
+            *out = sum;
+        }
+        // The rest is at most as long as this.
+        if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
+            let mut sum = [0.0; WIDTH];
+            for (p, column) in self.p.iter().zip(columns) {
+                for lane in 0..WIDTH {
+                    sum[lane] += column[lane] * p;
+                }
+            }
+            for (out, sum) in rest.iter_mut().zip(sum) {
+                *out += sum;
+            }
         }
     }
 }

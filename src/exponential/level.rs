@@ -11,9 +11,10 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::kernel::{self, Aligned, aligned};
+use super::packed::{Columns, Panel, Rows};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
 use super::rule::Rule;
-use super::table::{Ports, form, gram};
+use super::table::{Ports, Tangent, form, gram};
 use crate::modal::Pair;
 
 /// How a state moves by itself over a step.
@@ -30,8 +31,8 @@ pub enum Transition {
 pub struct Passage {
     /// e^{Ah}.
     pub transition: Transition,
-    /// h ψ_j b of node j and load k at j·loads + k, one after the other.
-    pub columns: Aligned,
+    /// h ψ_j b of node j and load k at j·loads + k.
+    pub columns: Columns,
     /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
     pub gram: Vec<f64>,
 }
@@ -43,14 +44,15 @@ impl Passage {
         let list = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect::<Vec<_>>();
         let entry = |row: usize, column: usize| aligned(&list(row, column));
         let transition = Transition::Pairs([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]);
-        let mut columns = Vec::with_capacity(rule.stages() * ports.columns.len() * 2 * pairs.len());
+        let mut columns = Vec::with_capacity(rule.stages() * ports.columns.len());
         for lagrange in &rule.lagrange {
             let psi = integrals(lagrange, &whole, 1.0, step);
-            columns.extend(ports.columns.iter().flat_map(|load| apply(&psi, load)));
+            columns.extend(ports.columns.iter().map(|load| apply(&psi, load)));
         }
         let chi = integrals(&rule.missed, &whole, 1.0, step);
-        let missed: Vec<f64> = ports.columns[..ports.meshes].iter().flat_map(|load| apply(&chi, load)).collect();
-        Self { transition, columns: aligned(&columns), gram: gram(&missed, ports.meshes) }
+        let missed = ports.columns[..ports.meshes].iter().map(|load| ports.with_strain(apply(&chi, load)));
+        let missed: Vec<f64> = missed.flatten().collect();
+        Self { transition, columns: Columns::new(&columns, &ports.parts), gram: gram(&missed, ports.meshes) }
     }
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`; `p` holds the loads at node after node.
@@ -62,11 +64,7 @@ impl Passage {
                 for (out, z) in out.iter_mut().zip(z) {
                     *out += z;
                 }
-                for (p, column) in p.iter().zip(self.columns.chunks_exact(z.len())) {
-                    for (out, value) in out.iter_mut().zip(column) {
-                        *out += value * p;
-                    }
-                }
+                self.columns.add(p, out);
             }
         }
     }
@@ -80,12 +78,18 @@ impl Passage {
 /// What the nodes of a step see.
 #[derive(Clone, Debug)]
 pub struct Sight {
-    /// w e^{A c_i h} of node i and scalar at i·scalars + scalar, one after the other.
-    pub rows: Aligned,
+    /// w e^{A c_i h} of node i and scalar at i·scalars + scalar.
+    pub rows: Rows,
     /// H: for each node i column (j, load) after column, of its scalars.
-    pub response: Vec<Vec<f64>>,
+    pub response: Vec<Panel>,
+    /// ℓ of all nodes and meshes under every load, column after column, and under their own forces −g, row after row: ℓ is
+    /// what the law of a mesh at rest turns into force, g·u + c/k g·u̇.
+    pub along: Panel,
+    pub own: Vec<f64>,
     /// e^{iΩ c_i h} of node i and source s at i·sources + s.
     pub turns: Vec<Complex64>,
+    /// What nodes see of the synchronous motion for sources that begin at 0 and at π/2, column after column.
+    pub synchronous: Panel,
 }
 
 impl Sight {
@@ -95,12 +99,12 @@ impl Sight {
         let bare = ports.rows.concat();
         let of_step = |part: f64| -> Vec<_> { pairs.iter().map(|pair| phi_of_pair(pair, part * step)).collect() };
         let half = if rule.explicit { of_step(0.5) } else { Vec::new() };
-        let mut rows = Vec::with_capacity(stages * bare.len());
+        let mut rows = Vec::with_capacity(stages * scalars);
         let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
         for ((i, node), response) in rule.nodes.iter().enumerate().zip(&mut response) {
             let part = of_step(*node);
             let moved: Vec<Block> = part.iter().map(|phi| transposed(phi[0])).collect();
-            rows.extend(ports.rows.iter().flat_map(|row| apply(&moved, row)));
+            rows.extend(ports.rows.iter().map(|row| apply(&moved, row)));
             let before: Vec<Vec<Block>> = half.iter().map(|half| rule.before(i, half)).collect();
             let mut to = response.chunks_exact_mut(scalars.max(1));
             for (j, lagrange) in rule.lagrange.iter().enumerate() {
@@ -114,17 +118,48 @@ impl Sight {
                 }
             }
         }
-        Self { rows: aligned(&rows), response, turns }
+        Self::of_rows(ports, &rows, &response, turns)
     }
 
-    /// `u += H_i p` of node `i`; loads beyond those in `p` are none.
-    pub fn respond(&self, arch: Arch, i: usize, p: &[f64], u: &mut [f64]) {
-        kernel::accumulate(arch, &self.response[i], p, u);
+    /// That of rows of all nodes and scalars, and H_i of each node, column after column.
+    pub fn of_rows(ports: &Ports, rows: &[Vec<f64>], response: &[Vec<f64>], turns: Vec<Complex64>) -> Self {
+        let (loads, seen) = (ports.columns.len(), ports.rows.len());
+        let (stages, meshes) = (response.len(), ports.tangents.len());
+        let size = stages * meshes;
+        let mut along = vec![0.0; stages * loads * size];
+        for (node, response) in response.iter().enumerate() {
+            for (column, seen) in response.chunks_exact(seen.max(1)).enumerate() {
+                for (mesh, tangent) in ports.tangents.iter().enumerate() {
+                    along[column * size + node * meshes + mesh] = tangent.along(seen, ports.meshes);
+                }
+            }
+        }
+        let sources = turns.len() / stages;
+        let mut synchronous = Vec::with_capacity(2 * sources * stages * seen);
+        for (source, amplitudes) in ports.synchronous.chunks_exact(seen.max(1)).enumerate() {
+            let at_nodes = turns.iter().skip(source).step_by(sources);
+            let turned: Vec<Complex64> =
+                at_nodes.flat_map(|turn| amplitudes.iter().map(move |amplitude| amplitude * turn)).collect();
+            synchronous.extend(turned.iter().map(|value| value.re));
+            synchronous.extend(turned.iter().map(|value| -value.im));
+        }
+        let mut own = vec![0.0; size * size];
+        for (unit, own) in (0..size).zip(own.chunks_exact_mut(size.max(1))) {
+            for node in 0..stages {
+                for (mesh, Tangent { scalars, gradient, .. }) in ports.tangents.iter().enumerate() {
+                    let column = |scalar: usize| along[(node * loads + scalar) * size + unit];
+                    own[node * meshes + mesh] = scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
+                }
+            }
+        }
+        let response = response.iter().map(|columns| Panel::new(columns, seen)).collect();
+        let (along, synchronous) = (Panel::new(&along, size), Panel::new(&synchronous, stages * seen));
+        Self { rows: Rows::new(rows, &ports.parts), response, along, own, turns, synchronous }
     }
 
-    /// What a load of one at a column (node, load) adds to a scalar, one of `seen`, at node `i`.
-    pub fn response_of(&self, (i, scalar): (usize, usize), seen: usize) -> impl Fn(usize) -> f64 + '_ {
-        move |column| self.response[i][column * seen + scalar]
+    /// What a load of one at a column (node, load) adds to a scalar at node `i`.
+    pub fn response_of(&self, i: usize, scalar: usize) -> impl Fn(usize) -> f64 + '_ {
+        move |column| self.response[i].get(column, scalar)
     }
 }
 

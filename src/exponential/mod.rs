@@ -4,6 +4,9 @@
 //! meshes are a few scalar loads p that depend on a few scalars of the motion. Over a step the loads are a polynomial
 //! through Gauss nodes (Hochbruck and Ostermann 2005), so the step is set by the meshes, not by the shortest element.
 //!
+//! Where flanks may part the linear motion is that of the shafts alone, in parts that nothing couples; otherwise it
+//! contains the meshes at rest, and the loads are what is left.
+//!
 //! Time counts in ticks, the shortest step, and a step is a power of two of them that divides the time it begins at.
 //! Coefficients are tabulated for each: a step that ends at a tooth event or at a time asked for rebuilds nothing.
 
@@ -18,6 +21,7 @@ mod kernel;
 mod level;
 mod newton;
 mod output;
+mod packed;
 mod phi;
 mod rule;
 mod sample;

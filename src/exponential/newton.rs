@@ -5,6 +5,7 @@
 pub struct Newton {
     size: usize,
     matrix: Vec<f64>,
+    pivots: Vec<usize>,
     slopes: Vec<f64>,
     /// The right-hand side, and after [`Self::solve`] the solution.
     pub right: Vec<f64>,
@@ -13,13 +14,24 @@ pub struct Newton {
 impl Newton {
     /// A system of `size` unknowns.
     pub fn new(size: usize) -> Self {
-        Self { size, matrix: vec![0.0; size * size], slopes: Vec::new(), right: vec![0.0; size] }
+        Self { size, matrix: vec![0.0; size * size], pivots: vec![0; size], slopes: Vec::new(), right: vec![0.0; size] }
     }
 
     /// Sets the matrix to one.
     pub fn begin(&mut self) {
         self.matrix.fill(0.0);
         self.matrix.iter_mut().step_by(self.size + 1).for_each(|diagonal| *diagonal = 1.0);
+    }
+
+    /// Sets the matrix to one and `slopes` times the rows of a matrix, one after the other, over and over.
+    pub fn fill(&mut self, matrix: &[f64], slopes: &[f64]) {
+        let rows = self.matrix.chunks_exact_mut(self.size.max(1)).zip(matrix.chunks_exact(self.size.max(1)));
+        for ((i, (row, given)), slope) in rows.enumerate().zip(slopes.iter().cycle()) {
+            for (entry, given) in row.iter_mut().zip(given) {
+                *entry = slope * given;
+            }
+            row[i] += 1.0;
+        }
     }
 
     /// Room for the slopes of all loads over one scalar.
@@ -48,13 +60,22 @@ impl Newton {
         }
     }
 
-    /// Solves the system by elimination with partial pivoting; whether there is a solution.
+    /// Solves the system; whether there is a solution.
     pub fn solve(&mut self) -> bool {
+        let factored = self.factor();
+        if factored {
+            self.substitute();
+        }
+        factored
+    }
+
+    /// Factors the matrix by elimination with partial pivoting; whether it has an inverse.
+    pub fn factor(&mut self) -> bool {
         let n = self.size;
         for column in 0..n {
             let (mut pivot, mut value) = (column, 0.0_f64);
-            for row in column..n {
-                let entry = self.matrix[row * n + column];
+            for (row, line) in self.matrix.chunks_exact(n).enumerate().skip(column) {
+                let entry = line[column];
                 if entry.abs() >= value.abs() || entry.is_nan() {
                     (pivot, value) = (row, entry);
                 }
@@ -66,24 +87,37 @@ impl Newton {
             let line = &mut above[column * n..];
             if pivot != column {
                 line.swap_with_slice(&mut below[(pivot - column - 1) * n..(pivot - column) * n]);
-                self.right.swap(column, pivot);
             }
-            let (known, unknown) = self.right.split_at_mut(column + 1);
-            for (row, right) in below.chunks_exact_mut(n).zip(unknown) {
+            self.pivots[column] = pivot;
+            for row in below.chunks_exact_mut(n) {
                 let factor = row[column] / value;
+                // It stands where the entry was that it takes away.
+                row[column] = factor;
                 if factor != 0.0 {
-                    for (entry, above) in row[column..].iter_mut().zip(&line[column..]) {
+                    for (entry, above) in row[column + 1..].iter_mut().zip(&line[column + 1..]) {
                         *entry -= factor * above;
                     }
-                    *right -= factor * known[column];
                 }
             }
+        }
+        true
+    }
+
+    /// Solves the system that has been factored.
+    pub fn substitute(&mut self) {
+        let n = self.size;
+        for (column, pivot) in self.pivots.iter().enumerate() {
+            self.right.swap(column, *pivot);
+        }
+        for (row, line) in self.matrix.chunks_exact(n.max(1)).enumerate() {
+            let (known, unknown) = self.right.split_at_mut(row);
+            let taken: f64 = line[..row].iter().zip(known).map(|(factor, known)| factor * *known).sum();
+            unknown[0] -= taken;
         }
         for (row, line) in self.matrix.chunks_exact(n.max(1)).enumerate().rev() {
             let (unknown, known) = self.right.split_at_mut(row + 1);
             let taken: f64 = line[row + 1..].iter().zip(known).map(|(entry, known)| entry * *known).sum();
             unknown[row] = (unknown[row] - taken) / line[row];
         }
-        true
     }
 }

@@ -5,7 +5,8 @@ use pulp::Arch;
 
 use super::driver::Reached;
 use super::field::{Field, add_turned};
-use super::kernel::{self, Aligned, aligned};
+use super::kernel;
+use super::packed::Rows;
 use super::sample::Sample;
 use crate::integrate::{Span, Trajectory};
 use crate::modal::Linear;
@@ -23,7 +24,7 @@ pub struct Selection {
 #[derive(Clone, Debug)]
 pub struct Output {
     selection: Selection,
-    rows: Aligned,
+    rows: Rows,
     reference: Vec<f64>,
     /// Of the synchronous motion, source after source.
     amplitudes: Vec<Complex64>,
@@ -40,7 +41,7 @@ impl Output {
             let displacements = selection.displacements.iter().map(|index| (*index, false));
             displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
         };
-        let rows: Vec<f64> = both().flat_map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
+        let rows: Vec<_> = both().map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
         let amplitudes = (0..field.sources())
             .flat_map(|source| both().map(move |(index, rate)| field.amplitude(source, index, rate)))
             .collect();
@@ -49,7 +50,7 @@ impl Output {
             values: vec![0.0; both().count()],
             ends: std::array::from_fn(|_| vec![0.0; both().count()]),
             turns: vec![Complex64::ZERO; field.sources()],
-            rows: aligned(&rows),
+            rows: Rows::new(&rows, &linear.parts),
             reference,
             amplitudes,
             selection,
@@ -59,7 +60,7 @@ impl Output {
 
     /// Displacements and velocities of the selection at a state, into whole vectors.
     pub fn read(&mut self, field: &Field<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
-        kernel::scalars(self.arch, &self.rows, z, &mut self.values);
+        kernel::seen(self.arch, &self.rows, z, &mut self.values);
         self.write(field, elapsed, q, v);
     }
 
@@ -67,7 +68,7 @@ impl Output {
     pub fn interpolate(&mut self, field: &Field<'_>, span: &Span<'_>, elapsed: f64, q: &mut [f64], v: &mut [f64]) {
         let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
         for (end, z) in self.ends.iter_mut().zip(sides) {
-            kernel::scalars(self.arch, &self.rows, z, end);
+            kernel::seen(self.arch, &self.rows, z, end);
         }
         let weights = span.cubic(elapsed);
         for (at, value) in self.values.iter_mut().enumerate() {

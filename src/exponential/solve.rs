@@ -4,12 +4,15 @@
 //! scene. Loads that are straight lines make them linear; others are found by iteration, which contracts like h²Δk/m, and
 //! where it does not, by Newton.
 
+use super::kernel;
 use super::step::Stepper;
-use super::table::form;
+use super::table::{Tangent, form};
 use crate::integrate::{Halt, Statistics};
 
 /// A contraction that is not measured is taken to be so many times as large.
 const CAUTION: f64 = 2.0;
+/// No iteration is trusted to shrink what is missing by more: contacts are those of before it.
+const TRUSTED: f64 = 1e-3;
 /// Iterations before Newton takes over.
 const ITERATIONS: usize = 16;
 /// An iteration that shrinks by less than this is left to Newton.
@@ -25,7 +28,7 @@ impl Stepper<'_> {
         let of_node = i * self.field.seen()..(i + 1) * self.field.seen();
         let node = &mut self.nodes[of_node.clone()];
         node.copy_from_slice(&self.free[of_node]);
-        self.table.sight(level).respond(self.arch, i, &self.loads, node);
+        kernel::accumulate_panel(self.arch, &self.table.sight(level).response[i], &self.loads, node);
     }
 
     /// What the loads that stand cause at all nodes.
@@ -53,16 +56,76 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// Evaluates node after node, each under the latest loads of all; what stood before is left in `trial`.
+    /// Evaluates node after node, each under the latest loads of all.
     pub(super) fn pass(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
         let (stages, loads) = (self.table.rule.stages(), self.field.loads());
         for i in 0..stages {
             self.respond(level, i);
             self.evaluate(level, elapsed, i)?;
             let of_node = i * loads..(i + 1) * loads;
-            self.loads[of_node.clone()].swap_with_slice(&mut self.trial[of_node]);
+            let (stood, found) = (&mut self.loads[of_node.clone()], &mut self.trial[of_node.clone()]);
+            stood.swap_with_slice(found);
         }
         statistics.evaluations += stages as u64;
+        Ok(())
+    }
+
+    /// Takes the stiffnesses of the contacts at the beginning of a step for those of all its nodes: meshes of stiffness K
+    /// answer ℓ by forces f = K(ℓ − G f), G what they make of each other. Whether that can be solved.
+    fn stiffen(&mut self, level: usize) -> bool {
+        for (mesh, slope) in self.slopes.iter_mut().enumerate() {
+            *slope = -self.field.slope(mesh, &self.contacts_at_begin[mesh]);
+        }
+        self.follow.fill(&self.table.sight(level).own, &self.slopes);
+        self.follow.factor()
+    }
+
+    /// Adds to the loads the forces of the meshes that follow from ℓ, which stands in `follow`.
+    fn follow(&mut self) {
+        let meshes = self.slopes.len();
+        for sought in self.follow.right.chunks_exact_mut(meshes) {
+            sought.iter_mut().zip(&self.slopes).for_each(|(sought, slope)| *sought *= slope);
+        }
+        self.follow.substitute();
+        let forces = self.follow.right.chunks_exact(meshes);
+        for (loads, forces) in self.loads.chunks_exact_mut(self.field.loads()).zip(forces) {
+            for (Tangent { scalars, gradient, .. }, force) in self.table.ports.tangents.iter().zip(forces) {
+                for (load, g) in loads[scalars.clone()].iter_mut().zip(gradient) {
+                    *load -= g * force;
+                }
+            }
+        }
+    }
+
+    /// Lets the loads that were guessed follow the motion that they cause, where it is not the one that was guessed with
+    /// them.
+    fn anticipate(&mut self, level: usize) {
+        let (seen, rates) = (self.field.seen(), self.field.mesh_loads());
+        let (sight, meshes) = (self.table.sight(level), self.slopes.len());
+        // What is guessed is taken off what is caused.
+        for (node, free) in self.nodes.iter_mut().zip(&self.free) {
+            *node = free - *node;
+        }
+        let each = self.nodes.chunks_exact_mut(seen).zip(self.follow.right.chunks_exact_mut(meshes));
+        for ((node, sought), response) in each.zip(&sight.response) {
+            kernel::accumulate_panel(self.arch, response, &self.loads, node);
+            for (sought, tangent) in sought.iter_mut().zip(&self.table.ports.tangents) {
+                *sought = tangent.along(node, rates);
+            }
+        }
+        self.follow();
+    }
+
+    /// Adds what is missing of the loads at all nodes, and what follows from that; what was missing is left in `trial`.
+    fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+        self.respond_all(level);
+        self.sweep(level, elapsed, statistics)?;
+        for (load, found) in self.loads.iter_mut().zip(&mut self.trial) {
+            (*load, *found) = (*found, *found - *load);
+        }
+        self.follow.right.fill(0.0);
+        kernel::accumulate_panel(self.arch, &self.table.sight(level).along, &self.trial, &mut self.follow.right);
+        self.follow();
         Ok(())
     }
 
@@ -76,14 +139,14 @@ impl Stepper<'_> {
         let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
         self.nodes.copy_from_slice(&self.free);
         self.sweep(level, elapsed, statistics)?;
-        let (sight, seen, stages) = (self.table.sight(level), self.field.seen(), self.table.rule.stages());
+        let (sight, stages) = (self.table.sight(level), self.table.rule.stages());
         self.loads.copy_from_slice(&self.trial);
         self.newton.begin();
         for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
             for (k, own) in trial[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
                 let slope = self.field.slope(k, &self.contacts[row]);
-                let response = sight.response_of((node, k), seen);
+                let response = sight.response_of(node, k);
                 self.newton.add_row(row, slope, meshes, loads, &response);
                 // What is prescribed acts through the slope too.
                 let prescribed = (0..stages).flat_map(|node| node * loads + meshes..(node + 1) * loads);
@@ -111,8 +174,12 @@ impl Stepper<'_> {
     ) -> Result<bool, Halt> {
         let step = self.table.clock.step(level);
         let mut before = f64::INFINITY;
+        if !self.stiffen(level) {
+            return Ok(false);
+        }
+        self.anticipate(level);
         for iteration in 0..ITERATIONS {
-            self.pass(level, elapsed, statistics)?;
+            self.improve(level, elapsed, statistics)?;
             let change = self.change(step);
             if !change.is_finite() {
                 return Ok(false);
@@ -123,8 +190,10 @@ impl Stepper<'_> {
             if iteration > 0 {
                 self.contraction = contraction;
             }
-            let left = if contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
+            let shrinks = contraction.max(TRUSTED);
+            let left = if shrinks < 1.0 { change * shrinks / (1.0 - shrinks) } else { change };
             if left <= tolerance || change <= ROUND_OFF * self.added(step) {
+                self.respond_all(level);
                 return Ok(true);
             }
             if iteration > 1 && contraction > SLOW {
@@ -135,15 +204,11 @@ impl Stepper<'_> {
         self.newton(level, elapsed, tolerance, statistics)
     }
 
-    /// Energy norm of what the change from `loads` to `trial` adds to a state over a step.
-    pub(super) fn change(&mut self, step: f64) -> f64 {
-        let loads = self.field.loads();
+    /// Energy norm of what the changes in `trial` add to a state over a step.
+    pub(super) fn change(&self, step: f64) -> f64 {
         let mut change: f64 = 0.0;
-        for (old, new) in self.loads.chunks_exact(loads).zip(self.trial.chunks_exact(loads)) {
-            for ((missed, old), new) in self.missed.iter_mut().zip(old).zip(new) {
-                *missed = new - old;
-            }
-            let square = form(&self.table.gram, &self.missed);
+        for changes in self.trial.chunks_exact(self.field.loads()) {
+            let square = form(&self.table.gram, &changes[..self.field.mesh_loads()]);
             if !square.is_finite() {
                 return f64::INFINITY;
             }
@@ -190,7 +255,7 @@ impl Stepper<'_> {
                     for (slope, load) in slopes.iter_mut().zip(load) {
                         *slope = (*slope - load) / moved;
                     }
-                    self.newton.add(i * meshes, meshes, loads, sight.response_of((i, k), seen));
+                    self.newton.add(i * meshes, meshes, loads, sight.response_of(i, k));
                 }
                 statistics.evaluations += seen as u64;
             }
@@ -204,10 +269,13 @@ impl Stepper<'_> {
             if !self.newton.solve() {
                 return Ok(false);
             }
-            self.trial.copy_from_slice(&self.loads);
-            for (i, load) in self.loads.chunks_exact_mut(loads).enumerate() {
-                for (load, step) in load.iter_mut().zip(&self.newton.right[i * meshes..(i + 1) * meshes]) {
-                    *load += step;
+            let solved = self.newton.right.chunks_exact(meshes.max(1));
+            for ((load, change), solved) in
+                self.loads.chunks_exact_mut(loads).zip(self.trial.chunks_exact_mut(loads)).zip(solved)
+            {
+                for ((load, change), solved) in load.iter_mut().zip(change).zip(solved) {
+                    *load += solved;
+                    *change = *solved;
                 }
             }
             let change = self.change(step);

@@ -6,6 +6,7 @@ use pulp::Arch;
 use super::field::Field;
 use super::kernel::{Aligned, aligned};
 use super::newton::Newton;
+use super::packed::Rows;
 use super::rule::MOST;
 use super::shift::Powers;
 use super::table::{Ports, Table};
@@ -23,7 +24,7 @@ pub struct Stepper<'m> {
     pub(super) arch: Arch,
     /// How many steps were tried.
     pub(super) steps: u64,
-    bare_rows: Aligned,
+    pub(super) bare_rows: Rows,
     /// Columns b, one after the other.
     pub(super) bare_columns: Aligned,
     /// Columns Aᵐ b, for loads that jump.
@@ -39,14 +40,18 @@ pub struct Stepper<'m> {
     pub(super) end: Vec<f64>,
     pub(super) begin_load: Vec<f64>,
     pub(super) end_load: Vec<f64>,
+    /// Loads of the polynomial at a part of a step.
+    pub(super) at_part: Vec<f64>,
     /// The state at the end.
     pub(super) after: Vec<f64>,
     pub(super) free: Vec<f64>,
     pub(super) trial: Vec<f64>,
     pub(super) turns: Vec<Complex64>,
+    /// The same, real and imaginary part after each other.
+    turn_parts: Vec<f64>,
     /// The elapsed time of these turns.
     turned: f64,
-    /// Turns at the nodes, node after node.
+    /// Turns at the nodes, node after node, where loads depend on them.
     pub(super) node_turns: Vec<Complex64>,
     pub(super) missed: Vec<f64>,
     /// How much what is missed changes over a step, and that in parts of its size.
@@ -56,16 +61,22 @@ pub struct Stepper<'m> {
     pub(super) unresolved: f64,
     /// How many times as long as the step before it the last one was, with the weights that foretell its loads.
     beyond: (f64, Vec<f64>),
+    /// Twice the energy of the meshes beside that of the state that was looked at last.
+    strain: f64,
     /// Contacts of the meshes at the nodes, node after node, at the beginning and at the end.
     pub(super) contacts: Vec<Contact>,
-    contacts_at_begin: Vec<Contact>,
+    pub(super) contacts_at_begin: Vec<Contact>,
     contacts_at_end: Vec<Contact>,
     /// Room for those elsewhere.
     pub(super) contacts_elsewhere: Vec<Contact>,
     affine: bool,
-    /// Whether the flanks of a mesh may part.
+    /// Whether the flanks of a mesh may part, and whether teeth come and go at once.
     parts: bool,
+    pub(super) sharp: bool,
     pub(super) newton: Newton,
+    /// The forces of the meshes, of stiffnesses `slopes`, that follow each other within a step.
+    pub(super) follow: Newton,
+    pub(super) slopes: Vec<f64>,
     /// By how much an iteration of the loads shrinks what is missing, as far as that is known.
     pub(super) contraction: f64,
 }
@@ -78,7 +89,7 @@ impl<'m> Stepper<'m> {
         Self {
             arch: Arch::new(),
             steps: 0,
-            bare_rows: aligned(&ports.rows.concat()),
+            bare_rows: Rows::new(&ports.rows, &ports.parts),
             bare_columns: aligned(&ports.columns.concat()),
             powers: Powers::new(linear, ports),
             mobility: mobility(linear, ports, field.mesh_loads()),
@@ -88,10 +99,12 @@ impl<'m> Stepper<'m> {
             end: vec![0.0; seen],
             begin_load: vec![0.0; loads],
             end_load: vec![0.0; loads],
+            at_part: vec![0.0; loads],
             after: vec![0.0; linear.len()],
             free: vec![0.0; stages * seen],
             trial: vec![0.0; stages * loads],
             turns: vec![Complex64::ZERO; field.sources()],
+            turn_parts: vec![0.0; 2 * field.sources()],
             turned: f64::NAN,
             node_turns: vec![Complex64::ZERO; stages * field.sources()],
             missed: vec![0.0; field.mesh_loads()],
@@ -100,30 +113,39 @@ impl<'m> Stepper<'m> {
             unresolved: 0.0,
             beyond: (0.0, vec![0.0; stages * (stages + 1)]),
             newton: Newton::new(stages * field.mesh_loads()),
+            follow: Newton::new(stages * field.meshes()),
+            slopes: vec![0.0; field.meshes()],
             contraction: f64::INFINITY,
             contacts: vec![Contact::default(); stages * field.meshes()],
             contacts_at_begin: vec![Contact::default(); field.meshes()],
             contacts_at_end: vec![Contact::default(); field.meshes()],
             contacts_elsewhere: vec![Contact::default(); field.meshes()],
+            strain: 0.0,
             affine: field.is_affine(),
             parts: field.motion.parts(),
+            sharp: field.motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
             field,
             table,
         }
     }
 
-    /// Energy norm of the motion that a state stands for, about the reference.
+    /// Energy norm of the motion that a state stands for, about the reference: of the one that was looked at last.
     pub(super) fn size(&self, z: &[f64]) -> f64 {
         let mut square = [0.0];
         kernel::scalars(self.arch, z, z, &mut square);
-        (square[0] + self.field.synchronous_size.powi(2)).sqrt()
+        (square[0] + self.strain + self.field.synchronous_size.powi(2)).sqrt()
+    }
+
+    /// Twice the energy of the meshes that that of a state of such scalars does not contain.
+    fn strain(&self, seen: &[f64]) -> f64 {
+        self.table.ports.tangents.iter().map(|tangent| tangent.strain(seen).powi(2)).sum()
     }
 
     /// By how much the polynomial of scalars and rates is off at a part of the last step, where the state is `z`; `point`
     /// is left on the polynomial.
     pub(super) fn measure_off(&self, part: f64, elapsed: f64, z: &[f64], point: &mut [f64], off: &mut [f64]) {
         self.interpolate(part, point);
-        kernel::scalars(self.arch, &self.bare_rows, z, off);
+        kernel::seen(self.arch, &self.bare_rows, z, off);
         self.field.add_synchronous_at(elapsed, off);
         for (off, polynomial) in off.iter_mut().zip(point) {
             *off -= *polynomial;
@@ -140,7 +162,8 @@ impl<'m> Stepper<'m> {
 
     /// Scalars, rates and loads of the state that a step begins with.
     pub(super) fn look(&mut self, elapsed: f64, z: &[f64], statistics: &mut Statistics) -> Result<(), Halt> {
-        kernel::scalars(self.arch, &self.bare_rows, z, &mut self.begin);
+        kernel::seen(self.arch, &self.bare_rows, z, &mut self.begin);
+        self.strain = self.strain(&self.begin);
         self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.begin);
         self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.contacts_at_begin)?;
@@ -150,7 +173,8 @@ impl<'m> Stepper<'m> {
 
     /// Scalars, rates and loads of the state that a step ends with.
     pub(super) fn look_ahead(&mut self, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        kernel::scalars(self.arch, &self.bare_rows, &self.after, &mut self.end);
+        kernel::seen(self.arch, &self.bare_rows, &self.after, &mut self.end);
+        self.strain = self.strain(&self.end);
         self.turn(elapsed);
         self.field.add_synchronous(&self.turns, &mut self.end);
         self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.contacts_at_end)?;
@@ -194,17 +218,16 @@ impl<'m> Stepper<'m> {
         std::mem::swap(&mut self.contacts_at_begin, &mut self.contacts_at_end);
     }
 
-    /// Guesses the loads at the nodes: those of the beginning, or, where `memory` holds the loads at the nodes of the
-    /// step before this one, its length and the contraction of its iteration, the polynomial through them all.
+    /// Guesses the loads at the nodes and what the nodes see: those of the beginning, or, where `memory` holds both of the
+    /// step before this one, its length and the contraction of its iteration, the polynomials through them all.
     pub(super) fn guess(&mut self, level: usize, memory: &[f64]) {
         if !self.remembers() {
             return;
         }
-        let (loads, rule) = (self.field.loads(), &self.table.rule);
+        let (loads, seen, rule) = (self.field.loads(), self.field.seen(), &self.table.rule);
         let step = self.table.clock.step(level);
-        for load in self.loads.chunks_exact_mut(loads) {
-            load.copy_from_slice(&self.begin_load);
-        }
+        self.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&self.begin_load));
+        self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
         let [memory @ .., length, contraction] = memory else {
             self.contraction = f64::INFINITY;
             return;
@@ -216,14 +239,9 @@ impl<'m> Stepper<'m> {
             rule.beyond(longer, &mut self.beyond.1);
             self.beyond.0 = longer;
         }
-        for (load, weights) in self.loads.chunks_exact_mut(loads).zip(self.beyond.1.chunks_exact(rule.stages() + 1)) {
-            load.iter_mut().for_each(|load| *load *= weights[0]);
-            for (weight, before) in weights[1..].iter().zip(memory.chunks_exact(loads)) {
-                for (load, before) in load.iter_mut().zip(before) {
-                    *load += weight * before;
-                }
-            }
-        }
+        let (before, seen_before) = memory.split_at(self.loads.len());
+        extrapolate(self.arch, &mut self.loads, loads, &self.beyond.1, before);
+        extrapolate(self.arch, &mut self.nodes, seen, &self.beyond.1, seen_before);
     }
 
     /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after it is left in `after`. The loads are found to
@@ -241,16 +259,18 @@ impl<'m> Stepper<'m> {
     ) -> Result<Outcome, Halt> {
         self.steps += 1;
         if self.field.loads() > 0 {
-            let seen = self.field.seen();
             self.turn(elapsed);
             let sight = self.table.sight(level);
-            kernel::scalars(self.arch, &sight.rows, z, &mut self.free);
-            let sources = self.turns.len();
-            for ((at_node, turn), by) in self.node_turns.iter_mut().zip(self.turns.iter().cycle()).zip(&sight.turns) {
-                *at_node = turn * by;
+            kernel::seen(self.arch, &sight.rows, z, &mut self.free);
+            for (parts, turn) in self.turn_parts.chunks_exact_mut(2).zip(&self.turns) {
+                parts.copy_from_slice(&[turn.re, turn.im]);
             }
-            for (i, free) in self.free.chunks_exact_mut(seen.max(1)).enumerate() {
-                self.field.add_synchronous(&self.node_turns[i * sources..(i + 1) * sources], free);
+            kernel::accumulate_panel(self.arch, &sight.synchronous, &self.turn_parts, &mut self.free);
+            if self.field.is_resonant() {
+                let turns = self.turns.iter().cycle().zip(&sight.turns);
+                for (at_node, (turn, by)) in self.node_turns.iter_mut().zip(turns) {
+                    *at_node = turn * by;
+                }
             }
             if self.table.rule.explicit {
                 self.pass(level, elapsed, statistics)?;
@@ -319,6 +339,15 @@ impl<'m> Stepper<'m> {
     pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
         self.turn(elapsed);
         self.field.load(elapsed, &self.turns, u, out, &mut self.contacts_elsewhere)
+    }
+}
+
+/// Polynomials through the values at the end of a step, which stand at all nodes of the next, and those at its nodes.
+fn extrapolate(arch: Arch, values: &mut [f64], each: usize, weights: &[f64], before: &[f64]) {
+    let nodes = values.len() / each;
+    for (values, weights) in values.chunks_exact_mut(each).zip(weights.chunks_exact(nodes + 1)) {
+        values.iter_mut().for_each(|value| *value *= weights[0]);
+        kernel::accumulate(arch, before, &weights[1..], values);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The steps of a clock, and the rows and columns through which a motion is acted on.
 
 use std::cell::OnceCell;
+use std::ops::Range;
 
 use num_complex::Complex64;
 
@@ -19,6 +20,53 @@ pub struct Ports {
     pub columns: Vec<Vec<f64>>,
     /// How many of the columns are the meshes'.
     pub meshes: usize,
+    /// Slots of the parts of a state that nothing linear couples.
+    pub parts: Vec<Range<usize>>,
+    /// The laws of the meshes at rest.
+    pub tangents: Vec<Tangent>,
+    /// Amplitudes of the rows in the synchronous motion, source after source.
+    pub synchronous: Vec<Complex64>,
+}
+
+/// The law of a mesh at rest: its force is k ℓ, ℓ = g·u + c/k g·u̇ over its scalars, and its loads are −g times that.
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    /// Its scalars among all.
+    pub scalars: Range<usize>,
+    /// g.
+    pub gradient: Vec<f64>,
+    /// c/k, s.
+    pub delay: f64,
+    /// k where the energy of a state z does not contain that of the mesh, N/m; zero where it does.
+    pub stiffness: f64,
+}
+
+impl Tangent {
+    /// ℓ of scalars and rates; the rates, if any matter, begin at `rates`.
+    pub fn along(&self, seen: &[f64], rates: usize) -> f64 {
+        self.product(seen, 0) + self.delay * self.product(seen, rates)
+    }
+
+    /// g·u √k of scalars: its square is twice the energy that the mesh has beside that of the state.
+    pub fn strain(&self, seen: &[f64]) -> f64 {
+        self.stiffness.sqrt() * self.product(seen, 0)
+    }
+
+    /// g times the scalars, or their rates, that begin at `from`.
+    fn product(&self, seen: &[f64], from: usize) -> f64 {
+        let own = seen.get(from + self.scalars.start..from + self.scalars.end).unwrap_or_default();
+        own.iter().zip(&self.gradient).map(|(u, g)| u * g).sum()
+    }
+}
+
+impl Ports {
+    /// A state with the strain of the meshes after it: the square of its length is twice the energy of both.
+    pub fn with_strain(&self, mut state: Vec<f64>) -> Vec<f64> {
+        let product = |row: &Vec<f64>| row.iter().zip(&state).map(|(w, z)| w * z).sum();
+        let seen: Vec<f64> = self.rows.iter().take(self.meshes).map(product).collect();
+        state.extend(self.tangents.iter().map(|tangent| tangent.strain(&seen)));
+        state
+    }
 }
 
 /// xᵀ G x of a symmetric G.

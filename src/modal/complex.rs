@@ -52,7 +52,7 @@ impl Mode {
 pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
     let model = &basis.model;
     let real = basis.real_modes(speed)?;
-    let order = first_order(basis, speed)?;
+    let order = FirstOrder::of_train(basis, speed)?;
     let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
     let lateral = real::lateral_mask(model);
     let mass = model.mass_matrix();
@@ -107,43 +107,46 @@ pub(super) struct FirstOrder {
     alone: Vec<usize>,
 }
 
-/// The first-order form at `speed` of the reference shaft.
-pub(super) fn first_order(basis: &Basis, speed: f64) -> Result<FirstOrder, DecompositionError> {
-    let model = &basis.model;
-    let real = basis.real_modes(speed)?;
-    let n = real.frequencies.len();
-    let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
-    let circulating = model.circulating_matrix();
-    let undamped = damping.amax() == 0.0 && circulating.amax() == 0.0;
-    let (damping, circulating) = (project(real, &damping), project(real, &circulating));
+impl FirstOrder {
+    /// The first-order form of the whole train at `speed` of the reference shaft.
+    pub fn of_train(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
+        let model = &basis.model;
+        let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
+        Ok(Self::new(basis.real_modes(speed)?, &damping, &model.circulating_matrix()))
+    }
 
-    let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
-    let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
-    let (damped, driven) = (UNCOUPLED * damping.amax(), UNCOUPLED * circulating.amax());
-    let coupled = |i: usize| {
-        damping.row(i).amax() > damped || damping.column(i).amax() > damped || circulating.row(i).amax() > driven
-    };
-    let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
-    let alone = null.iter().copied().filter(|i| !coupled(*i)).collect();
-    let (e, m) = (elastic.len(), moving.len());
+    /// The first-order form over undamped modes, with C + ΩG and the part of K that does not restore.
+    pub fn new(real: &RealModes, damping: &DMatrix<f64>, circulating: &DMatrix<f64>) -> Self {
+        let n = real.frequencies.len();
+        let undamped = damping.amax() == 0.0 && circulating.amax() == 0.0;
+        let (damping, circulating) = (project(real, damping), project(real, circulating));
 
-    let mut matrix = DMatrix::zeros(e + m, e + m);
-    for (row, i) in moving.iter().enumerate() {
-        for (column, j) in moving.iter().enumerate() {
-            matrix[(e + row, e + column)] = -damping[(*i, *j)];
-        }
-        for (column, j) in elastic.iter().enumerate() {
-            let own = if i == j { real.frequencies[*j] } else { 0.0 };
-            matrix[(e + row, column)] = -own - circulating[(*i, *j)] / real.frequencies[*j];
-            if i == j {
-                matrix[(column, e + row)] = own;
+        let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
+        let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
+        let (damped, driven) = (UNCOUPLED * damping.amax(), UNCOUPLED * circulating.amax());
+        let coupled = |i: usize| {
+            damping.row(i).amax() > damped || damping.column(i).amax() > damped || circulating.row(i).amax() > driven
+        };
+        let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
+        let alone = null.iter().copied().filter(|i| !coupled(*i)).collect();
+        let (e, m) = (elastic.len(), moving.len());
+
+        let mut matrix = DMatrix::zeros(e + m, e + m);
+        for (row, i) in moving.iter().enumerate() {
+            for (column, j) in moving.iter().enumerate() {
+                matrix[(e + row, e + column)] = -damping[(*i, *j)];
+            }
+            for (column, j) in elastic.iter().enumerate() {
+                let own = if i == j { real.frequencies[*j] } else { 0.0 };
+                matrix[(e + row, column)] = -own - circulating[(*i, *j)] / real.frequencies[*j];
+                if i == j {
+                    matrix[(column, e + row)] = own;
+                }
             }
         }
+        Self { elastic, moving, matrix, undamped, null, alone }
     }
-    Ok(FirstOrder { elastic, moving, matrix, undamped, null, alone })
-}
 
-impl FirstOrder {
     /// The matrix over the whole of y.
     pub fn whole(&self) -> DMatrix<f64> {
         let block = self.matrix.nrows();
@@ -177,8 +180,8 @@ impl FirstOrder {
 
     /// Matrices of q and of q̇ over y.
     pub fn physical(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
-        let n = real.frequencies.len();
-        let (mut displacement, mut velocity) = (DMatrix::zeros(n, 2 * n), DMatrix::zeros(n, 2 * n));
+        let (n, size) = real.vectors.shape();
+        let (mut displacement, mut velocity) = (DMatrix::zeros(n, 2 * size), DMatrix::zeros(n, 2 * size));
         self.for_each(real, |mode, place, scale, rate| {
             displacement.set_column(place, &(real.vectors.column(mode) * scale));
             velocity.set_column(rate, &real.vectors.column(mode));
@@ -188,8 +191,8 @@ impl FirstOrder {
 
     /// Matrices of y over M q and over M q̇.
     pub fn measured(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
-        let n = real.frequencies.len();
-        let (mut displacement, mut velocity) = (DMatrix::zeros(2 * n, n), DMatrix::zeros(2 * n, n));
+        let (n, size) = real.vectors.shape();
+        let (mut displacement, mut velocity) = (DMatrix::zeros(2 * size, n), DMatrix::zeros(2 * size, n));
         self.for_each(real, |mode, place, scale, rate| {
             displacement.set_row(place, &(real.vectors.column(mode) / scale).transpose());
             velocity.set_row(rate, &real.vectors.column(mode).transpose());

@@ -9,29 +9,21 @@
 //! Modes that are nearly parallel, as at critical damping, cannot carry a motion to the last digits. How far they are
 //! from it is the condition number; beyond [`WORST`] the motion stays in y, and A is dense.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::Basis;
-use super::complex::first_order;
-use super::pairs::Pairs;
+use super::complex::FirstOrder;
+use super::pairs::{Pair, Pairs};
+use super::real::RealModes;
 use crate::linalg::DecompositionError;
 
-/// Slots are padded to a multiple of this, so that loops over them need no remainder.
-pub const LANES: usize = 16;
+/// The slots of every part are padded to a multiple of this, so that loops over them need no remainder.
+pub const LANES: usize = 8;
 /// The largest condition number of modes that carry a motion: they lose as many digits.
 pub const WORST: f64 = 1e8;
-
-/// How a pair of coordinates moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pair {
-    /// λ = a + ib: [[a, b], [−b, a]].
-    Oscillation(Complex64),
-    /// Two real eigenvalues.
-    Real([f64; 2]),
-    /// Position and velocity of a motion that nothing restores and that λ ≤ 0 damps, if anything: [[0, 1], [0, λ]].
-    Coasting(f64),
-}
 
 /// The linear motion.
 #[derive(Clone, Debug)]
@@ -55,6 +47,10 @@ pub struct Linear {
     pub condition: f64,
     /// The largest |λ|, rad/s.
     pub radius: f64,
+    /// Whether it contains the mean stiffness and damping of the meshes.
+    pub meshed: bool,
+    /// Slots of the parts that nothing couples in it.
+    pub parts: Vec<Range<usize>>,
     /// q = Q z.
     displacement: DMatrix<f64>,
     /// q̇ = V z.
@@ -72,7 +68,7 @@ impl Linear {
     /// [`DecompositionError`] if a decomposition fails.
     pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
         let real = basis.real_modes(speed)?;
-        let order = first_order(basis, speed)?;
+        let order = FirstOrder::of_train(basis, speed)?;
         let pairs = Pairs::new(real, &order)?;
         let (form, right, left, condition) = match pairs {
             Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
@@ -85,10 +81,33 @@ impl Linear {
                 (Form::Dense(order.whole()), identity.clone(), identity, condition)
             }
         };
-        let (q, v) = order.physical(real);
-        let (to_q, to_v) = order.measured(real);
-        let columns = [q * &right, v * &right, (&left * to_q).transpose(), (&left * to_v).transpose()];
-        Ok(Self::assemble(form, condition, columns))
+        Ok(Self::assemble(true, condition, vec![(form, columns(real, &order, &right, &left))]))
+    }
+
+    /// The linear motion at `speed` of the shafts on their bearings, each as if it were alone: the bending of every shaft
+    /// and its twist are parts that nothing couples. None where modes do not carry it.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn of_parts(basis: &Basis, speed: f64) -> Result<Option<Self>, DecompositionError> {
+        let model = &basis.model;
+        if model.scene.modal_damping > 0.0 {
+            return Ok(None);
+        }
+        let damping = model.unmeshed_damping_matrix() + model.gyroscopic_matrix() * speed;
+        let circulating = model.circulating_matrix();
+        let (mut worst, mut parts) = (1.0_f64, Vec::new());
+        for real in RealModes::of_parts(model)? {
+            let order = FirstOrder::new(&real, &damping, &circulating);
+            match Pairs::new(&real, &order)? {
+                Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
+                    worst = worst.max(condition);
+                    parts.push((Form::Pairs(pairs), columns(&real, &order, &right, &left)));
+                }
+                _ => return Ok(None),
+            }
+        }
+        Ok(Some(Self::assemble(false, worst, parts)))
     }
 
     /// The motion of the pairs in `slots` alone; none of a motion that is not in pairs.
@@ -104,7 +123,7 @@ impl Linear {
             self.from_displacement.select_rows(&both).transpose(),
             self.from_velocity.select_rows(&both).transpose(),
         ];
-        Some(Self::assemble(Form::Pairs(pairs), self.condition, columns))
+        Some(Self::assemble(self.meshed, self.condition, vec![(Form::Pairs(pairs), columns)]))
     }
 
     /// Of a state, a row or a column over all slots, the entries of the `slots` that this motion keeps.
@@ -146,38 +165,49 @@ impl Linear {
         order
     }
 
-    /// The motion with room in its slots, from the columns of its coordinates: Q, V, and what measures z, transposed.
-    fn assemble(form: Form, condition: f64, columns: [DMatrix<f64>; 4]) -> Self {
-        let used = columns[0].ncols() / 2;
-        let slots = used.next_multiple_of(LANES);
-        // The second coordinates begin at `slots`.
-        let place = |column: usize| if column < used { column } else { slots + column - used };
-        let spread = |columns: DMatrix<f64>| {
-            let mut padded = DMatrix::zeros(columns.nrows(), 2 * slots);
-            for (index, column) in columns.column_iter().enumerate() {
-                padded.set_column(place(index), &column);
+    /// The motion with room in its slots: the form of every part, of which a dense one is the only one, with the columns
+    /// of its coordinates.
+    fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Columns)>) -> Self {
+        let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
+        for (_, columns) in &given {
+            let begin = parts.last().map_or(0, |before| before.end);
+            parts.push(begin..begin + (columns[0].ncols() / 2).next_multiple_of(LANES));
+        }
+        let slots = parts.last().map_or(0, |last| last.end);
+        let rows = given.first().map_or(0, |(_, columns)| columns[0].nrows());
+        let mut padded: Columns = std::array::from_fn(|_| DMatrix::zeros(rows, 2 * slots));
+        let mut pairs = Vec::with_capacity(slots);
+        let mut dense = None;
+        for ((form, columns), part) in given.into_iter().zip(&parts) {
+            let used = columns[0].ncols() / 2;
+            // The second coordinates of all parts begin at `slots`.
+            let place = |column: usize| part.start + if column < used { column } else { slots + column - used };
+            for (padded, columns) in padded.iter_mut().zip(columns) {
+                for (index, column) in columns.column_iter().enumerate() {
+                    padded.set_column(place(index), &column);
+                }
             }
-            padded
-        };
-        let [displacement, velocity, from_displacement, from_velocity] = columns.map(spread);
+            match form {
+                Form::Dense(matrix) => {
+                    let mut padded = DMatrix::zeros(2 * slots, 2 * slots);
+                    for (column, values) in matrix.column_iter().enumerate() {
+                        for (row, value) in values.iter().enumerate() {
+                            padded[(place(row), place(column))] = *value;
+                        }
+                    }
+                    dense = Some(padded);
+                }
+                Form::Pairs(own) => {
+                    pairs.extend(own);
+                    pairs.resize(part.end, Pair::Real([0.0; 2]));
+                }
+            }
+        }
+        let [displacement, velocity, from_displacement, from_velocity] = padded;
+        let form = dense.map_or(Form::Pairs(pairs), Form::Dense);
         let radius = match &form {
             Form::Pairs(pairs) => pairs.iter().map(Pair::radius).fold(0.0, f64::max),
             Form::Dense(matrix) => matrix.norm(),
-        };
-        let form = match form {
-            Form::Dense(matrix) => {
-                let mut padded = DMatrix::zeros(2 * slots, 2 * slots);
-                for (column, values) in matrix.column_iter().enumerate() {
-                    for (row, value) in values.iter().enumerate() {
-                        padded[(place(row), place(column))] = *value;
-                    }
-                }
-                Form::Dense(padded)
-            }
-            Form::Pairs(mut pairs) => {
-                pairs.resize(slots, Pair::Real([0.0; 2]));
-                Form::Pairs(pairs)
-            }
         };
         let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
         if let Form::Pairs(pairs) = &form {
@@ -193,6 +223,8 @@ impl Linear {
             slots,
             condition,
             radius,
+            meshed,
+            parts,
             displacement,
             velocity,
             from_displacement: from_displacement.transpose(),
@@ -318,31 +350,12 @@ impl Linear {
     }
 }
 
-impl Pair {
-    /// Its 2×2 matrix.
-    pub fn block(&self) -> [[f64; 2]; 2] {
-        match self {
-            Self::Oscillation(value) => [[value.re, value.im], [-value.im, value.re]],
-            Self::Real([a, d]) => [[*a, 0.0], [0.0, *d]],
-            Self::Coasting(rate) => [[0.0, 1.0], [0.0, *rate]],
-        }
-    }
+/// Q, V, and what measures z, transposed.
+type Columns = [DMatrix<f64>; 4];
 
-    /// The largest |λ|, rad/s.
-    fn radius(&self) -> f64 {
-        match self {
-            Self::Oscillation(value) => value.norm(),
-            Self::Real(values) => values[0].abs().max(values[1].abs()),
-            Self::Coasting(rate) => rate.abs(),
-        }
-    }
-
-    /// The smallest |λ|, rad/s.
-    fn slowest(&self) -> f64 {
-        match self {
-            Self::Real(values) => values[0].abs().min(values[1].abs()),
-            Self::Oscillation(_) => self.radius(),
-            Self::Coasting(_) => 0.0,
-        }
-    }
+/// Those of pairs or of y itself.
+fn columns(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Columns {
+    let (q, v) = order.physical(real);
+    let (to_q, to_v) = order.measured(real);
+    [q * right, v * right, (left * to_q).transpose(), (left * to_v).transpose()]
 }

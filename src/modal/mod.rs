@@ -8,7 +8,8 @@ mod real;
 mod whirl;
 
 pub use complex::{Mode, modes, whirl};
-pub use linear::{Form, LANES, Linear, Pair, WORST};
+pub use linear::{Form, LANES, Linear, WORST};
+pub use pairs::Pair;
 pub use quadratic::{OnLine, Quadratic};
 pub use real::{Basis, RealModes};
 pub use whirl::Whirl;

@@ -5,13 +5,52 @@ use num_complex::Complex64;
 
 use super::RealModes;
 use super::complex::FirstOrder;
-use super::linear::Pair;
 use crate::linalg::{DecompositionError, eigen, solve};
 
 /// Null motions that swing more slowly than this part of the lowest frequency are round-off.
 const SLOW: f64 = 1e-6;
 /// Modes reproduce the matrix to this part of it, or they are not taken.
 const RIGHT: f64 = 1e-11;
+
+/// How a pair of coordinates moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pair {
+    /// λ = a + ib: [[a, b], [−b, a]].
+    Oscillation(Complex64),
+    /// Two real eigenvalues.
+    Real([f64; 2]),
+    /// Position and velocity of a motion that nothing restores and that λ ≤ 0 damps, if anything: [[0, 1], [0, λ]].
+    Coasting(f64),
+}
+
+impl Pair {
+    /// Its 2×2 matrix.
+    pub fn block(&self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Oscillation(value) => [[value.re, value.im], [-value.im, value.re]],
+            Self::Real([a, d]) => [[*a, 0.0], [0.0, *d]],
+            Self::Coasting(rate) => [[0.0, 1.0], [0.0, *rate]],
+        }
+    }
+
+    /// The largest |λ|, rad/s.
+    pub(super) fn radius(&self) -> f64 {
+        match self {
+            Self::Oscillation(value) => value.norm(),
+            Self::Real(values) => values[0].abs().max(values[1].abs()),
+            Self::Coasting(rate) => rate.abs(),
+        }
+    }
+
+    /// The smallest |λ|, rad/s.
+    pub(super) fn slowest(&self) -> f64 {
+        match self {
+            Self::Real(values) => values[0].abs().min(values[1].abs()),
+            Self::Oscillation(_) => self.radius(),
+            Self::Coasting(_) => 0.0,
+        }
+    }
+}
 
 /// The pairs with the matrices y = right·z and z = left·y; z is split into first and second coordinates.
 pub(super) struct Pairs {

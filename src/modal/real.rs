@@ -9,6 +9,7 @@
 //! ones. Its vectors are good, so ω² is taken from them once more as a Rayleigh quotient, whose error is of second
 //! order, with the elastic energy summed from the strains of the elements.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -37,28 +38,48 @@ pub struct RealModes {
 impl RealModes {
     fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
         let mass = model.mass_matrix();
-        let null = null_motions(model, speed, &mass)?;
+        let null = null_motions(&rigid_motions(model), &deflections(model, Some(speed)), &mass)?;
         // What a bearing does beside restoring, as by cross-coupling, belongs to the damped problem.
         let stiffness = model.shaft_stiffness_matrix() + model.restoring_matrix() + model.mesh_stiffness_matrix(speed);
-        let known = null.ncols();
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
-        let vectors = aligned(model, vectors, known, |shape| {
-            model.elastic_form(shape, |mesh| model.sigma(mesh, speed)) / model.kinetic_form(shape)
-        });
-        let frequency = |column: usize| {
-            let shape = vectors.column(column);
-            let form = model.elastic_form(shape.as_slice(), |mesh| model.sigma(mesh, speed));
-            (form.max(0.0) / model.kinetic_form(shape.as_slice())).sqrt()
+        let form = |shape: &[f64]| model.elastic_form(shape, |mesh| model.sigma(mesh, speed));
+        Ok(Self::ascending(model, vectors, null.ncols(), form))
+    }
+
+    /// The modes of every part of a train whose meshes are taken out: the bending of each shaft, and its twist. The
+    /// vectors of a part are zero in all others.
+    pub(super) fn of_parts(model: &Model) -> Result<Vec<Self>, DecompositionError> {
+        let mass = model.mass_matrix();
+        let stiffness = model.shaft_stiffness_matrix() + model.restoring_matrix();
+        let (rigid, deflections) = (rigid_motions(model), deflections(model, None));
+        let of_part = |part: Range<usize>| {
+            let moves: Vec<usize> =
+                (0..rigid.ncols()).filter(|i| rigid.column(*i).rows_range(part.clone()).amax() > 0.0).collect();
+            let null = null_motions(&rigid.select_columns(&moves), &deflections, &mass)?;
+            let block = |matrix: &DMatrix<f64>| matrix.view_range(part.clone(), part.clone()).into_owned();
+            let null_in_part = null.rows_range(part.clone()).into_owned();
+            let own = symmetric_pencil(&block(&stiffness), &block(&mass), &null_in_part)?.vectors;
+            let mut vectors = DMatrix::zeros(model.len(), part.len());
+            vectors.rows_range_mut(part).copy_from(&own);
+            Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.unmeshed_elastic_form(shape)))
         };
-        let mut order: Vec<(f64, usize)> = (known..model.len()).map(|column| (frequency(column), column)).collect();
+        model.numbering.parts().map(of_part).collect()
+    }
+
+    /// Modes of which `known` null motions lead, in the order of their frequencies; `form` gives φᵀKφ.
+    fn ascending(model: &Model, vectors: DMatrix<f64>, known: usize, form: impl Fn(&[f64]) -> f64) -> Self {
+        let square = |shape: &[f64]| form(shape) / model.kinetic_form(shape);
+        let vectors = aligned(model, vectors, known, square);
+        let frequency = |column: usize| square(vectors.column(column).as_slice()).max(0.0).sqrt();
+        let mut order: Vec<(f64, usize)> = (known..vectors.ncols()).map(|column| (frequency(column), column)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let columns: Vec<usize> = (0..known).chain(order.iter().map(|(_, column)| *column)).collect();
         let frequencies = std::iter::repeat_n(0.0, known).chain(order.iter().map(|(frequency, _)| *frequency));
-        Ok(Self {
-            frequencies: DVector::from_iterator(model.len(), frequencies),
+        Self {
+            frequencies: DVector::from_iterator(vectors.ncols(), frequencies),
             vectors: vectors.select_columns(&columns),
             null: known,
-        })
+        }
     }
 
     /// ω_max, rad/s.
@@ -83,11 +104,11 @@ pub struct Basis {
     /// The model.
     pub model: Model,
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 2],
-    /// The linear motions that were asked for last, at a speed and with so many modes.
-    linear: Mutex<Vec<Remembered>>,
+    /// The linear motions that were asked for last, at a speed, with the meshes or without.
+    linear: Mutex<Vec<(Key, Option<Arc<Linear>>)>>,
 }
 
-type Remembered = (f64, Arc<Linear>);
+type Key = (f64, bool);
 
 /// A study asks for a handful of speeds again and again.
 const REMEMBERED: usize = 8;
@@ -112,19 +133,39 @@ impl Basis {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn linear(&self, speed: f64) -> Result<Arc<Linear>, DecompositionError> {
-        // A panic elsewhere leaves the list as it was.
-        let known = || self.linear.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known().iter().find(|(key, _)| *key == speed).map(|(_, linear)| Arc::clone(linear));
-        if let Some(linear) = found {
+        if let Some(Some(linear)) = self.known((speed, true)) {
             return Ok(linear);
         }
         let linear = Arc::new(Linear::new(self, speed)?);
-        let mut list = known();
+        self.remember((speed, true), Some(Arc::clone(&linear)));
+        Ok(linear)
+    }
+
+    /// The linear motion of the shafts alone, in parts that only the meshes couple; none where modes do not carry it.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn linear_of_parts(&self, speed: f64) -> Result<Option<Arc<Linear>>, DecompositionError> {
+        if let Some(linear) = self.known((speed, false)) {
+            return Ok(linear);
+        }
+        let linear = Linear::of_parts(self, speed)?.map(Arc::new);
+        self.remember((speed, false), linear.clone());
+        Ok(linear)
+    }
+
+    fn known(&self, key: Key) -> Option<Option<Arc<Linear>>> {
+        // A panic elsewhere leaves the list as it was.
+        let list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        list.iter().find(|(known, _)| *known == key).map(|(_, linear)| linear.clone())
+    }
+
+    fn remember(&self, key: Key, linear: Option<Arc<Linear>>) {
+        let mut list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
         if list.len() >= REMEMBERED {
             list.remove(0);
         }
-        list.push((speed, Arc::clone(&linear)));
-        Ok(linear)
+        list.push((key, linear));
     }
 
     /// Damping C of shafts, bearings and meshes, with the modal damping.
@@ -178,10 +219,15 @@ fn aligned(model: &Model, mut vectors: DMatrix<f64>, known: usize, square: impl 
     vectors
 }
 
-/// Orthonormal motions (in M) that neither shafts nor bearings nor meshes resist, one a column.
-fn null_motions(model: &Model, speed: f64, mass: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
-    let mut rigid = rigid_motions(model);
-    let mut deflections = deflections(model, speed) * &rigid;
+/// Orthonormal motions (in M), one a column, among rigid ones of shafts: those that leave the springs alone whose
+/// `deflections` are given.
+fn null_motions(
+    rigid: &DMatrix<f64>,
+    deflections: &DMatrix<f64>,
+    mass: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, DecompositionError> {
+    let mut rigid = rigid.clone();
+    let mut deflections = deflections * &rigid;
     // Translation, tilt and twist have units of their own: each motion is scaled to deflect the springs by one in all.
     for (mut motion, mut deflection) in rigid.column_iter_mut().zip(deflections.column_iter_mut()) {
         let size = deflection.norm();
@@ -201,8 +247,9 @@ fn null_motions(model: &Model, speed: f64, mass: &DMatrix<f64>) -> Result<DMatri
     Ok(motions * symmetric_pencil(&DMatrix::identity(size, size), &kinetic, &none(size))?.vectors)
 }
 
-/// What springs of unit stiffness in the place of bearings and meshes are deflected by, one a row.
-fn deflections(model: &Model, speed: f64) -> DMatrix<f64> {
+/// What springs of unit stiffness in the place of bearings are deflected by, one a row, and in that of meshes with the
+/// flanks that carry at a speed.
+fn deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
     let mut rows = Vec::new();
     for support in &model.supports {
         for [along_v, along_w] in support.directions() {
@@ -211,7 +258,8 @@ fn deflections(model: &Model, speed: f64) -> DMatrix<f64> {
             rows.push(row);
         }
     }
-    for (index, mesh) in model.meshes.iter().enumerate() {
+    let meshed = speed.iter().flat_map(|speed| model.meshes.iter().enumerate().map(move |mesh| (*speed, mesh)));
+    for (speed, (index, mesh)) in meshed {
         let sigma = model.sigma(index, speed);
         let mut row = RowDVector::zeros(model.len());
         mesh.gradient(sigma, mesh.normal_at_rest(sigma), |column, slope| row[column] += slope);

@@ -66,7 +66,12 @@ impl Model {
 
     /// Damping of shafts, bearings and meshes; the modal damping is the basis's to add.
     pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
-        let mut matrix = self.mesh_matrix(speed, |mesh| self.meshes[mesh].damping);
+        self.mesh_matrix(speed, |mesh| self.meshes[mesh].damping) + self.unmeshed_damping_matrix()
+    }
+
+    /// Damping of shafts and bearings.
+    pub fn unmeshed_damping_matrix(&self) -> DMatrix<f64> {
+        let mut matrix = self.zeros();
         for shaft in &self.shafts {
             add_bending(&mut matrix, shaft.bending.as_ref(), |chain| chain.damping.as_ref());
             add_twist(&mut matrix, shaft.twist.as_ref(), |chain| chain.damping.as_ref());

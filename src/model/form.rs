@@ -39,7 +39,12 @@ impl Model {
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let strained = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        self.shaft_form(q) + self.form_of_supports(q, |support| &support.restoring) + strained.sum::<f64>()
+        self.unmeshed_elastic_form(q) + strained.sum::<f64>()
+    }
+
+    /// qᵀKq of shafts and bearings; of bearings the restoring part.
+    pub fn unmeshed_elastic_form(&self, q: &[f64]) -> f64 {
+        self.shaft_form(q) + self.form_of_supports(q, |support| &support.restoring)
     }
 
     /// qᵀKq of the shafts alone.

@@ -3,6 +3,8 @@
 //! Inside, a shaft's bending comes first, (v, w, Γ, −B) node after node, which is (u, φ) as complex numbers; its twist
 //! follows, θ node after node. Outside, a node has v, w, B, Γ, θ together; [`Numbering::dofs`] stands in that order.
 
+use std::ops::Range;
+
 use crate::scene::{Node, Scene};
 
 /// What a coordinate measures.
@@ -55,6 +57,7 @@ pub struct Dof {
 struct Block {
     lateral: Option<usize>,
     torsion: Option<usize>,
+    nodes: usize,
 }
 
 /// The numbering of a scene.
@@ -77,7 +80,8 @@ impl Numbering {
                 len += if wanted { count } else { 0 };
                 wanted.then_some(start)
             };
-            let block = Block { lateral: take(scene.lateral, 4 * nodes), torsion: take(scene.torsion, nodes) };
+            let (lateral, torsion) = (take(scene.lateral, 4 * nodes), take(scene.torsion, nodes));
+            let block = Block { lateral, torsion, nodes };
             for node in 0..nodes {
                 let mut push = |kind, index, sign| dofs.push(Dof { node: Node { shaft, node }, kind, index, sign });
                 if let Some(start) = block.lateral {
@@ -119,6 +123,14 @@ impl Numbering {
     /// First twist of a shaft.
     pub fn torsion(&self, shaft: usize) -> Option<usize> {
         self.blocks[shaft].torsion
+    }
+
+    /// Coordinates that only meshes couple to others: the bending of every shaft, and its twist.
+    pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.blocks.iter().flat_map(|block| {
+            let part = |start: Option<usize>, each: usize| start.map(|start| start..start + each * block.nodes);
+            [part(block.lateral, 4), part(block.torsion, 1)].into_iter().flatten()
+        })
     }
 
     /// Index of v at a node; w, Γ and −B follow.

@@ -187,6 +187,11 @@ impl<'m> Motion<'m> {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some())
     }
 
+    /// Whether the flanks of a mesh may part whose stiffness varies.
+    pub fn parts_and_varies(&self) -> bool {
+        self.model.meshes.iter().any(|mesh| mesh.backlash.is_some() && !mesh.teeth.is_constant())
+    }
+
     /// Shafts that excite.
     pub fn sources(&self) -> impl Iterator<Item = usize> + '_ {
         self.excited.iter().map(|excited| excited.shaft)

@@ -2,8 +2,8 @@
 //!
 //! The law of a mesh depends on six coordinates, but only through where the centres stand to each other and how far the
 //! gears have rolled: three scalars. In frozen geometry the deflection alone is enough; teeth that move with the twist,
-//! and gears off their centres, need either twist. What the linear motion already contains of a mesh, its mean
-//! stiffness and damping at rest, is taken off here, so that a load is what is left.
+//! and gears off their centres, need either twist. What the linear motion already contains of a mesh, if anything its
+//! mean stiffness and damping at rest, is taken off here, so that a load is what is left.
 
 use nalgebra::DVector;
 
@@ -28,7 +28,7 @@ enum Scalars {
 pub struct Hold {
     /// So long at least, s, whatever swings as the contact shows.
     pub time: f64,
-    /// How fast the teeth swing if that is not for ever, the gears being all that moves, rad/s.
+    /// How fast the teeth swing, or may swing, if that is not for ever, the gears being all that moves, rad/s.
     pub swing: f64,
 }
 
@@ -54,14 +54,17 @@ pub struct Interface {
     mobility: f64,
     /// ∂δ/∂(scalars) along the line of action at rest.
     gradient: [f64; MOST],
+    /// Stiffness, N/m, and damping, N·s/m, along it that the linear motion contains.
+    contained: [f64; 2],
 }
 
 impl Interface {
-    /// The interface of mesh `mesh` of a motion; deviations are measured from `reference`.
+    /// The interface of mesh `mesh` of a motion; deviations are measured from `reference`. The linear motion beside it
+    /// is that of a `meshed` train, or of its shafts alone.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
-    pub fn new(motion: &Motion, mesh: usize, reference: &DVector<f64>) -> Result<Self, Overlap> {
+    pub fn new(motion: &Motion, mesh: usize, reference: &DVector<f64>, meshed: bool) -> Result<Self, Overlap> {
         let coupling = motion.model.meshes[mesh].clone();
         let (geometry, sigma) = (motion.geometry, motion.sigma[mesh]);
         let follows_twist = coupling.phase == Phase::Twist && !coupling.teeth.is_constant();
@@ -80,6 +83,7 @@ impl Interface {
             Scalars::Plane => [-y, -z, sigma, 0.0],
             Scalars::Each => [-y, -z, sigma * ra, sigma * rb],
         };
+        let contained = if meshed { [coupling.stiffness, coupling.damping] } else { [0.0; 2] };
         let mut interface = Self {
             mesh,
             coupling,
@@ -92,6 +96,7 @@ impl Interface {
             swing: motion.fastest_swing(),
             mobility: motion.mobility(mesh),
             gradient,
+            contained,
         };
         let rows = interface.rows();
         for (at, row) in interface.at.iter_mut().zip(rows) {
@@ -112,13 +117,16 @@ impl Interface {
 
     /// Whether its load depends on the rates of the scalars as well.
     pub fn has_rates(&self) -> bool {
-        let parts = self.coupling.backlash.is_some() || self.scalars != Scalars::Along;
-        self.coupling.damping > 0.0 && parts || self.coupling.has_run_out()
+        let contained = self.contained[1] > 0.0 && self.coupling.backlash.is_none() && self.scalars == Scalars::Along;
+        self.coupling.damping > 0.0 && !contained || self.coupling.has_run_out()
     }
 
     /// Whether its load is a straight line over its one scalar, for a given law and time.
     pub fn is_affine(&self) -> bool {
-        self.scalars == Scalars::Along && self.coupling.backlash.is_none() && !self.coupling.teeth.is_relieved()
+        self.scalars == Scalars::Along
+            && self.coupling.backlash.is_none()
+            && !self.coupling.teeth.is_relieved()
+            && !self.has_rates()
     }
 
     /// Every scalar as entries (index, coefficient) over the displacements of the model; a load on it acts on the same
@@ -183,6 +191,11 @@ impl Interface {
         &self.held[..self.scalars()]
     }
 
+    /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness and damping along it, N/m and N·s/m.
+    pub fn tangent(&self) -> (&[f64], [f64; 2]) {
+        (&self.gradient[..self.scalars()], [self.coupling.stiffness, self.coupling.damping])
+    }
+
     /// The load at deviations `u` of the scalars and their `rates` (empty where they do not matter), under the law that
     /// holds; returns the contact.
     ///
@@ -202,7 +215,7 @@ impl Interface {
         let contact = self.coupling.contact(&self.pose(&turning, u, rates), law);
         let contact = contact.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?;
         let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
-        let linear = self.coupling.stiffness * along(u) + self.coupling.damping * along(rates);
+        let linear = self.contained[0] * along(u) + self.contained[1] * along(rates);
         let forces = self.forces(&contact);
         for (k, load) in load.iter_mut().enumerate() {
             *load = (forces[k] - self.held[k]) + linear * self.gradient[k];
@@ -213,7 +226,7 @@ impl Interface {
     /// Slope of the load along δ in a contact, N/m.
     #[inline(always)]
     pub fn slope(&self, contact: &Contact) -> f64 {
-        self.coupling.stiffness - contact.stiffness
+        self.contained[0] - contact.stiffness
     }
 
     /// How long the flanks stay as they are in a contact under the law that holds.
@@ -222,7 +235,8 @@ impl Interface {
         if self.coupling.backlash.is_none() || self.is_firm(flank, contact) {
             return Hold { time: f64::INFINITY, swing: 0.0 };
         }
-        let swing = (contact.stiffness * self.mobility).sqrt();
+        // Flanks that are apart are looked for as closely as teeth may swing once they meet.
+        let swing = if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.swing };
         let (pressed, clear) = match flank {
             Flank::Drive => (contact.force, -contact.behind),
             Flank::Back => (-contact.force, -contact.deflection),

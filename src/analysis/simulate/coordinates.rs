@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix};
 
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, Part};
-use super::Options;
 use super::initial::Start;
+use super::{Method, Options};
 use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{Basis, Linear};
@@ -38,7 +38,14 @@ impl<'m> Coordinates<'m> {
             );
             return Err(SceneError::new("method", message).into());
         };
-        let linear = basis.linear(speed)?;
+        // Teeth that part and whose stiffness varies leave little of the mean mesh for the linear motion to be exact about.
+        let linear = match options.method {
+            Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
+                basis.linear_of_parts(speed)?
+            }
+            _ => None,
+        };
+        let linear = linear.map_or_else(|| basis.linear(speed), Ok)?;
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(basis.model.len(), basis.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
             let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
@@ -79,7 +86,8 @@ fn keeping(
     };
     let pick = |row: &Vec<f64>| kept.of_kept(row, &slots);
     let [rows, columns] = [&ports.rows, &ports.columns].map(|list| list.iter().map(pick).collect());
-    Ok((Arc::new(kept), Ports { rows, columns, meshes: ports.meshes }))
+    let ports = Ports { rows, columns, parts: kept.parts.clone(), ..ports.clone() };
+    Ok((Arc::new(kept), ports))
 }
 
 /// The state that a run begins with, in coordinates of the modes.
