@@ -28,8 +28,9 @@ pub enum Control {
 const SAFETY: f64 = 0.5;
 /// Halvings at once of a step whose error is too large: of steps much shorter it says nothing.
 const HALVINGS: usize = 4;
-/// Loads are found to this part of the tolerance,
-const SOLVED: f64 = 0.01;
+/// Loads are found to this part of the tolerance, those that are the whole of what meshes do more closely,
+const SOLVED: f64 = 0.03;
+const SOLVED_WHOLE: f64 = 0.01;
 /// or of this tolerance, where the one asked for is looser: collocation is stable whatever its steps, loads that are
 /// half found are not.
 const LOOSEST: f64 = 1e-3;
@@ -293,7 +294,10 @@ impl Driver {
         loop {
             let solved = match self.control {
                 Control::Fixed => TIGHT * before,
-                Control::Adaptive { rtol, floor } => SOLVED * rtol.min(LOOSEST) * before.max(floor),
+                Control::Adaptive { rtol, floor } => {
+                    let part = if stepper.table.linear.meshed { SOLVED } else { SOLVED_WHOLE };
+                    part * rtol.min(LOOSEST) * before.max(floor)
+                }
             };
             stepper.guess(level, &state.memory[1..]);
             let end = self.at(state.count + self.clock.ticks(level));
