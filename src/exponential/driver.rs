@@ -225,7 +225,8 @@ impl Driver {
             return Ok(false);
         }
         let z = self.sample.within(stepper, level, &state.y, within);
-        let missed = stepper.missed_at(within / self.clock.step(level), until, z, &mut self.point, &mut self.loads)?;
+        let room = [&mut self.loads[..], &mut self.jumps[0][..]];
+        let missed = stepper.missed_at(within / self.clock.step(level), until, z, &mut self.point, room)?;
         statistics.evaluations += 1;
         Ok(within * missed > rtol * self.size.max(floor))
     }

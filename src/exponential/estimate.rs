@@ -1,6 +1,5 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
-use super::kernel;
 use super::step::Stepper;
 use super::table::form;
 use crate::integrate::Halt;
@@ -54,24 +53,20 @@ impl Stepper<'_> {
     }
 
     /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second; the
-    /// state there is `z`, and `point` and `loads` are room for what it sees and for its loads.
+    /// state there is `z`; `point` is room for what it sees, the others for its loads and those of the polynomial.
     pub(super) fn missed_at(
         &mut self,
         part: f64,
         elapsed: f64,
         z: &[f64],
         point: &mut [f64],
-        loads: &mut [f64],
+        [loads, polynomial]: [&mut [f64]; 2],
     ) -> Result<f64, Halt> {
-        kernel::seen(self.arch, &self.bare_rows, z, point);
-        self.field.add_synchronous_at(elapsed, point);
+        self.see(elapsed, z, point);
         self.load_at(elapsed, point, loads)?;
-        let mut polynomial = std::mem::take(&mut self.at_part);
-        self.loads_at(part, &mut polynomial);
-        self.at_part = polynomial;
-        let meshes = self.missed.len();
-        for ((missed, load), polynomial) in self.changed.iter_mut().zip(&loads[..meshes]).zip(&self.at_part) {
-            *missed = load - polynomial;
+        self.loads_at(part, polynomial);
+        for ((missed, load), polynomial) in self.changed.iter_mut().zip(loads).zip(polynomial) {
+            *missed = *load - *polynomial;
         }
         Ok(UNRESOLVED * self.bare(&self.changed))
     }

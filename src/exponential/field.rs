@@ -342,8 +342,8 @@ fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<Tangent> {
         let (gradient, [stiffness, damping]) = interface.tangent();
         let scalars = from..from + gradient.len();
         from = scalars.end;
-        let (delay, stiffness) = (damping / stiffness, if meshed { 0.0 } else { stiffness });
-        Tangent { scalars, gradient: gradient.to_vec(), delay, stiffness }
+        let (delay, root) = (damping / stiffness, if meshed { 0.0 } else { stiffness.sqrt() });
+        Tangent { scalars, gradient: gradient.to_vec(), delay, root }
     };
     interfaces.iter().map(tangent).collect()
 }

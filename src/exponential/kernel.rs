@@ -308,24 +308,25 @@ impl WithSimd for AccumulatePanel<'_> {
         let mut columns = values.chunks_exact(self.p.len().max(1));
         for (out, columns) in whole.iter_mut().zip(&mut columns) {
             let mut sum = *out;
-            for (p, column) in self.p.iter().zip(columns) {
-                for lane in 0..WIDTH {
-                    sum[lane] += column[lane] * p;
-                }
-            }
+            add_columns(&mut sum, self.p, columns);
             *out = sum;
         }
         // The rest is at most as long as this.
         if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
             let mut sum = [0.0; WIDTH];
-            for (p, column) in self.p.iter().zip(columns) {
-                for lane in 0..WIDTH {
-                    sum[lane] += column[lane] * p;
-                }
-            }
+            add_columns(&mut sum, self.p, columns);
             for (out, sum) in rest.iter_mut().zip(sum) {
                 *out += sum;
             }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_columns(sum: &mut [f64; WIDTH], p: &[f64], columns: &[[f64; WIDTH]]) {
+    for (p, column) in p.iter().zip(columns) {
+        for lane in 0..WIDTH {
+            sum[lane] += column[lane] * p;
         }
     }
 }

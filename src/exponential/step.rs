@@ -24,7 +24,7 @@ pub struct Stepper<'m> {
     pub(super) arch: Arch,
     /// How many steps were tried.
     pub(super) steps: u64,
-    pub(super) bare_rows: Rows,
+    bare_rows: Rows,
     /// Columns b, one after the other.
     pub(super) bare_columns: Aligned,
     /// Columns Aᵐ b, for loads that jump.
@@ -40,8 +40,6 @@ pub struct Stepper<'m> {
     pub(super) end: Vec<f64>,
     pub(super) begin_load: Vec<f64>,
     pub(super) end_load: Vec<f64>,
-    /// Loads of the polynomial at a part of a step.
-    pub(super) at_part: Vec<f64>,
     /// The state at the end.
     pub(super) after: Vec<f64>,
     pub(super) free: Vec<f64>,
@@ -99,7 +97,6 @@ impl<'m> Stepper<'m> {
             end: vec![0.0; seen],
             begin_load: vec![0.0; loads],
             end_load: vec![0.0; loads],
-            at_part: vec![0.0; loads],
             after: vec![0.0; linear.len()],
             free: vec![0.0; stages * seen],
             trial: vec![0.0; stages * loads],
@@ -145,11 +142,16 @@ impl<'m> Stepper<'m> {
     /// is left on the polynomial.
     pub(super) fn measure_off(&self, part: f64, elapsed: f64, z: &[f64], point: &mut [f64], off: &mut [f64]) {
         self.interpolate(part, point);
-        kernel::seen(self.arch, &self.bare_rows, z, off);
-        self.field.add_synchronous_at(elapsed, off);
+        self.see(elapsed, z, off);
         for (off, polynomial) in off.iter_mut().zip(point) {
             *off -= *polynomial;
         }
+    }
+
+    /// Scalars and rates of a state at an instant whose turns are not at hand.
+    pub(super) fn see(&self, elapsed: f64, z: &[f64], out: &mut [f64]) {
+        kernel::seen(self.arch, &self.bare_rows, z, out);
+        self.field.add_synchronous_at(elapsed, out);
     }
 
     /// Turns what turns to an instant: a step begins where the one before it has ended.

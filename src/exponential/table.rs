@@ -37,8 +37,8 @@ pub struct Tangent {
     pub gradient: Vec<f64>,
     /// c/k, s.
     pub delay: f64,
-    /// k where the energy of a state z does not contain that of the mesh, N/m; zero where it does.
-    pub stiffness: f64,
+    /// √k where the energy of a state z does not contain that of the mesh; zero where it does.
+    pub root: f64,
 }
 
 impl Tangent {
@@ -49,7 +49,7 @@ impl Tangent {
 
     /// g·u √k of scalars: its square is twice the energy that the mesh has beside that of the state.
     pub fn strain(&self, seen: &[f64]) -> f64 {
-        self.stiffness.sqrt() * self.product(seen, 0)
+        self.root * self.product(seen, 0)
     }
 
     /// g times the scalars, or their rates, that begin at `from`.
