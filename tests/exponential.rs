@@ -206,7 +206,7 @@ fn a_table_without_modes_is_that_of_the_modes() {
             let (field, ports) = field(&basis, geometry, &linear);
             let longest = 1e-4;
             let finest = (longest * linear.radius).log2().ceil() as usize + 1;
-            let clock = Clock { longest, finest, event: finest, look: f64::INFINITY };
+            let clock = Clock { longest, finest, event: finest };
             let rule = Rule::gauss(stages);
             let pairs = Table::new(&linear, rule.clone(), ports.clone(), clock, field.spins());
             let matrices = Table::new(&whole, rule, ports, clock, field.spins());
@@ -331,7 +331,7 @@ fn integrate(
     let (field, ports) = field(basis, geometry, form);
     let longest = 5e-5;
     let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
-    let clock = Clock { longest, finest: event + 4, event, look: f64::INFINITY };
+    let clock = Clock { longest, finest: event + 4, event };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
     let mut output = Output::new(&field, form, selection);
     let table = Table::new(form, Rule::gauss(stages), ports, clock, field.spins());

@@ -215,7 +215,7 @@ fn exponential(
     let (field, ports) = Field::new(motion(&basis, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
-    let clock = Clock { longest, finest: event + 12, event, look: f64::INFINITY };
+    let clock = Clock { longest, finest: event + 12, event };
     let selection = Selection { displacements: vec![3], velocities: vec![3] };
     let mut output = Output::new(&field, &linear, selection);
     let table = Table::new(&linear, rule.clone(), ports, clock, field.spins());

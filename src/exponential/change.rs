@@ -3,6 +3,7 @@
 use super::driver::Driver;
 use super::shift::POINTS;
 use super::step::Stepper;
+use super::watch::Suspect;
 use crate::integrate::{Halt, State, Statistics, System as _};
 
 /// A change of law is found to this part of its step.
@@ -38,17 +39,26 @@ impl Driver {
         let step = stepper.table.clock.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;
-        let looks = if self.settled.contains(&false) { (step / self.clock.look).ceil().max(1.0) } else { 1.0 };
-        let mut high = None;
-        let mut low: f64 = (state.carry / step).min(1.0);
-        let parts = (1..=looks as u64).map(|look| look as f64 / looks);
-        for part in parts.filter(|part| state.elapsed + part * step > since) {
-            if self.changed(stepper, state, step, part)? {
-                high = Some(part);
+        self.watch.search(stepper, &self.settled);
+        let (mut low, mut high): (f64, _) = ((state.carry / step).min(1.0), None);
+        for index in 0..=self.watch.suspects.len() {
+            // What comes and goes without a suspect has at the end.
+            let suspect = self.watch.suspects.get(index).copied().unwrap_or(Suspect { at: 1.0, turns: false });
+            if state.elapsed + suspect.at * step <= since {
+                continue;
+            }
+            let changed = if suspect.turns {
+                self.changed_truly(stepper, level, state, suspect.at)?
+            } else {
+                self.changed(stepper, state, step, suspect.at)?
+            };
+            if changed {
+                high = Some(suspect.at);
                 break;
             }
-            low = low.max(part);
+            low = low.max(suspect.at);
         }
+        self.off.fill(0.0);
         let Some(high) = high else {
             return Ok(None);
         };
@@ -103,25 +113,20 @@ impl Driver {
         (mut low, mut high): (f64, f64),
     ) -> Result<Option<f64>, Halt> {
         let step = stepper.table.clock.step(level);
-        let changed = |driver: &mut Self, part: f64| {
-            let z = driver.sample.within(stepper, level, &state.y, part * step);
-            stepper.measure_off(part, state.elapsed + part * step, z, &mut driver.point, &mut driver.off);
-            driver.changed(stepper, state, step, part)
-        };
-        if !changed(self, high)? {
+        if !self.changed_truly(stepper, level, state, high)? {
             high = 1.0;
         }
-        if changed(self, low)? {
+        if self.changed_truly(stepper, level, state, low)? {
             (low, high) = ((state.carry / step).min(1.0), low);
-            if low >= high || changed(self, low)? {
+            if low >= high || self.changed_truly(stepper, level, state, low)? {
                 return Ok(None);
             }
         }
         while high - low > RESOLUTION {
             let middle = (low + high) / 2.0;
-            if changed(self, middle)? { high = middle } else { low = middle }
+            if self.changed_truly(stepper, level, state, middle)? { high = middle } else { low = middle }
         }
-        changed(self, high)?;
+        self.changed_truly(stepper, level, state, high)?;
         Ok(Some(high))
     }
 
@@ -219,6 +224,14 @@ impl Driver {
         self.move_to(stepper, part);
         stepper.field.laws(state.elapsed + part * step, &self.point, &self.settled, &mut self.found)?;
         Ok(self.found != state.laws)
+    }
+
+    /// The same on the motion itself; what the polynomial is off by there is kept.
+    fn changed_truly(&mut self, stepper: &Stepper<'_>, level: usize, state: &State, part: f64) -> Result<bool, Halt> {
+        let step = stepper.table.clock.step(level);
+        let z = self.sample.within(stepper, level, &state.y, part * step);
+        stepper.measure_off(part, state.elapsed + part * step, z, &mut self.point, &mut self.off);
+        self.changed(stepper, state, step, part)
     }
 
     /// Goes on to the last tick before a change of law, and lets the new law act from the change itself on.

@@ -12,8 +12,6 @@ pub struct Clock {
     pub finest: usize,
     /// The level of the shortest step that events use: what is left to an event, no mode turns by a radian in.
     pub event: usize,
-    /// The longest time between two looks at whether flanks have parted, s, unless it is known that they have not.
-    pub look: f64,
 }
 
 impl Clock {
@@ -54,7 +52,7 @@ mod tests {
 
     #[test]
     fn steps_fit_into_each_other() {
-        let clock = Clock { longest: 5e-5, finest: 8, event: 5, look: f64::INFINITY };
+        let clock = Clock { longest: 5e-5, finest: 8, event: 5 };
         for level in 0..=clock.finest {
             assert_eq!(clock.time(clock.ticks(level)), clock.step(level));
             assert_eq!([clock.level_of(clock.step(level)), clock.level_of(1.9 * clock.step(level))], [level; 2]);

@@ -8,6 +8,7 @@ use super::output::{Course, Output};
 use super::sample::Sample;
 use super::shift::POINTS;
 use super::step::Stepper;
+use super::watch::Watch;
 use crate::integrate::{Halt, Halted, Observer, PATIENCE, State, Statistics, System as _};
 
 /// How the length of a step is chosen.
@@ -91,6 +92,8 @@ pub(super) struct Driver {
     pub(super) after: Vec<i64>,
     /// Whether the flanks of each mesh stay as they are over the step.
     pub(super) settled: Vec<bool>,
+    /// Where they may part or meet within it.
+    pub(super) watch: Watch,
     /// Changes of law since the last tick.
     pub(super) at_once: u32,
     /// Energy norm of the state.
@@ -123,6 +126,7 @@ impl Driver {
             ends: [Vec::new(), Vec::new()],
             after: Vec::new(),
             settled: Vec::new(),
+            watch: Watch::new(&stepper.table.rule, stepper.field.meshes()),
             at_once: 0,
             size: 0.0,
         }

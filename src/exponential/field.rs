@@ -240,6 +240,11 @@ impl<'m> Field<'m> {
         self.interfaces.iter().zip(contacts).map(|(interface, contact)| interface.hold(&self.motion, contact))
     }
 
+    /// How far each flank of a mesh is from a change of law in a contact, m.
+    pub fn margins(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
+        self.interfaces[mesh].margins(&self.motion, contact)
+    }
+
     /// Every interface with its scalars and rates (empty where they do not matter) of `u`.
     fn each<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = (&'a Interface, &'a [f64], &'a [f64])> {
         let (scalars, rates) = u.split_at(self.scalars);

@@ -29,6 +29,7 @@ mod shift;
 mod solve;
 mod step;
 mod table;
+mod watch;
 
 pub use clock::Clock;
 pub use driver::{Control, run};

@@ -212,6 +212,19 @@ impl<'m> Stepper<'m> {
         swing
     }
 
+    /// How far each flank of a mesh was from a change of law at the beginning, at the nodes and at the end of the last step, m.
+    pub(super) fn margins(&self, mesh: usize) -> [[f64; MOST + 2]; 2] {
+        let meshes = self.field.meshes();
+        let sides = [&self.contacts_at_begin[..], &self.contacts[..], &self.contacts_at_end[..]];
+        let mut margins = [[0.0; MOST + 2]; 2];
+        for (k, contacts) in sides.into_iter().flat_map(|side| side.chunks_exact(meshes)).enumerate() {
+            for (margins, margin) in margins.iter_mut().zip(self.field.margins(mesh, &contacts[mesh])) {
+                margins[k] = margin;
+            }
+        }
+        margins
+    }
+
     /// Takes the end of the last step as the beginning of the next.
     pub(super) fn commit(&mut self, z: &mut Vec<f64>) {
         std::mem::swap(z, &mut self.after);

@@ -92,7 +92,7 @@ pub struct Contact {
     pub drive_power: f64,
     /// Power that damping takes, cδ̇², W.
     pub damping_power: f64,
-    /// Deflection of the back flank while the drive flank presses, m; −∞ where flanks never part.
+    /// Deflection of the back flank, m; −∞ where flanks never part.
     pub behind: f64,
 }
 

@@ -255,9 +255,10 @@ impl Coupling {
         }
         let approach = self.approach(pose)?;
         let drive = self.press(&approach, &self.meet(&approach, false), law);
+        let behind = || self.behind(sigma, &approach.lie, &approach.position);
         match law.flank {
-            Flank::Drive => Ok(Contact { behind: self.behind(sigma, &approach.lie, &approach.position), ..drive }),
-            Flank::Apart => Ok(drive.apart()),
+            Flank::Drive => Ok(Contact { behind: behind(), ..drive }),
+            Flank::Apart => Ok(Contact { behind: behind(), ..drive.apart() }),
             Flank::Back | Flank::Both => {
                 let back = self.press(&approach, &self.meet(&approach, true), law);
                 let drive = if law.flank.drives() { drive } else { drive.apart() };

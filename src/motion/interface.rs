@@ -237,20 +237,33 @@ impl Interface {
         }
         // Flanks that are apart are looked for as closely as teeth may swing once they meet.
         let swing = if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.swing };
-        let (pressed, clear) = match flank {
-            Flank::Drive => (contact.force, -contact.behind),
-            Flank::Back => (-contact.force, -contact.deflection),
-            Flank::Apart | Flank::Both => (0.0, 0.0),
-        };
+        let [drive, back] = self.margins(motion, contact);
+        let presses = matches!(flank, Flank::Drive | Flank::Back);
         // Without rates there is no telling what swings.
-        if !self.has_rates() || pressed <= 0.0 || clear <= 0.0 {
+        if !self.has_rates() || !presses || drive <= 0.0 || back <= 0.0 {
             return Hold { time: 0.0, swing };
         }
         // What is left of x after t is at least x − |ẋ|t − aω²t²/2, a the amplitude.
         let rate = contact.rate.abs();
         let amplitude = ((contact.force - self.carried) / contact.stiffness).hypot(rate / swing);
         let time = |left: f64| 2.0 * left / (rate + (rate * rate + 2.0 * amplitude * swing * swing * left).sqrt());
-        Hold { time: time(pressed / contact.stiffness).min(time(clear)), swing }
+        Hold { time: time(drive).min(time(back)), swing }
+    }
+
+    /// How far the drive flank and the back flank are from a change of law, as the one that holds shows them in a contact, m:
+    /// pressed in by so much, or clear by so much.
+    pub fn margins(&self, motion: &Motion, contact: &Contact) -> [f64; 2] {
+        // What damping holds together has not parted yet.
+        let pressed = |force: f64, deflection: f64| {
+            if contact.stiffness > 0.0 { force / contact.stiffness } else { deflection }
+        };
+        let Contact { force, deflection, behind, .. } = *contact;
+        match motion.laws[self.mesh].flank {
+            Flank::Drive => [pressed(force, deflection), -behind],
+            Flank::Back => [-deflection, pressed(-force, behind)],
+            Flank::Apart => [-deflection, -behind],
+            Flank::Both => [deflection, behind],
+        }
     }
 
     /// Whether the flank that presses in a contact stays pressed and the other one clear, whatever swings as the contact

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import HealthCheck, example, given, reject, settings
 from hypothesis import strategies as st
 
 import gearbow as gb
@@ -245,6 +245,26 @@ FOUND: dict[str, Drawn] = {
         rayleigh=0.0,
         speed=-150.0,
     ),
+    # flanks that part for less than a step and press again before its end were not seen to
+    "a short parting": Drawn(
+        lengths=(0.25, 0.75, 1.0),
+        diameters=(0.09375, 0.0625, 0.0625),
+        elements=(1, 1, 1),
+        places=(0.0, 0.0, 0.0),
+        teeth=(20, 20, 20),
+        density=2000.0,
+        bows=(6.852e-05j, 0j, 0j),
+        unbalance=0j,
+        disk=1.0,
+        bearing=(1.0, 2.0, 0.0, 0.0),
+        angle=0.0,
+        mesh=("mean", 1e7, 0.0),
+        backlash=2e-5,
+        torque=-2.0,
+        gravity=(0.0, 0.0),
+        rayleigh=0.0,
+        speed=0.0,
+    ),
 }
 
 
@@ -324,7 +344,10 @@ def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Dr
     coarse, fine = scene.system(), replace(scene, split=True).system()
     for i in range(len(scene.lengths)):
         at = scene.name("g", i)
-        wanted, found = (system.static().displacement(at) for system in (coarse, fine))
+        try:
+            wanted, found = (system.static().displacement(at) for system in (coarse, fine))
+        except gb.ContactError:
+            reject()  # a slender shaft bends until the gears stand in each other
         assert np.abs(found - wanted).max() <= 1e-6 * max(np.abs(wanted).max(), 1e-6)
     low, high = fine.modes().frequencies_hz, coarse.modes().frequencies_hz
     # what rolls is zero to round-off of the highest

@@ -31,8 +31,6 @@ const FURTHER: usize = 12;
 const FURTHER_DENSE: usize = 4;
 /// Samples in the shortest period among shafts and teeth.
 const SAMPLES: f64 = 20.0;
-/// Looks at the law in a period of teeth that swing on their stiffness alone: none may part and meet again unseen.
-const LOOKS_A_SWING: f64 = 16.0;
 /// Steps of ETDRK4 in such a period, unless a step is asked for.
 const STEPS_A_SWING: f64 = 40.0;
 /// Steps of ETDRK4 are this part of the longest, unless one is asked for.
@@ -116,7 +114,7 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
     let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
     // A step that is a matrix takes long to make.
     let further = if matches!(linear.form, Form::Dense(_)) { FURTHER_DENSE } else { FURTHER };
-    Ok(Clock { longest, finest: event + further, event, look: TAU / (LOOKS_A_SWING * swing) })
+    Ok(Clock { longest, finest: event + further, event })
 }
 
 /// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.
