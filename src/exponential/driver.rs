@@ -265,6 +265,7 @@ impl Driver {
         if stepper.remembers() && ticks == self.clock.ticks(level) {
             state.memory.extend_from_slice(&stepper.loads);
             state.memory.extend_from_slice(&stepper.nodes);
+            state.memory.extend_from_slice(&stepper.follow.rigidity);
             state.memory.extend([self.clock.step(level), stepper.contraction]);
         }
     }

@@ -230,9 +230,9 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
-    /// Slope of the load of a mesh along its δ in a contact, N/m.
-    pub fn slope(&self, mesh: usize, contact: &Contact) -> f64 {
-        self.interfaces[mesh].slope(contact)
+    /// Stiffness and damping of a contact of a mesh that the linear motion does not contain, N/m and N·s/m.
+    pub fn rigidity(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
+        self.interfaces[mesh].rigidity(&self.motion, contact)
     }
 
     /// How long the flanks of the meshes stay as they are in their contacts.
@@ -344,11 +344,11 @@ pub fn is_resonant(linear: &Linear, spin: f64) -> bool {
 fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<Tangent> {
     let mut from = 0;
     let tangent = |interface: &Interface| {
-        let (gradient, [stiffness, damping]) = interface.tangent();
+        let (gradient, stiffness) = interface.tangent();
         let scalars = from..from + gradient.len();
         from = scalars.end;
-        let (delay, root) = (damping / stiffness, if meshed { 0.0 } else { stiffness.sqrt() });
-        Tangent { scalars, gradient: gradient.to_vec(), delay, root }
+        let root = if meshed { 0.0 } else { stiffness.sqrt() };
+        Tangent { scalars, gradient: gradient.to_vec(), root }
     };
     interfaces.iter().map(tangent).collect()
 }

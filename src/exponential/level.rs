@@ -82,8 +82,8 @@ pub struct Sight {
     pub rows: Rows,
     /// H: for each node i column (j, load) after column, of its scalars.
     pub response: Vec<Panel>,
-    /// ℓ of all nodes and meshes under every load, column after column, and under their own forces −g, row after row: ℓ is
-    /// what the law of a mesh at rest turns into force, g·u + c/k g·u̇.
+    /// g·u of all nodes and meshes and, where rates matter, g·u̇: under every load, column after column, and under their
+    /// own forces −g, row after row.
     pub along: Panel,
     pub own: Vec<f64>,
     /// e^{iΩ c_i h} of node i and source s at i·sources + s.
@@ -125,12 +125,15 @@ impl Sight {
     pub fn of_rows(ports: &Ports, rows: &[Vec<f64>], response: &[Vec<f64>], turns: Vec<Complex64>) -> Self {
         let (loads, seen) = (ports.columns.len(), ports.rows.len());
         let (stages, meshes) = (response.len(), ports.tangents.len());
-        let size = stages * meshes;
-        let mut along = vec![0.0; stages * loads * size];
+        let kinds: Vec<usize> = (0..seen).step_by(ports.meshes.max(1)).collect();
+        let (size, felt) = (stages * meshes, kinds.len() * stages * meshes);
+        let mut along = vec![0.0; stages * loads * felt];
         for (node, response) in response.iter().enumerate() {
             for (column, seen) in response.chunks_exact(seen.max(1)).enumerate() {
                 for (mesh, tangent) in ports.tangents.iter().enumerate() {
-                    along[column * size + node * meshes + mesh] = tangent.along(seen, ports.meshes);
+                    for (kind, from) in kinds.iter().enumerate() {
+                        along[column * felt + kind * size + node * meshes + mesh] = tangent.along(seen, *from);
+                    }
                 }
             }
         }
@@ -143,17 +146,17 @@ impl Sight {
             synchronous.extend(turned.iter().map(|value| value.re));
             synchronous.extend(turned.iter().map(|value| -value.im));
         }
-        let mut own = vec![0.0; size * size];
-        for (unit, own) in (0..size).zip(own.chunks_exact_mut(size.max(1))) {
+        let mut own = vec![0.0; felt * size];
+        for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
             for node in 0..stages {
                 for (mesh, Tangent { scalars, gradient, .. }) in ports.tangents.iter().enumerate() {
-                    let column = |scalar: usize| along[(node * loads + scalar) * size + unit];
+                    let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
                     own[node * meshes + mesh] = scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
                 }
             }
         }
         let response = response.iter().map(|columns| Panel::new(columns, seen)).collect();
-        let (along, synchronous) = (Panel::new(&along, size), Panel::new(&synchronous, stages * seen));
+        let (along, synchronous) = (Panel::new(&along, felt), Panel::new(&synchronous, stages * seen));
         Self { rows: Rows::new(rows, &ports.parts), response, along, own, turns, synchronous }
     }
 

@@ -16,6 +16,7 @@ mod dense;
 mod driver;
 mod estimate;
 mod field;
+mod follow;
 mod in_modes;
 mod kernel;
 mod level;

@@ -23,14 +23,15 @@ impl Newton {
         self.matrix.iter_mut().step_by(self.size + 1).for_each(|diagonal| *diagonal = 1.0);
     }
 
-    /// Sets the matrix to one and `slopes` times the rows of a matrix, one after the other, over and over.
-    pub fn fill(&mut self, matrix: &[f64], slopes: &[f64]) {
-        let rows = self.matrix.chunks_exact_mut(self.size.max(1)).zip(matrix.chunks_exact(self.size.max(1)));
-        for ((i, (row, given)), slope) in rows.enumerate().zip(slopes.iter().cycle()) {
-            for (entry, given) in row.iter_mut().zip(given) {
-                *entry = slope * given;
+    /// Sets the matrix to one and the sum of matrices, given row after row, each row times its own of `slopes`.
+    pub fn fill(&mut self, matrices: &[f64], slopes: &[f64]) {
+        self.begin();
+        let rows = matrices.chunks_exact(self.size.max(1)).zip(slopes);
+        for (at, (given, slope)) in rows.enumerate() {
+            let row = at % self.size * self.size;
+            for (entry, given) in self.matrix[row..row + self.size].iter_mut().zip(given) {
+                *entry += slope * given;
             }
-            row[i] += 1.0;
         }
     }
 

@@ -6,7 +6,7 @@
 
 use super::kernel;
 use super::step::Stepper;
-use super::table::{Tangent, form};
+use super::table::form;
 use crate::integrate::{Halt, Statistics};
 
 /// A contraction that is not measured is taken to be so many times as large.
@@ -70,63 +70,15 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// Takes the stiffnesses of the contacts at the beginning of a step for those of all its nodes: meshes of stiffness K
-    /// answer ℓ by forces f = K(ℓ − G f), G what they make of each other. Whether that can be solved.
-    fn stiffen(&mut self, level: usize) -> bool {
-        for (mesh, slope) in self.slopes.iter_mut().enumerate() {
-            *slope = -self.field.slope(mesh, &self.contacts_at_begin[mesh]);
-        }
-        self.follow.fill(&self.table.sight(level).own, &self.slopes);
-        self.follow.factor()
-    }
-
-    /// Adds to the loads the forces of the meshes that follow from ℓ, which stands in `follow`.
-    fn follow(&mut self) {
-        let meshes = self.slopes.len();
-        for sought in self.follow.right.chunks_exact_mut(meshes) {
-            sought.iter_mut().zip(&self.slopes).for_each(|(sought, slope)| *sought *= slope);
-        }
-        self.follow.substitute();
-        let forces = self.follow.right.chunks_exact(meshes);
-        for (loads, forces) in self.loads.chunks_exact_mut(self.field.loads()).zip(forces) {
-            for (Tangent { scalars, gradient, .. }, force) in self.table.ports.tangents.iter().zip(forces) {
-                for (load, g) in loads[scalars.clone()].iter_mut().zip(gradient) {
-                    *load -= g * force;
-                }
-            }
-        }
-    }
-
-    /// Lets the loads that were guessed follow the motion that they cause, where it is not the one that was guessed with
-    /// them.
-    fn anticipate(&mut self, level: usize) {
-        let (seen, rates) = (self.field.seen(), self.field.mesh_loads());
-        let (sight, meshes) = (self.table.sight(level), self.slopes.len());
-        // What is guessed is taken off what is caused.
-        for (node, free) in self.nodes.iter_mut().zip(&self.free) {
-            *node = free - *node;
-        }
-        let each = self.nodes.chunks_exact_mut(seen).zip(self.follow.right.chunks_exact_mut(meshes));
-        for ((node, sought), response) in each.zip(&sight.response) {
-            kernel::accumulate_panel(self.arch, response, &self.loads, node);
-            for (sought, tangent) in sought.iter_mut().zip(&self.table.ports.tangents) {
-                *sought = tangent.along(node, rates);
-            }
-        }
-        self.follow();
-    }
-
     /// Adds what is missing of the loads at all nodes, and what follows from that; what was missing is left in `trial`.
-    fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
+    /// Whether that can be solved.
+    fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<bool, Halt> {
         self.respond_all(level);
         self.sweep(level, elapsed, statistics)?;
         for (load, found) in self.loads.iter_mut().zip(&mut self.trial) {
             (*load, *found) = (*found, *found - *load);
         }
-        self.follow.right.fill(0.0);
-        kernel::accumulate_panel(self.arch, &self.table.sight(level).along, &self.trial, &mut self.follow.right);
-        self.follow();
-        Ok(())
+        Ok(self.follow(level))
     }
 
     /// Solves stage equations that are linear: p = P(u_free) + P′ H p. Whether that succeeded.
@@ -145,7 +97,7 @@ impl Stepper<'_> {
         for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
             for (k, own) in trial[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
-                let slope = self.field.slope(k, &self.contacts[row]);
+                let slope = -self.field.rigidity(k, &self.contacts[row])[0];
                 let response = sight.response_of(node, k);
                 self.newton.add_row(row, slope, meshes, loads, &response);
                 // What is prescribed acts through the slope too.
@@ -174,14 +126,13 @@ impl Stepper<'_> {
     ) -> Result<bool, Halt> {
         let step = self.table.clock.step(level);
         let mut before = f64::INFINITY;
-        if !self.stiffen(level) {
+        if !self.anticipate(level) {
             return Ok(false);
         }
-        self.anticipate(level);
         for iteration in 0..ITERATIONS {
-            self.improve(level, elapsed, statistics)?;
+            let solvable = self.improve(level, elapsed, statistics)?;
             let change = self.change(step);
-            if !change.is_finite() {
+            if !solvable || !change.is_finite() {
                 return Ok(false);
             }
             // What is left after this iteration is the change times ρ/(1 − ρ), ρ that of the step before, and some more,

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::field::Field;
+use super::follow::Follow;
 use super::kernel::{Aligned, aligned};
 use super::newton::Newton;
 use super::packed::Rows;
@@ -72,9 +73,7 @@ pub struct Stepper<'m> {
     parts: bool,
     pub(super) sharp: bool,
     pub(super) newton: Newton,
-    /// The forces of the meshes, of stiffnesses `slopes`, that follow each other within a step.
-    pub(super) follow: Newton,
-    pub(super) slopes: Vec<f64>,
+    pub(super) follow: Follow,
     /// By how much an iteration of the loads shrinks what is missing, as far as that is known.
     pub(super) contraction: f64,
 }
@@ -110,8 +109,7 @@ impl<'m> Stepper<'m> {
             unresolved: 0.0,
             beyond: (0.0, vec![0.0; stages * (stages + 1)]),
             newton: Newton::new(stages * field.mesh_loads()),
-            follow: Newton::new(stages * field.meshes()),
-            slopes: vec![0.0; field.meshes()],
+            follow: Follow::new(&field, stages),
             contraction: f64::INFINITY,
             contacts: vec![Contact::default(); stages * field.meshes()],
             contacts_at_begin: vec![Contact::default(); field.meshes()],
@@ -234,7 +232,8 @@ impl<'m> Stepper<'m> {
     }
 
     /// Guesses the loads at the nodes and what the nodes see: those of the beginning, or, where `memory` holds both of the
-    /// step before this one, its length and the contraction of its iteration, the polynomials through them all.
+    /// step before this one, the rigidity of its contacts, its length and the contraction of its iteration, the polynomials
+    /// through them all.
     pub(super) fn guess(&mut self, level: usize, memory: &[f64]) {
         if !self.remembers() {
             return;
@@ -245,8 +244,11 @@ impl<'m> Stepper<'m> {
         self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
         let [memory @ .., length, contraction] = memory else {
             self.contraction = f64::INFINITY;
+            self.follow.guess(&self.field, &self.contacts_at_begin, None);
             return;
         };
+        let (memory, rigidity) = memory.split_at(self.loads.len() + self.nodes.len());
+        self.follow.guess(&self.field, &self.contacts_at_begin, Some(rigidity));
         // It grows as the square of a step under stiffness, and as the step itself under damping.
         let longer = step / length;
         self.contraction = contraction * longer.max(longer * longer);

@@ -28,33 +28,26 @@ pub struct Ports {
     pub synchronous: Vec<Complex64>,
 }
 
-/// The law of a mesh at rest: its force is k ℓ, ℓ = g·u + c/k g·u̇ over its scalars, and its loads are −g times that.
+/// The law of a mesh at rest: its force is that of δ = g·u over its scalars, and its loads are −g times that.
 #[derive(Clone, Debug)]
 pub struct Tangent {
     /// Its scalars among all.
     pub scalars: Range<usize>,
     /// g.
     pub gradient: Vec<f64>,
-    /// c/k, s.
-    pub delay: f64,
     /// √k where the energy of a state z does not contain that of the mesh; zero where it does.
     pub root: f64,
 }
 
 impl Tangent {
-    /// ℓ of scalars and rates; the rates, if any matter, begin at `rates`.
-    pub fn along(&self, seen: &[f64], rates: usize) -> f64 {
-        self.product(seen, 0) + self.delay * self.product(seen, rates)
-    }
-
     /// g·u √k of scalars: its square is twice the energy that the mesh has beside that of the state.
     pub fn strain(&self, seen: &[f64]) -> f64 {
-        self.root * self.product(seen, 0)
+        self.root * self.along(seen, 0)
     }
 
     /// g times the scalars, or their rates, that begin at `from`.
-    fn product(&self, seen: &[f64], from: usize) -> f64 {
-        let own = seen.get(from + self.scalars.start..from + self.scalars.end).unwrap_or_default();
+    pub fn along(&self, seen: &[f64], from: usize) -> f64 {
+        let own = &seen[from + self.scalars.start..from + self.scalars.end];
         own.iter().zip(&self.gradient).map(|(u, g)| u * g).sum()
     }
 }

@@ -191,9 +191,9 @@ impl Interface {
         &self.held[..self.scalars()]
     }
 
-    /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness and damping along it, N/m and N·s/m.
-    pub fn tangent(&self) -> (&[f64], [f64; 2]) {
-        (&self.gradient[..self.scalars()], [self.coupling.stiffness, self.coupling.damping])
+    /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness along it, N/m.
+    pub fn tangent(&self) -> (&[f64], f64) {
+        (&self.gradient[..self.scalars()], self.coupling.stiffness)
     }
 
     /// The load at deviations `u` of the scalars and their `rates` (empty where they do not matter), under the law that
@@ -223,10 +223,12 @@ impl Interface {
         Ok(contact)
     }
 
-    /// Slope of the load along δ in a contact, N/m.
+    /// Stiffness and damping along δ in a contact that the linear motion does not contain, N/m and N·s/m.
     #[inline(always)]
-    pub fn slope(&self, contact: &Contact) -> f64 {
-        self.contained[0] - contact.stiffness
+    pub fn rigidity(&self, motion: &Motion, contact: &Contact) -> [f64; 2] {
+        let flank = motion.laws[self.mesh].flank;
+        let flanks = f64::from(u8::from(flank.drives()) + u8::from(flank.holds_back()));
+        [contact.stiffness - self.contained[0], flanks * self.coupling.damping - self.contained[1]]
     }
 
     /// How long the flanks stay as they are in a contact under the law that holds.

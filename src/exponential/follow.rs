@@ -1,0 +1,157 @@
+//! How loads follow the motion that they cause: what the meshes make of each other within a step, for the stiffness and
+//! the damping that their contacts have.
+//!
+//! A force f of a mesh acts as −g f on its scalars u. Where g·u and g·u̇ change by ℓ and ℓ̇, the forces of all nodes and
+//! meshes are those of
+//!
+//! ```text
+//! f = K(ℓ − G f) + C(ℓ̇ − Ġ f),
+//! ```
+//!
+//! G and Ġ what their own forces make of g·u and g·u̇, K and C what the linear motion does not contain of stiffness and
+//! damping.
+
+use super::field::Field;
+use super::kernel;
+use super::newton::Newton;
+use super::step::Stepper;
+use super::table::Tangent;
+use crate::mesh::Contact;
+
+/// The system of all nodes and meshes.
+#[derive(Clone, Debug)]
+pub(super) struct Follow {
+    /// K of all nodes and meshes and, where rates matter, C, for which the system is factored.
+    pub rigidity: Vec<f64>,
+    sought: Vec<f64>,
+    /// The level of the step for which it is; whether it has a solution.
+    level: usize,
+    solvable: bool,
+    /// Whether the linear motion contains all that there is.
+    idle: bool,
+    system: Newton,
+    /// ℓ of all nodes and meshes and, where rates matter, ℓ̇.
+    felt: Vec<f64>,
+}
+
+impl Follow {
+    /// A system of so many nodes.
+    pub fn new(field: &Field<'_>, nodes: usize) -> Self {
+        let size = nodes * field.meshes();
+        let both = size * field.seen() / field.mesh_loads().max(1);
+        Self {
+            rigidity: vec![f64::NAN; both],
+            sought: vec![0.0; both],
+            level: usize::MAX,
+            solvable: false,
+            idle: false,
+            system: Newton::new(size),
+            felt: vec![0.0; both],
+        }
+    }
+
+    /// Seeks the forces for K and C of the contacts of node after node; the first ones are those of all nodes that have none of
+    /// their own.
+    fn seek(&mut self, field: &Field<'_>, contacts: &[Contact]) {
+        let meshes = field.meshes();
+        let (stiffness, damping) = self.sought.split_at_mut(self.system.right.len());
+        for (unit, (stands, contact)) in stiffness.iter_mut().zip(contacts.iter().cycle()).enumerate() {
+            let [k, c] = field.rigidity(unit % meshes, contact);
+            *stands = k;
+            if let Some(stands) = damping.get_mut(unit) {
+                *stands = c;
+            }
+        }
+    }
+
+    /// Seeks them for contacts like those at the beginning of a step, or as rigid as at the nodes of the one before it.
+    pub fn guess(&mut self, field: &Field<'_>, at_begin: &[Contact], before: Option<&[f64]>) {
+        match before {
+            Some(before) => self.sought.copy_from_slice(before),
+            None => self.seek(field, at_begin),
+        }
+    }
+
+    /// Takes what is sought, for a step of a level. Whether there is a solution.
+    fn take(&mut self, level: usize, own: &[f64]) -> bool {
+        // Teeth that neither come nor go are as stiff as at the node before, and in the step before.
+        if self.level != level || self.rigidity != self.sought {
+            self.level = level;
+            self.rigidity.copy_from_slice(&self.sought);
+            self.idle = self.rigidity.iter().all(|value| *value == 0.0);
+            self.solvable = self.idle || {
+                self.system.fill(own, &self.rigidity);
+                self.system.factor()
+            };
+        }
+        self.solvable
+    }
+
+    /// The forces of what is felt, node after node.
+    fn forces(&mut self) -> &[f64] {
+        let size = self.system.right.len();
+        self.system.right.fill(0.0);
+        for (felt, rigidity) in self.felt.chunks_exact(size).zip(self.rigidity.chunks_exact(size)) {
+            for ((force, felt), rigidity) in self.system.right.iter_mut().zip(felt).zip(rigidity) {
+                *force += rigidity * felt;
+            }
+        }
+        self.system.substitute();
+        &self.system.right
+    }
+
+    /// Adds to the loads of the nodes what follows from what is felt.
+    fn add(&mut self, tangents: &[Tangent], each: usize, loads: &mut [f64]) {
+        let forces = self.forces().chunks_exact(tangents.len());
+        for (loads, forces) in loads.chunks_exact_mut(each).zip(forces) {
+            for (Tangent { scalars, gradient, .. }, force) in tangents.iter().zip(forces) {
+                for (load, g) in loads[scalars.clone()].iter_mut().zip(gradient) {
+                    *load -= g * force;
+                }
+            }
+        }
+    }
+}
+
+impl Stepper<'_> {
+    /// Lets the loads that were guessed follow the motion that they cause, where it is not the one that was guessed with
+    /// them. Whether that can be solved.
+    pub(super) fn anticipate(&mut self, level: usize) -> bool {
+        let (seen, rates) = (self.field.seen(), self.field.mesh_loads());
+        let (sight, tangents) = (self.table.sight(level), &self.table.ports.tangents);
+        let follow = &mut self.follow;
+        if !follow.take(level, &sight.own) || follow.idle {
+            return follow.solvable;
+        }
+        // What is guessed is taken off what is caused.
+        for (node, free) in self.nodes.iter_mut().zip(&self.free) {
+            *node = free - *node;
+        }
+        let size = follow.system.right.len();
+        for (from, felt) in [0, rates].into_iter().zip(follow.felt.chunks_exact_mut(size)) {
+            for (node, felt) in self.nodes.chunks_exact(seen).zip(felt.chunks_exact_mut(tangents.len())) {
+                for (felt, tangent) in felt.iter_mut().zip(tangents) {
+                    *felt = tangent.along(node, from);
+                }
+            }
+        }
+        kernel::accumulate_panel(self.arch, &sight.along, &self.loads, &mut follow.felt);
+        follow.add(tangents, self.field.loads(), &mut self.loads);
+        true
+    }
+
+    /// Adds to the loads what follows from the changes in `trial` that they have just seen; contacts are those at the
+    /// nodes. Whether that can be solved.
+    pub(super) fn follow(&mut self, level: usize) -> bool {
+        let sight = self.table.sight(level);
+        let follow = &mut self.follow;
+        follow.seek(&self.field, &self.contacts);
+        if !follow.take(level, &sight.own) || follow.idle {
+            return follow.solvable;
+        }
+        follow.felt.fill(0.0);
+        kernel::accumulate_panel(self.arch, &sight.along, &self.trial, &mut follow.felt);
+        follow.add(&self.table.ports.tangents, self.field.loads(), &mut self.loads);
+        true
+    }
+}
