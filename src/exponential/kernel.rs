@@ -8,7 +8,7 @@ use std::ops::Range;
 use aligned_vec::{AVec, ConstAlign};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::packed::{Columns, Panel, Rows};
+use super::packed::{BLOCK, Columns, Panel, Rows};
 use crate::modal::LANES;
 
 /// The most terms of a series over less than the shortest step that events use, in which no mode turns by a radian.
@@ -148,35 +148,44 @@ impl WithSimd for Advance<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let slots = self.z.len() / 2;
-        let [a, b, c, d] = self.transition.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let (x, y) = self.z.split_at(slots);
-        let (x, y) = (x.as_chunks::<WIDTH>().0, y.as_chunks::<WIDTH>().0);
-        let (out_x, out_y) = self.out.split_at_mut(slots);
-        let (out_x, out_y) = (out_x.as_chunks_mut::<WIDTH>().0, out_y.as_chunks_mut::<WIDTH>().0);
-        let mut values = self.columns.values.as_chunks::<WIDTH>().0;
+    fn with_simd<S: Simd>(mut self, _: S) {
+        let mut values = &self.columns.values[..];
         for part in &self.columns.parts {
-            let (own, rest) = values.split_at(2 * part.slots.len() * part.columns.len());
-            values = rest;
-            for (i, at) in part.slots.clone().zip((0..).step_by(2)) {
-                let (mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH]);
-                for lane in 0..WIDTH {
-                    first[lane] = a[i][lane] * x[i][lane] + b[i][lane] * y[i][lane];
-                    second[lane] = c[i][lane] * x[i][lane] + d[i][lane] * y[i][lane];
+            for block in part.blocks() {
+                let (own, rest) = values.split_at(2 * block.len() * part.columns.len());
+                values = rest;
+                if block.len() == BLOCK {
+                    self.over::<BLOCK>(block.start, &part.columns, own);
+                } else {
+                    self.over::<WIDTH>(block.start, &part.columns, own);
                 }
-                let by = own[at * part.columns.len()..].as_chunks::<2>().0;
-                for (k, [by_x, by_y]) in part.columns.iter().zip(by) {
-                    let p = self.p[*k];
-                    for lane in 0..WIDTH {
-                        first[lane] += by_x[lane] * p;
-                        second[lane] += by_y[lane] * p;
-                    }
-                }
-                out_x[i] = first;
-                out_y[i] = second;
             }
         }
+    }
+}
+
+impl Advance<'_> {
+    /// `LANES` slots of both coordinates; `columns` touch them with `values`, column after column.
+    #[inline(always)]
+    fn over<const LANES: usize>(&mut self, from: usize, columns: &[usize], values: &[f64]) {
+        let (x, y) = self.z.split_at(self.z.len() / 2);
+        let [a, b, c, d] = self.transition.each_ref().map(|list| &list[from..].as_chunks::<LANES>().0[0]);
+        let [x, y] = [x, y].map(|half| &half[from..].as_chunks::<LANES>().0[0]);
+        let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            first[lane] = a[lane] * x[lane] + b[lane] * y[lane];
+            second[lane] = c[lane] * x[lane] + d[lane] * y[lane];
+        }
+        for (k, [by_x, by_y]) in columns.iter().zip(values.as_chunks::<LANES>().0.as_chunks::<2>().0) {
+            let p = self.p[*k];
+            for lane in 0..LANES {
+                first[lane] += by_x[lane] * p;
+                second[lane] += by_y[lane] * p;
+            }
+        }
+        let (x, y) = self.out.split_at_mut(self.out.len() / 2);
+        x[from..].as_chunks_mut::<LANES>().0[0] = first;
+        y[from..].as_chunks_mut::<LANES>().0[0] = second;
     }
 }
 

@@ -5,6 +5,10 @@ use std::ops::Range;
 
 use super::kernel::{Aligned, WIDTH, aligned};
 
+/// The most slots that columns are added up for at once, so that every load is read once for many: four registers of AVX2
+/// for each coordinate.
+pub(super) const BLOCK: usize = 2 * WIDTH;
+
 /// Rows over a state, side by side with those that see the same parts of it.
 #[derive(Clone, Debug)]
 pub struct Rows {
@@ -57,17 +61,24 @@ impl Rows {
 #[derive(Clone, Debug)]
 pub struct Columns {
     pub(super) parts: Vec<Touched>,
-    /// Part after part, chunk after chunk: of every column first coordinates, then second ones.
+    /// Part after part, block after block: of every column first coordinates, then second ones.
     pub values: Aligned,
 }
 
 /// A part with the columns that touch it.
 #[derive(Clone, Debug)]
 pub(super) struct Touched {
-    /// Its slots, in chunks of [`WIDTH`].
-    pub slots: Range<usize>,
+    slots: Range<usize>,
     /// Which columns they are.
     pub columns: Vec<usize>,
+}
+
+impl Touched {
+    /// Its slots in blocks, the last of which may be of [`WIDTH`] slots instead of [`BLOCK`].
+    pub fn blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let end = self.slots.end;
+        self.slots.clone().step_by(BLOCK).map(move |at| at..end.min(at + BLOCK))
+    }
 }
 
 impl Columns {
@@ -77,14 +88,15 @@ impl Columns {
         let mut touched = Vec::with_capacity(parts.len());
         for part in parts {
             let own: Vec<usize> = (0..columns.len()).filter(|k| touches(&columns[*k], part)).collect();
-            for at in part.clone().step_by(WIDTH) {
-                for column in own.iter().map(|k| &columns[*k]) {
+            let part = Touched { slots: part.clone(), columns: own };
+            for block in part.blocks() {
+                for column in part.columns.iter().map(|k| &columns[*k]) {
                     for half in column.chunks_exact(column.len() / 2) {
-                        values.extend_from_slice(&half[at..at + WIDTH]);
+                        values.extend_from_slice(&half[block.clone()]);
                     }
                 }
             }
-            touched.push(Touched { slots: part.start / WIDTH..part.end / WIDTH, columns: own });
+            touched.push(part);
         }
         Self { parts: touched, values: aligned(&values) }
     }
@@ -92,12 +104,12 @@ impl Columns {
     /// `out += Σ columns[k] p[k]`.
     pub fn add(&self, p: &[f64], out: &mut [f64]) {
         let (x, y) = out.split_at_mut(out.len() / 2);
-        let mut values = self.values.as_chunks::<WIDTH>().0.iter();
+        let mut values = self.values.iter();
         for part in &self.parts {
-            for at in part.slots.clone().map(|chunk| chunk * WIDTH) {
+            for block in part.blocks() {
                 for p in part.columns.iter().map(|k| p[*k]) {
-                    for (half, column) in [&mut *x, &mut *y].into_iter().zip(&mut values) {
-                        half[at..at + WIDTH].iter_mut().zip(column).for_each(|(out, value)| *out += value * p);
+                    for out in [&mut *x, &mut *y].into_iter().flat_map(|half| &mut half[block.clone()]) {
+                        *out += values.next().map_or(0.0, |value| value * p);
                     }
                 }
             }
