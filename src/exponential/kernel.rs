@@ -8,7 +8,7 @@ use std::ops::Range;
 use aligned_vec::{AVec, ConstAlign};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::packed::{BLOCK, Columns, Panel, Rows};
+use super::packed::{BLOCK, Columns, Group, Panel, Rows};
 use crate::modal::LANES;
 
 /// The most terms of a series over less than the shortest step that events use, in which no mode turns by a radian.
@@ -43,36 +43,18 @@ impl WithSimd for Scalars<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let len = self.z.len();
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (z, len) = (self.z, self.z.len());
+        let whole = 0..len / WIDTH;
+        let whole = std::slice::from_ref(&whole);
         // Four rows at a time read the state once.
         let (fours, rest) = self.out.as_chunks_mut::<4>();
         let (head, tail) = self.rows.split_at(4 * len * fours.len());
         for (out, rows) in fours.iter_mut().zip(head.chunks_exact(4 * len.max(1))) {
-            *out = products(rows, self.z);
+            *out = products(simd, rows, whole, z);
         }
         for (out, row) in rest.iter_mut().zip(tail.chunks_exact(len.max(1))) {
-            [*out] = products(row, self.z);
-        }
-    }
-}
-
-#[inline(always)]
-fn products<const N: usize>(rows: &[f64], z: &[f64]) -> [f64; N] {
-    let z = z.as_chunks::<WIDTH>().0;
-    let chunks = rows.as_chunks::<WIDTH>().0;
-    let mut sums = [[0.0; WIDTH]; N];
-    add_products(&mut sums, std::array::from_fn(|k| &chunks[k * z.len()..(k + 1) * z.len()]), z);
-    std::array::from_fn(|k| total(&sums[k]))
-}
-
-#[inline(always)]
-fn add_products<const N: usize>(sums: &mut [[f64; WIDTH]; N], rows: [&[[f64; WIDTH]]; N], z: &[[f64; WIDTH]]) {
-    for i in 0..z.len() {
-        for (sum, row) in sums.iter_mut().zip(rows) {
-            for lane in 0..WIDTH {
-                sum[lane] += row[i][lane] * z[i][lane];
-            }
+            [*out] = products(simd, row, whole, z);
         }
     }
 }
@@ -92,43 +74,67 @@ impl WithSimd for Seen<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let z = self.z.as_chunks::<WIDTH>().0;
-        let mut values = self.rows.values.as_chunks::<WIDTH>().0;
-        for group in &self.rows.groups {
-            let (own, rest) = values.split_at(group.rows.len() * group.len);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { rows, z, out } = self;
+        let mut values = &rows.values[..];
+        for Group { rows, spans, len } in &rows.groups {
+            let (own, rest) = values.split_at(rows.len() * len * WIDTH);
             values = rest;
-            match group.rows[..] {
-                [a, b, c, d] => {
-                    [self.out[a], self.out[b], self.out[c], self.out[d]] = over_spans(own, &group.spans, z);
+            match rows[..] {
+                [a, b, c, d, e, f] => {
+                    [out[a], out[b], out[c], out[d], out[e], out[f]] = products(simd, own, spans, z);
                 }
-                [a, b] => [self.out[a], self.out[b]] = over_spans(own, &group.spans, z),
-                [a] => [self.out[a]] = over_spans(own, &group.spans, z),
+                [a, b, c, d] => [out[a], out[b], out[c], out[d]] = products(simd, own, spans, z),
+                [a, b] => [out[a], out[b]] = products(simd, own, spans, z),
+                [a] => [out[a]] = products(simd, own, spans, z),
                 _ => {}
             }
         }
     }
 }
 
+/// Products of `N` rows with what they see of a state: `spans` of it, in chunks of [`WIDTH`].
 #[inline(always)]
-fn over_spans<const N: usize>(rows: &[[f64; WIDTH]], spans: &[Range<usize>], z: &[[f64; WIDTH]]) -> [f64; N] {
-    let mut sums = [[0.0; WIDTH]; N];
+fn products<S: Simd, const N: usize>(simd: S, rows: &[f64], spans: &[Range<usize>], z: &[f64]) -> [f64; N] {
+    match WIDTH / S::F64_LANES {
+        1 => in_registers::<S, 1, N>(simd, rows, spans, z),
+        2 => in_registers::<S, 2, N>(simd, rows, spans, z),
+        4 => in_registers::<S, 4, N>(simd, rows, spans, z),
+        _ => in_registers::<S, WIDTH, N>(simd, rows, spans, z),
+    }
+}
+
+/// The same where `R` registers hold a chunk. They are named: the compiler would lay the lanes of different rows side by
+/// side, to sum them, and pay for it at every step of the loop.
+#[inline(always)]
+fn in_registers<S: Simd, const R: usize, const N: usize>(
+    simd: S,
+    rows: &[f64],
+    spans: &[Range<usize>],
+    z: &[f64],
+) -> [f64; N] {
+    let [rows, z] = [rows, z].map(|values| S::as_simd_f64s(values).0.as_chunks::<R>().0);
+    let mut sums = [[simd.splat_f64s(0.0); R]; N];
     let len = rows.len() / N;
     let mut at = 0;
     for span in spans {
         let z = &z[span.clone()];
-        add_products(&mut sums, std::array::from_fn(|k| &rows[k * len + at..k * len + at + z.len()]), z);
+        let rows: [&[[S::f64s; R]]; N] = std::array::from_fn(|k| &rows[k * len + at..k * len + at + z.len()]);
+        for i in 0..z.len() {
+            for (sums, row) in sums.iter_mut().zip(rows) {
+                for (r, sum) in sums.iter_mut().enumerate() {
+                    *sum = simd.add_f64s(*sum, simd.mul_f64s(row[i][r], z[i][r]));
+                }
+            }
+        }
         at += z.len();
     }
-    std::array::from_fn(|k| total(&sums[k]))
-}
-
-/// The sum of all lanes. A call of its own: otherwise the compiler lays the lanes of different rows side by side, and
-/// pays for it at every step of the loop.
-#[inline(never)]
-fn total(sum: &[f64; WIDTH]) -> f64 {
-    let [a, b, c, d, e, f, g, h] = sum;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+    sums.map(|sums| {
+        let mut lanes = [0.0; WIDTH];
+        S::as_mut_simd_f64s(&mut lanes).0.copy_from_slice(&sums);
+        let [a, b, c, d, e, f, g, h] = lanes;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    })
 }
 
 /// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
@@ -320,21 +326,30 @@ impl WithSimd for AccumulatePanel<'_> {
             add_columns(&mut sum, self.p, columns);
             *out = sum;
         }
-        // The rest is at most as long as this.
+        // The rest is at most as long as one of these.
         if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
-            let mut sum = [0.0; WIDTH];
-            add_columns(&mut sum, self.p, columns);
-            for (out, sum) in rest.iter_mut().zip(sum) {
-                *out += sum;
+            if rest.len() <= NARROW {
+                add_rest::<NARROW>(rest, self.p, columns)
+            } else {
+                add_rest::<WIDTH>(rest, self.p, columns)
             }
         }
     }
 }
 
 #[inline(always)]
-fn add_columns(sum: &mut [f64; WIDTH], p: &[f64], columns: &[[f64; WIDTH]]) {
+fn add_rest<const LANES: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; WIDTH]]) {
+    let mut sum = [0.0; LANES];
+    add_columns(&mut sum, p, columns);
+    for (out, sum) in out.iter_mut().zip(sum) {
+        *out += sum;
+    }
+}
+
+#[inline(always)]
+fn add_columns<const LANES: usize>(sum: &mut [f64; LANES], p: &[f64], columns: &[[f64; WIDTH]]) {
     for (p, column) in p.iter().zip(columns) {
-        for lane in 0..WIDTH {
+        for lane in 0..LANES {
             sum[lane] += column[lane] * p;
         }
     }

@@ -45,7 +45,11 @@ impl Rows {
             let len = spans.iter().map(ExactSizeIterator::len).sum();
             let mut left = &members[..];
             while !left.is_empty() {
-                let (now, later) = left.split_at(if left.len() < 4 { left.len().min(2) } else { 4 });
+                let (now, later) = left.split_at(match left.len() {
+                    0..4 => left.len().min(2),
+                    4..6 => 4,
+                    _ => 6,
+                });
                 for row in now {
                     values.extend(spans.iter().flat_map(|span| &rows[*row][span.start * WIDTH..span.end * WIDTH]));
                 }

@@ -125,12 +125,13 @@ impl Numbering {
         self.blocks[shaft].torsion
     }
 
-    /// Coordinates that only meshes couple to others: the bending of every shaft, and its twist.
+    /// Coordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so that what
+    /// a mesh sees of its shafts stands side by side.
     pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        self.blocks.iter().flat_map(|block| {
-            let part = |start: Option<usize>, each: usize| start.map(|start| start..start + each * block.nodes);
-            [part(block.lateral, 4), part(block.torsion, 1)].into_iter().flatten()
-        })
+        let part = |start: usize, each: usize, nodes: usize| start..start + each * nodes;
+        let bending = move |block: &Block| block.lateral.map(|start| part(start, 4, block.nodes));
+        let twist = move |block: &Block| block.torsion.map(|start| part(start, 1, block.nodes));
+        self.blocks.iter().filter_map(bending).chain(self.blocks.iter().filter_map(twist))
     }
 
     /// Index of v at a node; w, Γ and −B follow.
