@@ -11,9 +11,12 @@
 //! G and Ġ what their own forces make of g·u and g·u̇, K and C what the linear motion does not contain of stiffness and
 //! damping.
 
+use pulp::Arch;
+
 use super::field::Field;
 use super::kernel;
 use super::newton::Newton;
+use super::packed::Panel;
 use super::step::Stepper;
 use super::table::Tangent;
 use crate::mesh::Contact;
@@ -30,14 +33,22 @@ pub(super) struct Follow {
     /// Whether the linear motion contains all that there is.
     idle: bool,
     system: Newton,
+    /// What the forces add to the loads of all nodes, −g.
+    push: Panel,
     /// ℓ of all nodes and meshes and, where rates matter, ℓ̇.
     felt: Vec<f64>,
 }
 
 impl Follow {
     /// A system of so many nodes.
-    pub fn new(field: &Field<'_>, nodes: usize) -> Self {
-        let size = nodes * field.meshes();
+    pub fn new(field: &Field<'_>, tangents: &[Tangent], nodes: usize) -> Self {
+        let (size, loads) = (nodes * field.meshes(), nodes * field.loads());
+        let mut push = vec![0.0; size * loads];
+        for (unit, column) in push.chunks_exact_mut(loads.max(1)).enumerate() {
+            let Tangent { scalars, gradient, .. } = &tangents[unit % field.meshes()];
+            let own = scalars.clone().map(|scalar| unit / field.meshes() * field.loads() + scalar);
+            own.zip(gradient).for_each(|(at, g)| column[at] = -g);
+        }
         let both = size * field.seen() / field.mesh_loads().max(1);
         Self {
             rigidity: vec![f64::NAN; both],
@@ -46,6 +57,7 @@ impl Follow {
             solvable: false,
             idle: false,
             system: Newton::new(size),
+            push: Panel::new(&push, loads),
             felt: vec![0.0; both],
         }
     }
@@ -87,8 +99,8 @@ impl Follow {
         self.solvable
     }
 
-    /// The forces of what is felt, node after node.
-    fn forces(&mut self) -> &[f64] {
+    /// Adds to the loads of the nodes what follows from what is felt.
+    fn add(&mut self, arch: Arch, loads: &mut [f64]) {
         let size = self.system.right.len();
         self.system.right.fill(0.0);
         for (felt, rigidity) in self.felt.chunks_exact(size).zip(self.rigidity.chunks_exact(size)) {
@@ -97,19 +109,7 @@ impl Follow {
             }
         }
         self.system.substitute();
-        &self.system.right
-    }
-
-    /// Adds to the loads of the nodes what follows from what is felt.
-    fn add(&mut self, tangents: &[Tangent], each: usize, loads: &mut [f64]) {
-        let forces = self.forces().chunks_exact(tangents.len());
-        for (loads, forces) in loads.chunks_exact_mut(each).zip(forces) {
-            for (Tangent { scalars, gradient, .. }, force) in tangents.iter().zip(forces) {
-                for (load, g) in loads[scalars.clone()].iter_mut().zip(gradient) {
-                    *load -= g * force;
-                }
-            }
-        }
+        kernel::accumulate_panel(arch, &self.push, &self.system.right, loads);
     }
 }
 
@@ -136,7 +136,7 @@ impl Stepper<'_> {
             }
         }
         kernel::accumulate_panel(self.arch, &sight.along, &self.loads, &mut follow.felt);
-        follow.add(tangents, self.field.loads(), &mut self.loads);
+        follow.add(self.arch, &mut self.loads);
         true
     }
 
@@ -151,7 +151,7 @@ impl Stepper<'_> {
         }
         follow.felt.fill(0.0);
         kernel::accumulate_panel(self.arch, &sight.along, &self.trial, &mut follow.felt);
-        follow.add(&self.table.ports.tangents, self.field.loads(), &mut self.loads);
+        follow.add(self.arch, &mut self.loads);
         true
     }
 }

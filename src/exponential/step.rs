@@ -109,7 +109,7 @@ impl<'m> Stepper<'m> {
             unresolved: 0.0,
             beyond: (0.0, vec![0.0; stages * (stages + 1)]),
             newton: Newton::new(stages * field.mesh_loads()),
-            follow: Follow::new(&field, stages),
+            follow: Follow::new(&field, &ports.tangents, stages),
             contraction: f64::INFINITY,
             contacts: vec![Contact::default(); stages * field.meshes()],
             contacts_at_begin: vec![Contact::default(); field.meshes()],
