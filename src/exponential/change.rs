@@ -28,7 +28,7 @@ impl Driver {
     /// The first change of law within the step just taken; the new laws are left in `found`.
     pub(super) fn locate(
         &mut self,
-        stepper: &Stepper<'_>,
+        stepper: &mut Stepper<'_>,
         level: usize,
         state: &State,
     ) -> Result<Option<Change>, Halt> {
@@ -36,6 +36,7 @@ impl Driver {
         if !stepper.sharp && !self.settled.is_empty() && !self.settled.contains(&false) {
             return Ok(None);
         }
+        stepper.catch_up(level);
         let step = stepper.table.clock.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;

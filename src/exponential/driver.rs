@@ -263,7 +263,7 @@ impl Driver {
         state.next_step = self.next_step();
         state.memory.truncate(1);
         if stepper.remembers() && ticks == self.clock.ticks(level) {
-            state.memory.extend_from_slice(&stepper.loads);
+            state.memory.extend_from_slice(&stepper.told);
             state.memory.extend_from_slice(&stepper.nodes);
             state.memory.extend_from_slice(&stepper.follow.rigidity);
             state.memory.extend([self.clock.step(level), stepper.contraction]);

@@ -259,6 +259,33 @@ impl WithSimd for Drift<'_> {
     }
 }
 
+/// Polynomials through the values at the end of a step and at its nodes, node after node, at the nodes of the next; for each
+/// of them `weights` holds that of the end and those of the nodes.
+pub fn extrapolate(arch: Arch, end: &[f64], nodes: &[f64], weights: &[f64], out: &mut [f64]) {
+    arch.dispatch(Extrapolate { end, nodes, weights, out });
+}
+
+struct Extrapolate<'a> {
+    end: &'a [f64],
+    nodes: &'a [f64],
+    weights: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Extrapolate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let each = self.end.len().max(1);
+        let known = self.nodes.len() / each + 1;
+        for (out, weights) in self.out.chunks_exact_mut(each).zip(self.weights.chunks_exact(known)) {
+            out.iter_mut().zip(self.end).for_each(|(out, end)| *out = weights[0] * end);
+            Accumulate { columns: self.nodes, p: &weights[1..], out }.with_simd(simd);
+        }
+    }
+}
+
 /// `out += Σ columns[k] p[k]`, columns one after the other.
 pub fn accumulate(arch: Arch, columns: &[f64], p: &[f64], out: &mut [f64]) {
     arch.dispatch(Accumulate { columns, p, out });

@@ -36,6 +36,13 @@ impl Stepper<'_> {
         (0..self.table.rule.stages()).for_each(|i| self.respond(level, i));
     }
 
+    /// Lets the nodes of the last step see what its loads cause, where that has been left open.
+    pub(super) fn catch_up(&mut self, level: usize) {
+        if std::mem::take(&mut self.lags) {
+            self.respond_all(level);
+        }
+    }
+
     /// Evaluates the loads at node `i`, into `trial`.
     fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
         let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
@@ -75,6 +82,7 @@ impl Stepper<'_> {
     fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<bool, Halt> {
         self.respond_all(level);
         self.sweep(level, elapsed, statistics)?;
+        self.told.copy_from_slice(&self.trial);
         for (load, found) in self.loads.iter_mut().zip(&mut self.trial) {
             (*load, *found) = (*found, *found - *load);
         }
@@ -144,7 +152,7 @@ impl Stepper<'_> {
             let shrinks = contraction.max(TRUSTED);
             let left = if shrinks < 1.0 { change * shrinks / (1.0 - shrinks) } else { change };
             if left <= tolerance || change <= ROUND_OFF * self.added(step) {
-                self.respond_all(level);
+                self.lags = true;
                 return Ok(true);
             }
             if iteration > 1 && contraction > SLOW {
@@ -235,6 +243,7 @@ impl Stepper<'_> {
             }
             if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * self.added(step) {
                 self.respond_all(level);
+                self.told.copy_from_slice(&self.loads);
                 return Ok(true);
             }
         }

@@ -34,8 +34,11 @@ pub struct Stepper<'m> {
     mobility: Vec<f64>,
     /// Loads at the nodes, node after node, of the last step.
     pub(super) loads: Vec<f64>,
-    /// Scalars and rates at the nodes.
+    /// Scalars and rates at the nodes, and the loads that they have told.
     pub(super) nodes: Vec<f64>,
+    pub(super) told: Vec<f64>,
+    /// Whether the nodes have yet to see what has become of the loads since.
+    pub(super) lags: bool,
     /// Scalars and rates, and loads, at the beginning and at the end.
     pub(super) begin: Vec<f64>,
     pub(super) end: Vec<f64>,
@@ -92,6 +95,8 @@ impl<'m> Stepper<'m> {
             mobility: mobility(linear, ports, field.mesh_loads()),
             loads: vec![0.0; stages * loads],
             nodes: vec![0.0; stages * seen],
+            told: vec![0.0; stages * loads],
+            lags: false,
             begin: vec![0.0; seen],
             end: vec![0.0; seen],
             begin_load: vec![0.0; loads],
@@ -240,9 +245,9 @@ impl<'m> Stepper<'m> {
         }
         let (loads, seen, rule) = (self.field.loads(), self.field.seen(), &self.table.rule);
         let step = self.table.clock.step(level);
-        self.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&self.begin_load));
-        self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
         let [memory @ .., length, contraction] = memory else {
+            self.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&self.begin_load));
+            self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
             self.contraction = f64::INFINITY;
             self.follow.guess(&self.field, &self.contacts_at_begin, None);
             return;
@@ -257,8 +262,8 @@ impl<'m> Stepper<'m> {
             self.beyond.0 = longer;
         }
         let (before, seen_before) = memory.split_at(self.loads.len());
-        extrapolate(self.arch, &mut self.loads, loads, &self.beyond.1, before);
-        extrapolate(self.arch, &mut self.nodes, seen, &self.beyond.1, seen_before);
+        kernel::extrapolate(self.arch, &self.begin_load, before, &self.beyond.1, &mut self.loads);
+        kernel::extrapolate(self.arch, &self.begin, seen_before, &self.beyond.1, &mut self.nodes);
     }
 
     /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after it is left in `after`. The loads are found to
@@ -275,6 +280,7 @@ impl<'m> Stepper<'m> {
         statistics: &mut Statistics,
     ) -> Result<Outcome, Halt> {
         self.steps += 1;
+        self.lags = false;
         if self.field.loads() > 0 {
             self.turn(elapsed);
             let sight = self.table.sight(level);
@@ -356,15 +362,6 @@ impl<'m> Stepper<'m> {
     pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
         self.turn(elapsed);
         self.field.load(elapsed, &self.turns, u, out, &mut self.contacts_elsewhere)
-    }
-}
-
-/// Polynomials through the values at the end of a step, which stand at all nodes of the next, and those at its nodes.
-fn extrapolate(arch: Arch, values: &mut [f64], each: usize, weights: &[f64], before: &[f64]) {
-    let nodes = values.len() / each;
-    for (values, weights) in values.chunks_exact_mut(each).zip(weights.chunks_exact(nodes + 1)) {
-        values.iter_mut().for_each(|value| *value *= weights[0]);
-        kernel::accumulate(arch, before, &weights[1..], values);
     }
 }
 
