@@ -270,11 +270,11 @@ def test_varying_teeth_that_stay_pressed_move_as_if_none_could_part(geometry: st
         assert np.abs(found - wanted).max() < tolerance * np.ptp(wanted)
 
 
-@pytest.mark.parametrize("amplitude", [1.02, 1.05, 1.2])
+@pytest.mark.parametrize("amplitude", [1.002, 1.02, 1.05, 1.2])
 @pytest.mark.parametrize("damping", [0.0, 1e-3])
 @pytest.mark.parametrize("setting", [{"step": 0.45}, {"rtol": 1e-1}, {"rtol": 1e-3}])
 def test_long_steps_see_short_partings(amplitude: float, damping: float, setting: dict[str, float]):
-    """Flanks that are apart for a part of ten of the swing, or a quarter, under steps of up to half of it."""
+    """Flanks that are apart for a hundredth of the swing up to a quarter, under steps of up to half of it."""
     omega = np.sqrt(K / SCENE.effective_mass)
     system = replace(SCENE, mesh={**SCENE.mesh, "damping_ratio": damping}).package()
     period = 2 * np.pi / omega
@@ -289,5 +289,6 @@ def test_long_steps_see_short_partings(amplitude: float, damping: float, setting
         return [event.kind for event in run.events]
 
     exact = events(method="rk45", rtol=1e-10)
-    assert len(exact) >= (2 if damping else 6)
+    # what damping takes of a swing is more than the smallest of them has to spare
+    assert len(exact) >= ((2 if amplitude > 1.01 else 0) if damping else 6)
     assert events(**options) == exact
