@@ -1,7 +1,6 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
 use super::step::Stepper;
-use super::table::form;
 use crate::integrate::Halt;
 
 /// Of a load that is not resolved, this part counts: the mean of |π|, and some more.
@@ -73,6 +72,6 @@ impl Stepper<'_> {
 
     /// Energy norm that loads add to a state in a second.
     fn bare(&self, loads: &[f64]) -> f64 {
-        form(&self.table.gram, loads).max(0.0).sqrt()
+        self.table.gram.form(loads).max(0.0).sqrt()
     }
 }

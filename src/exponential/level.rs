@@ -14,7 +14,7 @@ use super::kernel::{self, Aligned, aligned};
 use super::packed::{Columns, Panel, Rows};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
 use super::rule::Rule;
-use super::table::{Ports, Tangent, form, gram};
+use super::table::{Ports, Tangent, gram};
 use crate::modal::Pair;
 
 /// How a state moves by itself over a step.
@@ -34,7 +34,7 @@ pub struct Passage {
     /// h ψ_j b of node j and load k at j·loads + k.
     pub columns: Columns,
     /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
-    pub gram: Vec<f64>,
+    pub gram: Panel,
 }
 
 impl Passage {
@@ -71,7 +71,7 @@ impl Passage {
 
     /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
     pub fn error(&self, missed: &[f64]) -> f64 {
-        form(&self.gram, missed).max(0.0).sqrt()
+        self.gram.form(missed).max(0.0).sqrt()
     }
 }
 

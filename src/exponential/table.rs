@@ -8,6 +8,7 @@ use num_complex::Complex64;
 use super::clock::Clock;
 use super::dense;
 use super::level::{Passage, Sight};
+use super::packed::Panel;
 use super::rule::Rule;
 use crate::modal::{Form, Linear, Pair};
 
@@ -62,25 +63,13 @@ impl Ports {
     }
 }
 
-/// xᵀ G x of a symmetric G.
-pub fn form(gram: &[f64], x: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (i, row) in gram.chunks_exact(x.len().max(1)).enumerate() {
-        let off_diagonal: f64 = row[..i].iter().zip(x).map(|(g, x)| g * x).sum();
-        sum += x[i] * (2.0 * off_diagonal + row[i] * x[i]);
-    }
-    sum
-}
-
 /// Gram matrix of `count` vectors, one after the other.
-pub fn gram(vectors: &[f64], count: usize) -> Vec<f64> {
-    if count == 0 {
-        return Vec::new();
-    }
-    let len = vectors.len() / count;
+pub fn gram(vectors: &[f64], count: usize) -> Panel {
+    let len = vectors.len() / count.max(1);
     let vector = |k: usize| &vectors[k * len..(k + 1) * len];
     let dot = |i: usize, j: usize| vector(i).iter().zip(vector(j)).map(|(a, b)| a * b).sum();
-    (0..count * count).map(|at| dot(at / count, at % count)).collect()
+    let entries: Vec<f64> = (0..count * count).map(|at| dot(at / count, at % count)).collect();
+    Panel::new(&entries, count)
 }
 
 /// The steps of a clock, each made when it is first asked for.
@@ -96,7 +85,7 @@ pub struct Table<'m> {
     pub ports: Ports,
     spins: Vec<f64>,
     /// Gram matrix of the meshes' columns b themselves.
-    pub gram: Vec<f64>,
+    pub gram: Panel,
     passages: Vec<OnceCell<Passage>>,
     sights: Vec<OnceCell<Sight>>,
 }
