@@ -245,14 +245,17 @@ impl<'m> Stepper<'m> {
         }
         let (loads, seen, rule) = (self.field.loads(), self.field.seen(), &self.table.rule);
         let step = self.table.clock.step(level);
-        let [memory @ .., length, contraction] = memory else {
+        let kept = self.loads.len() + self.nodes.len();
+        // That of a run of other stages is of no use.
+        let whole = kept + self.follow.rigidity.len() + 2;
+        let Some([memory @ .., length, contraction]) = (memory.len() == whole).then_some(memory) else {
             self.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&self.begin_load));
             self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
             self.contraction = f64::INFINITY;
             self.follow.guess(&self.field, &self.contacts_at_begin, None);
             return;
         };
-        let (memory, rigidity) = memory.split_at(self.loads.len() + self.nodes.len());
+        let (memory, rigidity) = memory.split_at(kept);
         self.follow.guess(&self.field, &self.contacts_at_begin, Some(rigidity));
         // It grows as the square of a step under stiffness, and as the step itself under damping.
         let longer = step / length;

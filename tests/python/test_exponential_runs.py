@@ -158,6 +158,17 @@ def test_a_state_without_its_memory_goes_on_to_tolerance(name: str):
     assert rest.twist("ga") == pytest.approx(wanted, abs=100 * rtol * np.ptp(whole.twist("ga")))
 
 
+@pytest.mark.parametrize("stages", [(3, 4), (4, 3), (2, 3), (3, 1)])
+@pytest.mark.parametrize("name", ["smooth, live", "rattling, live"])
+def test_a_run_goes_on_with_other_stages(name: str, stages: tuple[int, int]):
+    """What the step before has left for a guess is of no use: nothing but the tolerance changes the motion."""
+    rtol = 1e-4 if 1 in stages else 1e-8
+    first = run(name, 1e-3, rtol=rtol, stages=stages[0])
+    rest = run(name, 1e-3, initial=first, times=[1.5e-3, 2e-3], rtol=rtol, stages=stages[1])
+    wanted = run(name, 2e-3, times=[0.0, 1.5e-3, 2e-3], rtol=1e-9).twist("ga")
+    assert rest.twist("ga") == pytest.approx(wanted[1:], abs=100 * rtol * np.ptp(wanted))
+
+
 def test_a_state_that_was_changed_goes_on_as_it_says():
     half = dict(run("smooth, live", 1e-3).final)
     state = np.array(half["state"])
