@@ -1,5 +1,6 @@
 //! The error of a step, from what the polynomial of its loads misses.
 
+use super::kernel;
 use super::step::Stepper;
 use crate::integrate::Halt;
 
@@ -48,7 +49,8 @@ impl Stepper<'_> {
     fn foretold(&self, level: usize, longer: f64) -> f64 {
         let (step, stages) = (self.table.clock.step(level), self.table.rule.stages() as i32);
         let unresolved = (longer * self.pace).min(1.0).powi(stages);
-        (self.table.passage(level).error(&self.missed) + step * unresolved * self.unresolved) * longer.powi(stages)
+        (self.table.passage(level).error(self.arch, &self.missed) + step * unresolved * self.unresolved)
+            * longer.powi(stages)
     }
 
     /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second; the
@@ -72,6 +74,6 @@ impl Stepper<'_> {
 
     /// Energy norm that loads add to a state in a second.
     fn bare(&self, loads: &[f64]) -> f64 {
-        self.table.gram.form(loads).max(0.0).sqrt()
+        kernel::form(self.arch, &self.table.gram, loads).max(0.0).sqrt()
     }
 }

@@ -364,6 +364,32 @@ impl WithSimd for AccumulatePanel<'_> {
     }
 }
 
+/// xᵀ P x of a panel that is square and symmetric.
+pub fn form(arch: Arch, panel: &Panel, x: &[f64]) -> f64 {
+    arch.dispatch(Form { panel, x })
+}
+
+struct Form<'a> {
+    panel: &'a Panel,
+    x: &'a [f64],
+}
+
+impl WithSimd for Form<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let chunks = self.panel.values.as_chunks::<WIDTH>().0.chunks_exact(self.x.len().max(1));
+        let mut form = 0.0;
+        for (columns, own) in chunks.zip(self.x.chunks(WIDTH)) {
+            let mut sum = [0.0; WIDTH];
+            add_columns(&mut sum, self.x, columns);
+            form += own.iter().zip(sum).map(|(x, sum)| x * sum).sum::<f64>();
+        }
+        form
+    }
+}
+
 #[inline(always)]
 fn add_rest<const LANES: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; WIDTH]]) {
     let mut sum = [0.0; LANES];

@@ -70,8 +70,8 @@ impl Passage {
     }
 
     /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
-    pub fn error(&self, missed: &[f64]) -> f64 {
-        self.gram.form(missed).max(0.0).sqrt()
+    pub fn error(&self, arch: Arch, missed: &[f64]) -> f64 {
+        kernel::form(arch, &self.gram, missed).max(0.0).sqrt()
     }
 }
 

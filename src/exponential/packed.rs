@@ -143,21 +143,6 @@ impl Panel {
         Self { columns: count, values: aligned(&values) }
     }
 
-    /// xᵀ P x, if it is square and symmetric.
-    pub fn form(&self, x: &[f64]) -> f64 {
-        let chunks = self.values.as_chunks::<WIDTH>().0.chunks_exact(self.columns.max(1));
-        let of_chunk = |(columns, own): (&[[f64; WIDTH]], &[f64])| {
-            let mut sum = [0.0; WIDTH];
-            for (column, x) in columns.iter().zip(x) {
-                for lane in 0..WIDTH {
-                    sum[lane] += column[lane] * x;
-                }
-            }
-            own.iter().zip(sum).map(|(x, sum)| x * sum).sum::<f64>()
-        };
-        chunks.zip(x.chunks(WIDTH)).map(of_chunk).sum()
-    }
-
     /// An entry of a column.
     pub fn get(&self, column: usize, entry: usize) -> f64 {
         self.values[(entry / WIDTH * self.columns + column) * WIDTH + entry % WIDTH]

@@ -166,7 +166,7 @@ impl Stepper<'_> {
     pub(super) fn change(&self, step: f64) -> f64 {
         let mut change: f64 = 0.0;
         for changes in self.trial.chunks_exact(self.field.loads()) {
-            let square = self.table.gram.form(&changes[..self.field.mesh_loads()]);
+            let square = kernel::form(self.arch, &self.table.gram, &changes[..self.field.mesh_loads()]);
             if !square.is_finite() {
                 return f64::INFINITY;
             }
@@ -179,7 +179,7 @@ impl Stepper<'_> {
     fn added(&self, step: f64) -> f64 {
         let meshes = self.field.mesh_loads();
         let nodes = self.loads.chunks_exact(self.field.loads());
-        step * nodes.map(|loads| self.table.gram.form(&loads[..meshes])).fold(0.0, f64::max).sqrt()
+        step * nodes.map(|loads| kernel::form(self.arch, &self.table.gram, &loads[..meshes])).fold(0.0, f64::max).sqrt()
     }
 
     pub(super) fn newton(
