@@ -36,7 +36,9 @@ impl Driver {
         if !stepper.sharp && !self.settled.is_empty() && !self.settled.contains(&false) {
             return Ok(None);
         }
-        stepper.catch_up(level);
+        if stepper.field.motion.moves_laws() {
+            stepper.catch_up(level);
+        }
         let step = stepper.table.clock.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;
@@ -244,6 +246,7 @@ impl Driver {
         change: Change,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
+        stepper.catch_up(level);
         let within = self.clock.time(change.ticks);
         let step = stepper.table.clock.step(level);
         let reached = self.at(state.count + change.ticks);

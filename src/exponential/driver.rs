@@ -165,12 +165,12 @@ impl Driver {
             }
             let (level, error) = self.attempt(stepper, state, statistics)?;
             let ticks = self.to_grid(state.count, level);
-            let held = ticks < self.clock.ticks(level);
             let length = self.clock.time(ticks);
             let change =
                 if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
             let until = change.map_or(state.elapsed + length, |change| change.at);
-            if (held || change.is_some()) && self.is_off(stepper, level, state, until, statistics)? {
+            let kept = change.map_or(ticks, |change| change.ticks);
+            if kept < self.clock.ticks(level) && self.is_off(stepper, level, state, kept, statistics)? {
                 statistics.rejected += 1;
                 self.wanted = level + 1;
                 continue;
@@ -199,7 +199,7 @@ impl Driver {
                 continue;
             }
             self.at_once = 0;
-            if held {
+            if ticks < self.clock.ticks(level) {
                 // The loads of a whole step tell the motion at the grid within it.
                 let at_grid = self.sample.within(stepper, level, &state.y, length);
                 stepper.after.copy_from_slice(at_grid);
@@ -212,26 +212,27 @@ impl Driver {
         Ok(())
     }
 
-    /// Whether the loads that a step ends with early, at `until`, are not those of its polynomial to within the tolerance:
-    /// that is less exact than the end of the step.
+    /// Whether the loads after so many ticks, all that is kept of a step, are not those of its polynomial to within the
+    /// tolerance: that is less exact than the end of the step. From there to a change of law no mode turns by a radian.
     fn is_off(
         &mut self,
         stepper: &mut Stepper<'_>,
         level: usize,
         state: &State,
-        until: f64,
+        ticks: u64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
         let Control::Adaptive { rtol, floor } = self.control else {
             return Ok(false);
         };
-        let within = until - state.elapsed;
-        if level == self.clock.finest || within <= 0.0 {
+        if level == self.clock.finest || ticks == 0 {
             return Ok(false);
         }
+        let within = self.clock.time(ticks);
         let z = self.sample.within(stepper, level, &state.y, within);
         let room = [&mut self.loads[..], &mut self.jumps[0][..]];
-        let missed = stepper.missed_at(within / self.clock.step(level), until, z, &mut self.point, room)?;
+        let at = state.elapsed + within;
+        let missed = stepper.missed_at(within / self.clock.step(level), at, z, &mut self.point, room)?;
         statistics.evaluations += 1;
         Ok(within * missed > rtol * self.size.max(floor))
     }

@@ -119,7 +119,7 @@ impl Stepper<'_> {
         for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.newton.right.chunks_exact(meshes.max(1))) {
             loads[..meshes].copy_from_slice(solved);
         }
-        self.respond_all(level);
+        self.lags = true;
         Ok(true)
     }
 
