@@ -27,7 +27,8 @@ const SLOW: f64 = 1e-4;
 /// A smooth problem takes three to five; more mean that there is no equilibrium near.
 const ITERATIONS: usize = 60;
 
-/// Displacements q of the equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not part of it.
+/// Displacements q of the equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not
+/// part of it.
 ///
 /// # Errors
 /// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.

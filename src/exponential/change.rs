@@ -106,8 +106,9 @@ impl Driver {
         Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
     }
 
-    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the polynomial
-    /// is left to meet it there. None where flanks graze: what has just been adopted is the law by round-off alone.
+    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the
+    /// polynomial is left to meet it there. None where flanks graze: what has just been adopted is the law by round-off
+    /// alone.
     fn bisect(
         &mut self,
         stepper: &Stepper<'_>,

@@ -272,9 +272,9 @@ impl Driver {
         }
     }
 
-    /// The level of a step from `count` ticks on that is no longer than one of `level`: on its own grid, if one to half as
-    /// long is. What is further off, as after an event, takes the step from where it is, and of it what leads to the grid;
-    /// fixed steps get there by shorter ones.
+    /// The level of a step from `count` ticks on that is no longer than one of `level`: on its own grid, if one to half
+    /// as long is. What is further off, as after an event, takes the step from where it is, and of it what leads to the
+    /// grid; fixed steps get there by shorter ones.
     fn fitting(&self, count: u64, level: usize) -> usize {
         let shortest = match self.control {
             Control::Fixed => self.clock.finest,

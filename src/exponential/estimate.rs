@@ -53,8 +53,8 @@ impl Stepper<'_> {
             * longer.powi(stages)
     }
 
-    /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second; the
-    /// state there is `z`; `point` is room for what it sees, the others for its loads and those of the polynomial.
+    /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second;
+    /// the state there is `z`; `point` is room for what it sees, the others for its loads and those of the polynomial.
     pub(super) fn missed_at(
         &mut self,
         part: f64,

@@ -62,8 +62,8 @@ impl Follow {
         }
     }
 
-    /// Seeks the forces for K and C of the contacts of node after node; the first ones are those of all nodes that have none of
-    /// their own.
+    /// Seeks the forces for K and C of the contacts of node after node; the first ones are those of all nodes that have
+    /// none of their own.
     fn seek(&mut self, field: &Field<'_>, contacts: &[Contact]) {
         let meshes = field.meshes();
         let (stiffness, damping) = self.sought.split_at_mut(self.system.right.len());

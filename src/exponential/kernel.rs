@@ -259,8 +259,8 @@ impl WithSimd for Drift<'_> {
     }
 }
 
-/// Polynomials through the values at the end of a step and at its nodes, node after node, at the nodes of the next; for each
-/// of them `weights` holds that of the end and those of the nodes.
+/// Polynomials through the values at the end of a step and at its nodes, node after node, at the nodes of the next; for
+/// each of them `weights` holds that of the end and those of the nodes.
 pub fn extrapolate(arch: Arch, end: &[f64], nodes: &[f64], weights: &[f64], out: &mut [f64]) {
     arch.dispatch(Extrapolate { end, nodes, weights, out });
 }

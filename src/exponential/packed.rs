@@ -17,7 +17,7 @@ pub struct Rows {
     pub values: Aligned,
 }
 
-/// Up to four rows that see the same parts.
+/// Up to six rows that see the same parts.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     /// Which rows they are.

@@ -130,7 +130,8 @@ impl Sample {
         }
     }
 
-    /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾, and z + Σ restⁿ/n! z⁽ⁿ⁾.
+    /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾,
+    /// and z + Σ restⁿ/n! z⁽ⁿ⁾.
     fn drift(&mut self, stepper: &Stepper<'_>, rest: f64) {
         let turned = (stepper.table.linear.radius * rest).abs();
         // Up to terms that no mode can tell from nothing.

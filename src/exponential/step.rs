@@ -215,7 +215,8 @@ impl<'m> Stepper<'m> {
         swing
     }
 
-    /// How far each flank of a mesh was from a change of law at the beginning, at the nodes and at the end of the last step, m.
+    /// How far each flank of a mesh was from a change of law at the beginning, at the nodes and at the end of the last
+    /// step, m.
     pub(super) fn margins(&self, mesh: usize) -> [[f64; MOST + 2]; 2] {
         let meshes = self.field.meshes();
         let sides = [&self.contacts_at_begin[..], &self.contacts[..], &self.contacts_at_end[..]];
@@ -236,9 +237,9 @@ impl<'m> Stepper<'m> {
         std::mem::swap(&mut self.contacts_at_begin, &mut self.contacts_at_end);
     }
 
-    /// Guesses the loads at the nodes and what the nodes see: those of the beginning, or, where `memory` holds both of the
-    /// step before this one, the rigidity of its contacts, its length and the contraction of its iteration, the polynomials
-    /// through them all.
+    /// Guesses the loads at the nodes and what the nodes see: those of the beginning, or, where `memory` holds both of
+    /// the step before this one, the rigidity of its contacts, its length and the contraction of its iteration, the
+    /// polynomials through them all.
     pub(super) fn guess(&mut self, level: usize, memory: &[f64]) {
         if !self.remembers() {
             return;
@@ -269,8 +270,8 @@ impl<'m> Stepper<'m> {
         kernel::extrapolate(self.arch, &self.begin, seen_before, &self.beyond.1, &mut self.nodes);
     }
 
-    /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after it is left in `after`. The loads are found to
-    /// within `tolerance`, the energy norm of what they may leave.
+    /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after
+    /// it is left in `after`. The loads are found to within `tolerance`, the energy norm of what they may leave.
     ///
     /// # Errors
     /// [`Halt`] where the field is not defined.

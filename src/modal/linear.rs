@@ -287,7 +287,8 @@ impl Linear {
         Some(DVector::from_fn(re.len(), |i, _| Complex64::new(re[i], im[i])))
     }
 
-    /// The row w of a scalar Σ coefficient·q of its entries (index, coefficient), so that it is w·z; of its rate where `rate` says so.
+    /// The row w of a scalar Σ coefficient·q of its entries (index, coefficient), so that it is w·z; of its rate where
+    /// `rate` says so.
     pub fn row(&self, scalar: &[(usize, f64)], rate: bool) -> Vec<f64> {
         let matrix = if rate { &self.velocity } else { &self.displacement };
         let mut row = vec![0.0; self.len()];

@@ -125,8 +125,8 @@ impl Numbering {
         self.blocks[shaft].torsion
     }
 
-    /// Coordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so that what
-    /// a mesh sees of its shafts stands side by side.
+    /// Coordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so
+    /// that what a mesh sees of its shafts stands side by side.
     pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let part = |start: usize, each: usize, nodes: usize| start..start + each * nodes;
         let bending = move |block: &Block| block.lateral.map(|start| part(start, 4, block.nodes));

@@ -252,8 +252,8 @@ impl Interface {
         Hold { time: time(drive).min(time(back)), swing }
     }
 
-    /// How far the drive flank and the back flank are from a change of law, as the one that holds shows them in a contact, m:
-    /// pressed in by so much, or clear by so much.
+    /// How far the drive flank and the back flank are from a change of law, as the one that holds shows them in a
+    /// contact, m: pressed in by so much, or clear by so much.
     pub fn margins(&self, motion: &Motion, contact: &Contact) -> [f64; 2] {
         // What damping holds together has not parted yet.
         let pressed = |force: f64, deflection: f64| {
