@@ -266,7 +266,7 @@ impl Observer for Edges {
         let (begin, n) = (motion.begin(), self.coordinates.len());
         let mut look = |at: f64| {
             let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-            motion.state(at, &self.coordinates, &mut q, &mut v);
+            motion.states(&[at], &self.coordinates, &mut q, &mut v);
             (q, v)
         };
         let near = 1e-7 * (end - begin);
@@ -303,7 +303,7 @@ impl Observer for Last {
     fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
         let n = self.0.len() / 2;
         let (q, v) = self.0.split_at_mut(n);
-        motion.state(end, &(0..n).collect::<Vec<_>>(), q, v);
+        motion.states(&[end], &(0..n).collect::<Vec<_>>(), q, v);
         Ok(())
     }
 

@@ -32,7 +32,7 @@ impl Observer for Onlooker {
 
     fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
         let (mut q, mut v) = ([0.0; 4], [0.0; 4]);
-        motion.state((motion.begin() + motion.end()) / 2.0, &[3], &mut q, &mut v);
+        motion.states(&[(motion.begin() + motion.end()) / 2.0], &[3], &mut q, &mut v);
         self.seen += q[3];
         self.next = end;
         Ok(())

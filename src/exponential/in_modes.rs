@@ -135,9 +135,9 @@ impl Trajectory for InStep<'_, '_> {
         self.span.start + self.span.step
     }
 
-    fn state(&mut self, elapsed: f64, _: &[usize], q: &mut [f64], v: &mut [f64]) {
+    fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let system = &mut *self.system;
-        system.output.interpolate(&system.field, &self.span, elapsed, q, v);
+        system.output.interpolate(&system.field, &self.span, instants, q, v);
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {

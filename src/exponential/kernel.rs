@@ -61,11 +61,17 @@ impl WithSimd for Scalars<'_> {
 
 /// `out[i] = rows[i]·z`.
 pub fn seen(arch: Arch, rows: &Rows, z: &[f64], out: &mut [f64]) {
-    arch.dispatch(Seen { rows, z, out });
+    seen_of(arch, rows, 1, z, out);
+}
+
+/// The same of so many states, state after state: rows that no cache holds are read once for all.
+pub fn seen_of(arch: Arch, rows: &Rows, states: usize, z: &[f64], out: &mut [f64]) {
+    arch.dispatch(Seen { rows, states, z, out });
 }
 
 struct Seen<'a> {
     rows: &'a Rows,
+    states: usize,
     z: &'a [f64],
     out: &'a mut [f64],
 }
@@ -75,19 +81,23 @@ impl WithSimd for Seen<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows, z, out } = self;
+        let Self { rows, states, z, out } = self;
+        let (seen, size) = (rows.count, rows.size);
         let mut values = &rows.values[..];
         for Group { rows, spans, len } in &rows.groups {
             let (own, rest) = values.split_at(rows.len() * len * WIDTH);
             values = rest;
-            match rows[..] {
-                [a, b, c, d, e, f] => {
-                    [out[a], out[b], out[c], out[d], out[e], out[f]] = products(simd, own, spans, z);
+            for k in 0..states {
+                let (z, out) = (&z[k * size..(k + 1) * size], &mut out[k * seen..(k + 1) * seen]);
+                match rows[..] {
+                    [a, b, c, d, e, f] => {
+                        [out[a], out[b], out[c], out[d], out[e], out[f]] = products(simd, own, spans, z);
+                    }
+                    [a, b, c, d] => [out[a], out[b], out[c], out[d]] = products(simd, own, spans, z),
+                    [a, b] => [out[a], out[b]] = products(simd, own, spans, z),
+                    [a] => [out[a]] = products(simd, own, spans, z),
+                    _ => {}
                 }
-                [a, b, c, d] => [out[a], out[b], out[c], out[d]] = products(simd, own, spans, z),
-                [a, b] => [out[a], out[b]] = products(simd, own, spans, z),
-                [a] => [out[a]] = products(simd, own, spans, z),
-                _ => {}
             }
         }
     }

@@ -28,8 +28,11 @@ pub struct Output {
     reference: Vec<f64>,
     /// Of the synchronous motion, source after source.
     amplitudes: Vec<Complex64>,
+    /// States side by side, and what is seen of them.
+    states: Vec<f64>,
     values: Vec<f64>,
-    ends: [Vec<f64>; 4],
+    /// What is seen of both ends of a step.
+    ends: Vec<f64>,
     turns: Vec<Complex64>,
     arch: Arch,
 }
@@ -47,8 +50,9 @@ impl Output {
             .collect();
         let reference = both().map(|(index, rate)| if rate { 0.0 } else { field.reference[index] }).collect();
         Self {
-            values: vec![0.0; both().count()],
-            ends: std::array::from_fn(|_| vec![0.0; both().count()]),
+            states: Vec::with_capacity(linear.len()),
+            values: Vec::with_capacity(both().count()),
+            ends: Vec::new(),
             turns: vec![Complex64::ZERO; field.sources()],
             rows: Rows::new(&rows, &linear.parts),
             reference,
@@ -60,38 +64,72 @@ impl Output {
 
     /// Displacements and velocities of the selection at a state, into whole vectors.
     pub fn read(&mut self, field: &Field<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
-        kernel::seen(self.arch, &self.rows, z, &mut self.values);
-        self.write(field, elapsed, q, v);
+        self.gather(z);
+        self.read_gathered(field, &[elapsed], q, v);
+    }
+
+    /// Puts a state beside those that are to be read together.
+    pub(super) fn gather(&mut self, z: &[f64]) {
+        self.states.extend_from_slice(z);
+    }
+
+    /// The same at the instants of the states that were gathered, one vector after the other.
+    pub(super) fn read_gathered(&mut self, field: &Field<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+        self.see(instants.len());
+        self.write(field, instants, q, v);
     }
 
     /// The same within a step whose ends are known with their rates, by the cubic through them.
-    pub fn interpolate(&mut self, field: &Field<'_>, span: &Span<'_>, elapsed: f64, q: &mut [f64], v: &mut [f64]) {
+    pub(super) fn interpolate(
+        &mut self,
+        field: &Field<'_>,
+        span: &Span<'_>,
+        instants: &[f64],
+        q: &mut [f64],
+        v: &mut [f64],
+    ) {
         let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
-        for (end, z) in self.ends.iter_mut().zip(sides) {
-            kernel::seen(self.arch, &self.rows, z, end);
+        sides.into_iter().for_each(|z| self.gather(z));
+        self.see(sides.len());
+        std::mem::swap(&mut self.ends, &mut self.values);
+        let count = self.rows.count.max(1);
+        self.values.resize(instants.len() * self.rows.count, 0.0);
+        for (elapsed, values) in instants.iter().zip(self.values.chunks_exact_mut(count)) {
+            let weights = span.cubic(*elapsed);
+            for (at, value) in values.iter_mut().enumerate() {
+                let ends = self.ends[at..].iter().step_by(count);
+                *value = weights.iter().zip(ends).map(|(weight, end)| weight * end).sum();
+            }
         }
-        let weights = span.cubic(elapsed);
-        for (at, value) in self.values.iter_mut().enumerate() {
-            *value = weights.iter().zip(&self.ends).map(|(weight, end)| weight * end[at]).sum();
-        }
-        self.write(field, elapsed, q, v);
+        self.write(field, instants, q, v);
+    }
+
+    /// What is seen of the states that were gathered.
+    fn see(&mut self, states: usize) {
+        self.values.resize(states * self.rows.count, 0.0);
+        kernel::seen_of(self.arch, &self.rows, states, &self.states, &mut self.values);
+        self.states.clear();
     }
 
     /// Adds what is carried to the values and writes them where they belong.
-    fn write(&mut self, field: &Field<'_>, elapsed: f64, q: &mut [f64], v: &mut [f64]) {
-        field.turns(elapsed, &mut self.turns);
-        for (value, reference) in self.values.iter_mut().zip(&self.reference) {
-            *value += reference;
-        }
-        for (turn, amplitudes) in self.turns.iter().zip(self.amplitudes.chunks_exact(self.values.len().max(1))) {
-            add_turned(amplitudes, *turn, &mut self.values);
-        }
-        let (displacements, velocities) = self.values.split_at(self.selection.displacements.len());
-        for (index, value) in self.selection.displacements.iter().zip(displacements) {
-            q[*index] = *value;
-        }
-        for (index, value) in self.selection.velocities.iter().zip(velocities) {
-            v[*index] = *value;
+    fn write(&mut self, field: &Field<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+        let (count, len) = (self.rows.count.max(1), (q.len() / instants.len().max(1)).max(1));
+        let wholes = q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len));
+        for ((elapsed, values), (q, v)) in instants.iter().zip(self.values.chunks_exact_mut(count)).zip(wholes) {
+            field.turns(*elapsed, &mut self.turns);
+            for (value, reference) in values.iter_mut().zip(&self.reference) {
+                *value += reference;
+            }
+            for (turn, amplitudes) in self.turns.iter().zip(self.amplitudes.chunks_exact(count)) {
+                add_turned(amplitudes, *turn, values);
+            }
+            let (displacements, velocities) = values.split_at(self.selection.displacements.len());
+            for (index, value) in self.selection.displacements.iter().zip(displacements) {
+                q[*index] = *value;
+            }
+            for (index, value) in self.selection.velocities.iter().zip(velocities) {
+                v[*index] = *value;
+            }
         }
     }
 }
@@ -112,19 +150,22 @@ impl Trajectory for Course<'_, '_> {
         self.reached.end
     }
 
-    fn state(&mut self, elapsed: f64, _: &[usize], q: &mut [f64], v: &mut [f64]) {
+    fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let Reached { stepper, level, z, begin, .. } = self.reached;
         let step = stepper.table.clock.step(level);
-        let within = elapsed - begin;
-        // Times asked for on the grid of the steps are met as exactly as they can be told.
-        if (within - step).abs() <= 1e-9 * step {
-            self.output.read(&stepper.field, elapsed, &stepper.after, q, v);
-        } else if within.abs() <= 1e-9 * step {
-            self.output.read(&stepper.field, elapsed, z, q, v);
-        } else {
-            let z = self.sample.within(stepper, level, z, within);
-            self.output.read(&stepper.field, elapsed, z, q, v);
+        for elapsed in instants {
+            let within = elapsed - begin;
+            // Times asked for on the grid of the steps are met as exactly as they can be told.
+            let z = if (within - step).abs() <= 1e-9 * step {
+                &stepper.after
+            } else if within.abs() <= 1e-9 * step {
+                z
+            } else {
+                self.sample.within(stepper, level, z, within)
+            };
+            self.output.gather(z);
         }
+        self.output.read_gathered(&stepper.field, instants, q, v);
     }
 
     fn is_resolved(&self) -> bool {

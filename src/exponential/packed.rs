@@ -12,6 +12,9 @@ pub(super) const BLOCK: usize = 2 * WIDTH;
 /// Rows over a state, side by side with those that see the same parts of it.
 #[derive(Clone, Debug)]
 pub struct Rows {
+    /// How many they are, and how long.
+    pub(super) count: usize,
+    pub(super) size: usize,
     pub(super) groups: Vec<Group>,
     /// Row after row of each group.
     pub values: Aligned,
@@ -57,7 +60,8 @@ impl Rows {
                 left = later;
             }
         }
-        Self { groups, values: aligned(&values) }
+        let size = rows.first().map_or(0, Vec::len);
+        Self { count: rows.len(), size, groups, values: aligned(&values) }
     }
 }
 

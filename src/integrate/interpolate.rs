@@ -11,8 +11,8 @@ pub trait Trajectory {
     /// Elapsed time at the end.
     fn end(&self) -> f64;
 
-    /// Writes displacement and velocity of `coordinates` at an instant, each at its index.
-    fn state(&mut self, elapsed: f64, coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
+    /// Writes displacements and velocities of `coordinates`, each at its index, instant after instant.
+    fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
 
     /// Whether it is shorter than whatever moves: a low polynomial then is the motion within it.
     fn is_resolved(&self) -> bool {
@@ -32,10 +32,13 @@ impl Trajectory for Span<'_> {
         self.start + self.step
     }
 
-    fn state(&mut self, elapsed: f64, coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
-        let weights = self.weights(elapsed);
-        for index in coordinates {
-            (q[*index], v[*index]) = self.at(&weights, *index);
+    fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
+        let len = (q.len() / instants.len().max(1)).max(1);
+        for (elapsed, (q, v)) in instants.iter().zip(q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len))) {
+            let weights = self.weights(*elapsed);
+            for index in coordinates {
+                (q[*index], v[*index]) = self.at(&weights, *index);
+            }
         }
     }
 

@@ -87,7 +87,7 @@ impl Observer for Witness {
         self.seen.push((motion.begin(), step, self.evaluations.get()));
         let middle = motion.begin() + 0.4 * step;
         let (mut q, mut v) = ([0.0], [0.0]);
-        motion.state(middle, &[0], &mut q, &mut v);
+        motion.states(&[middle], &[0], &mut q, &mut v);
         self.middles.push([middle, q[0], v[0]]);
         Ok(())
     }

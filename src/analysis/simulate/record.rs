@@ -91,7 +91,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
     /// Records all that is due within a step.
     pub fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
         while let Some(elapsed) = self.next().filter(|elapsed| *elapsed <= end) {
-            motion.state(elapsed, &self.coordinates, &mut self.displacement, &mut self.velocity);
+            motion.states(&[elapsed], &self.coordinates, &mut self.displacement, &mut self.velocity);
             let works = match &mut self.audit {
                 Some(audit) => audit.count(&mut self.motion, motion, elapsed)?,
                 None => [0.0; 6],
