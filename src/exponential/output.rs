@@ -8,7 +8,7 @@ use super::field::{Field, add_turned};
 use super::kernel;
 use super::packed::Rows;
 use super::sample::Sample;
-use crate::integrate::{Span, Trajectory};
+use crate::integrate::{Span, Trajectory, at_each};
 use crate::modal::Linear;
 
 /// Coordinates that are looked at.
@@ -113,10 +113,9 @@ impl Output {
 
     /// Adds what is carried to the values and writes them where they belong.
     fn write(&mut self, field: &Field<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
-        let (count, len) = (self.rows.count.max(1), (q.len() / instants.len().max(1)).max(1));
-        let wholes = q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len));
-        for ((elapsed, values), (q, v)) in instants.iter().zip(self.values.chunks_exact_mut(count)).zip(wholes) {
-            field.turns(*elapsed, &mut self.turns);
+        let count = self.rows.count.max(1);
+        for (values, (elapsed, q, v)) in self.values.chunks_exact_mut(count).zip(at_each(instants, q, v)) {
+            field.turns(elapsed, &mut self.turns);
             for (value, reference) in values.iter_mut().zip(&self.reference) {
                 *value += reference;
             }

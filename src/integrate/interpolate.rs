@@ -23,6 +23,17 @@ pub trait Trajectory {
     fn end_displacement(&self) -> Option<&[f64]>;
 }
 
+/// Instants, each with its own part of displacements and velocities that stand instant after instant.
+pub fn at_each<'a>(
+    instants: &'a [f64],
+    q: &'a mut [f64],
+    v: &'a mut [f64],
+) -> impl Iterator<Item = (f64, &'a mut [f64], &'a mut [f64])> {
+    let len = (q.len() / instants.len().max(1)).max(1);
+    let states = q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len));
+    instants.iter().zip(states).map(|(elapsed, (q, v))| (*elapsed, q, v))
+}
+
 impl Trajectory for Span<'_> {
     fn begin(&self) -> f64 {
         self.start
@@ -33,9 +44,8 @@ impl Trajectory for Span<'_> {
     }
 
     fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
-        let len = (q.len() / instants.len().max(1)).max(1);
-        for (elapsed, (q, v)) in instants.iter().zip(q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len))) {
-            let weights = self.weights(*elapsed);
+        for (elapsed, q, v) in at_each(instants, q, v) {
+            let weights = self.weights(elapsed);
             for index in coordinates {
                 (q[*index], v[*index]) = self.at(&weights, *index);
             }

@@ -13,7 +13,7 @@ pub mod tableau;
 
 pub use controller::{Adaptive, Control};
 pub use driver::{Halted, PATIENCE, State, run};
-pub use interpolate::{Span, Trajectory};
+pub use interpolate::{Span, Trajectory, at_each};
 pub use statistics::{Limit, Statistics};
 pub use step::RungeKutta;
 pub use system::{Halt, Observer, System};

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::Seen;
-use crate::integrate::{Halt, System, Trajectory};
+use crate::integrate::{Halt, System, Trajectory, at_each};
 use crate::mesh::Law;
 use crate::motion::Motion;
 
@@ -115,14 +115,11 @@ impl Audit {
             self.work(motion, step, (begin, length), done..points, &mut works)?;
             done = points;
             let missed: f64 = works.by[rule].iter().zip(works.by[rule - 1]).map(|(a, b)| (a - b).abs()).sum();
-            if missed <= SAME * (so_far + works.size[rule]) {
+            let is_last = halvings == 0 && done == RULES.len();
+            if is_last || missed <= SAME * (so_far + works.size[rule]) {
                 self.add(works.by[rule]);
                 return Ok(());
             }
-        }
-        if halvings == 0 {
-            self.add(works.by[POINTS.len() - 1]);
-            return Ok(());
         }
         let half = length / 2.0;
         self.count_part(motion, step, (begin, half), halvings - 1)?;
@@ -147,9 +144,8 @@ impl Audit {
         let instants = &instants[points.clone()];
         let (q, v) = (&mut self.q[..count * len], &mut self.v[..count * len]);
         step.states(instants, &self.coordinates, q, v);
-        let states = q.chunks_exact(len).zip(v.chunks_exact(len));
-        for (((_, weights), elapsed), (q, v)) in RULES[points].iter().zip(instants).zip(states) {
-            let powers = motion.powers(*elapsed, q, v);
+        for ((_, weights), (elapsed, q, v)) in RULES[points].iter().zip(at_each(instants, q, v)) {
+            let powers = motion.powers(elapsed, q, v);
             let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
             for ((by, size), weight) in works.by.iter_mut().zip(&mut works.size).zip(weights) {
                 for (work, power) in by.iter_mut().zip(powers) {
