@@ -9,15 +9,15 @@ mod common;
 use std::hint::black_box;
 use std::time::Duration;
 
-use common::{Nobody, SPEED, basis, basis_of, motion, system};
+use common::{Nobody, SPEED, basis_of, cached, motion, system};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Control, RungeKutta, State, Statistics, System as _, run};
+use gearbow::integrate::{FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
 use gearbow::mesh::Geometry;
 use gearbow::modal;
 use gearbow::model::Model;
-use gearbow::motion::Motion;
+use gearbow::motion::EquationOfMotion;
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 
@@ -45,11 +45,11 @@ fn real_modes(criterion: &mut Criterion) {
     let mut group = group(criterion, "real modes");
     group.sample_size(10);
     for elements in ELEMENTS {
-        let fresh = || basis(elements, true);
+        let fresh = || cached(elements, true);
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
-            bencher.iter_with_setup(fresh, |basis| {
-                basis.real_modes(SPEED).unwrap();
-                basis
+            bencher.iter_with_setup(fresh, |cached| {
+                cached.real_modes(SPEED).unwrap();
+                cached
             });
         });
     }
@@ -59,10 +59,10 @@ fn damped_modes(criterion: &mut Criterion) {
     let mut group = group(criterion, "damped modes");
     group.sample_size(10);
     for elements in [3, 8] {
-        let basis = basis(elements, true);
-        basis.real_modes(SPEED).unwrap();
+        let cached = cached(elements, true);
+        cached.real_modes(SPEED).unwrap();
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
-            bencher.iter(|| modal::modes(black_box(&basis), SPEED).unwrap());
+            bencher.iter(|| modal::modes(black_box(&cached), SPEED).unwrap());
         });
     }
 }
@@ -77,8 +77,8 @@ fn right_hand_side(criterion: &mut Criterion) {
     ];
     for (name, geometry, excited, speed) in cases {
         for elements in ELEMENTS {
-            let basis = basis(elements, excited);
-            let (mut motion, y) = motion(&basis, geometry, speed);
+            let cached = cached(elements, excited);
+            let (mut motion, y) = motion(&cached, geometry, speed);
             let mut derivative = vec![0.0; y.len()];
             group.bench_function(BenchmarkId::new(name, 15 * (elements + 1)), |bencher| {
                 bencher.iter(|| motion.derivative(black_box(1e-3), black_box(&y), &mut derivative).unwrap());
@@ -90,9 +90,9 @@ fn right_hand_side(criterion: &mut Criterion) {
 fn step<const S: usize>(criterion: &mut Criterion, name: &str, tableau: Tableau<S>, controlled: bool) {
     let mut group = group(criterion, name);
     for elements in ELEMENTS {
-        let basis = basis(elements, true);
-        let step = Spectrum::new(&basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
-        let (mut motion, y) = motion(&basis, Geometry::Live, SPEED);
+        let cached = cached(elements, true);
+        let step = Spectrum::new(&cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+        let (mut motion, y) = motion(&cached, Geometry::Live, SPEED);
         let mut method = RungeKutta::new(tableau, y.len());
         method.begin(&mut motion, 0.0, &y).unwrap();
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
@@ -113,8 +113,8 @@ fn steps(criterion: &mut Criterion) {
 fn norm(criterion: &mut Criterion) {
     let mut group = group(criterion, "norm");
     for elements in ELEMENTS {
-        let basis = basis(elements, true);
-        let (mut motion, y) = motion(&basis, Geometry::Live, SPEED);
+        let cached = cached(elements, true);
+        let (mut motion, y) = motion(&cached, Geometry::Live, SPEED);
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
             bencher.iter(|| motion.norm(black_box(&y)));
         });
@@ -141,17 +141,17 @@ fn meshes(criterion: &mut Criterion) {
         for mesh in &mut system.meshes {
             mesh.backlash = backlash;
         }
-        let basis = basis_of(&system);
-        let step = Spectrum::new(&basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
-        let equilibrium = gearbow::analysis::equilibrium(&basis, geometry, SPEED).unwrap();
-        let y = [equilibrium.as_slice(), vec![0.0; basis.model.len()].as_slice()].concat();
-        let mut motion = Motion::new(&basis, geometry, SPEED, 0.0, equilibrium).unwrap();
+        let cached = basis_of(&system);
+        let step = Spectrum::new(&cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+        let equilibrium = gearbow::analysis::equilibrium(&cached, geometry, SPEED).unwrap();
+        let y = [equilibrium.as_slice(), vec![0.0; cached.model.len()].as_slice()].concat();
+        let mut motion = EquationOfMotion::new(&cached, geometry, SPEED, 0.0, equilibrium).unwrap();
         let mut method = RungeKutta::new(RK4, y.len());
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let (mut state, mut statistics) = (State::new(y.clone()), Statistics::new());
                 let end = 999.5 * step;
-                run(&mut motion, &mut method, &Control::Fixed(step), &mut state, end, &mut Nobody, &mut statistics)
+                run(&mut motion, &mut method, &StepControl::Fixed(step), &mut state, end, &mut Nobody, &mut statistics)
                     .unwrap();
                 statistics.steps
             });

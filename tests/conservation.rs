@@ -3,15 +3,15 @@
 
 mod common;
 
-use common::{Noise, basis, everything, free_train, motion, train};
+use common::{Noise, cached, everything, free_train, motion, train};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
-    Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run,
+    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use gearbow::mesh::Geometry;
-use gearbow::modal::Basis;
-use gearbow::motion::Motion;
+use gearbow::modal::CachedModel;
+use gearbow::motion::EquationOfMotion;
 use nalgebra::DVector;
 
 /// Asks for nothing.
@@ -32,9 +32,9 @@ impl Observer for Nobody {
 }
 
 fn integrate<const S: usize>(
-    motion: &mut Motion<'_>,
+    motion: &mut EquationOfMotion<'_>,
     tableau: Tableau<S>,
-    control: Control,
+    control: StepControl,
     y: Vec<f64>,
     end: f64,
 ) -> State {
@@ -44,14 +44,14 @@ fn integrate<const S: usize>(
 }
 
 /// A state of slow motions alone: the lowest elastic modes, none of which a small step fails to resolve.
-fn slow(basis: &Basis, size: f64) -> Vec<f64> {
-    let real = basis.real_modes(0.0).unwrap();
-    let mut q = DVector::zeros(basis.model.len());
+fn slow(cached: &CachedModel, size: f64) -> Vec<f64> {
+    let real = cached.real_modes(0.0).unwrap();
+    let mut q = DVector::zeros(cached.model.len());
     for mode in real.null..real.null + 12 {
         let shape = real.vectors.column(mode);
         q += shape * (size / shape.amax());
     }
-    [q.as_slice(), &vec![0.0; basis.model.len()]].concat()
+    [q.as_slice(), &vec![0.0; cached.model.len()]].concat()
 }
 
 #[test]
@@ -59,14 +59,14 @@ fn an_undamped_free_motion_conserves_energy_with_the_order_of_the_method() {
     // Few elements, so that steps can be long enough for their error to stand above round-off.
     let mut system = free_train();
     system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(1));
-    let basis = basis(&system);
-    let n = basis.model.len();
-    let highest = basis.real_modes(0.0).unwrap().highest();
+    let cached = cached(&system);
+    let n = cached.model.len();
+    let highest = cached.real_modes(0.0).unwrap().highest();
     let drift = |geometry: Geometry, step: f64, size: f64| {
-        let mut motion = motion(&basis, geometry, 300.0, 0.0);
-        let y = slow(&basis, size);
+        let mut motion = motion(&cached, geometry, 300.0, 0.0);
+        let y = slow(&cached, size);
         let before = motion.energies(0.0, &y[..n], &y[n..]).unwrap().total();
-        let state = integrate(&mut motion, RK4, Control::Fixed(step), y, 0.01);
+        let state = integrate(&mut motion, RK4, StepControl::Fixed(step), y, 0.01);
         (motion.energies(state.elapsed, &state.y[..n], &state.y[n..]).unwrap().total() - before) / before
     };
     // 3e-4 m of a centre distance of 0.11 m: the line of action turns by 1e-2 rad.
@@ -83,8 +83,8 @@ fn an_undamped_free_motion_conserves_energy_with_the_order_of_the_method() {
 
 #[test]
 fn the_gyroscopic_matrix_is_skew_and_does_no_work() {
-    let basis = basis(&free_train());
-    let model = &basis.model;
+    let cached = cached(&free_train());
+    let model = &cached.model;
     let gyroscopic = model.gyroscopic_matrix();
     assert_eq!(gyroscopic, -gyroscopic.transpose());
     assert!(gyroscopic.amax() > 0.0);
@@ -93,7 +93,7 @@ fn the_gyroscopic_matrix_is_skew_and_does_no_work() {
     let y = [noise.vector(n, 1e-5), noise.vector(n, 0.1)].concat();
     let acceleration = |speed: f64| {
         let mut derivative = vec![0.0; 2 * n];
-        motion(&basis, Geometry::Live, speed, 0.0).derivative(0.0, &y, &mut derivative).unwrap();
+        motion(&cached, Geometry::Live, speed, 0.0).derivative(0.0, &y, &mut derivative).unwrap();
         DVector::from_column_slice(&derivative[n..])
     };
     let added = model.mass_matrix() * (acceleration(3000.0) - acceleration(0.0));
@@ -109,22 +109,22 @@ fn the_rolling_momentum_is_conserved() {
     // Torque in balance does no work on the rolling, and live mesh forces have no part along it.
     let mut system = train();
     system.meshes.iter_mut().for_each(|mesh| mesh.centre_line_angle = Some(0.3));
-    let basis = basis(&system);
-    let (n, speed) = (basis.model.len(), 100.0);
-    let real = basis.real_modes(speed).unwrap();
-    let mut motion = motion(&basis, Geometry::Live, speed, 0.0);
-    let weighted = basis.model.mass_matrix() * real.vectors.column(0);
+    let cached = cached(&system);
+    let (n, speed) = (cached.model.len(), 100.0);
+    let real = cached.real_modes(speed).unwrap();
+    let mut motion = motion(&cached, Geometry::Live, speed, 0.0);
+    let weighted = cached.model.mass_matrix() * real.vectors.column(0);
     let mut noise = Noise::new(9);
     let y = [noise.vector(n, 1e-6), noise.vector(n, 0.01)].concat();
     let momentum = |y: &[f64]| weighted.dot(&DVector::from_column_slice(&y[n..]));
     let passing = |y: &[f64]| weighted.abs().dot(&DVector::from_column_slice(&y[n..]).abs());
     let before = momentum(&y);
-    let step = 1.0 / Spectrum::new(&basis, speed).unwrap().radius();
+    let step = 1.0 / Spectrum::new(&cached, speed).unwrap().radius();
     let (mut method, mut state) = (RungeKutta::new(RK4, 2 * n), State::new(y));
     let (mut drift, mut most) = (0.0_f64, 0.0_f64);
     for part in 1..=20 {
         let end = (f64::from(part) * 5000.0 + 0.5) * step;
-        run(&mut motion, &mut method, &Control::Fixed(step), &mut state, end, &mut Nobody, &mut Statistics::new())
+        run(&mut motion, &mut method, &StepControl::Fixed(step), &mut state, end, &mut Nobody, &mut Statistics::new())
             .unwrap();
         drift = drift.max((momentum(&state.y) - before).abs());
         most = most.max(passing(&state.y));
@@ -137,38 +137,38 @@ fn the_rolling_momentum_is_conserved() {
 
 #[test]
 fn a_balanced_train_does_not_move_the_rolling_motion_from_rest() {
-    let basis = basis(&train());
-    let rolling = basis.real_modes(0.0).unwrap().vectors.column(0).into_owned();
-    let load = &basis.model.constant_load;
+    let cached = cached(&train());
+    let rolling = cached.real_modes(0.0).unwrap().vectors.column(0).into_owned();
+    let load = &cached.model.constant_load;
     let acting = rolling.abs().dot(&load.abs());
     // A sum of two torques that cancel.
     assert!(rolling.dot(load).abs() < 1e-14 * acting);
 }
 
 /// The bits of a run.
-fn bits(basis: &Basis, live: bool) -> Vec<u64> {
+fn bits(cached: &CachedModel, live: bool) -> Vec<u64> {
     let geometry = if live { Geometry::Live } else { Geometry::Frozen };
-    let n = basis.model.len();
-    let longest = Spectrum::new(basis, 100.0).unwrap().longest_step(&DORMAND_PRINCE);
+    let n = cached.model.len();
+    let longest = Spectrum::new(cached, 100.0).unwrap().longest_step(&DORMAND_PRINCE);
     let mut noise = Noise::new(1);
     let y = [noise.vector(n, 1e-6), noise.vector(n, 0.01)].concat();
-    let control = Control::Adaptive(Adaptive { rtol: 1e-6, floor: 1e-9, longest });
-    let first = integrate(&mut motion(basis, geometry, 100.0, 0.0), DORMAND_PRINCE, control, y, 1e-3);
-    let second = integrate(&mut motion(basis, geometry, 100.0, 0.0), RK4, Control::Fixed(longest), first.y, 1e-3);
+    let control = StepControl::Adaptive(Adaptive { rtol: 1e-6, floor: 1e-9, longest });
+    let first = integrate(&mut motion(cached, geometry, 100.0, 0.0), DORMAND_PRINCE, control, y, 1e-3);
+    let second = integrate(&mut motion(cached, geometry, 100.0, 0.0), RK4, StepControl::Fixed(longest), first.y, 1e-3);
     second.y.iter().map(|value| value.to_bits()).collect()
 }
 
 #[test]
 fn a_run_gives_the_same_bits_again_and_in_any_thread() {
-    let first = basis(&everything());
+    let first = cached(&everything());
     let once = [bits(&first, true), bits(&first, false)];
     assert_ne!(once[0], once[1]);
     assert_eq!([bits(&first, true), bits(&first, false)], once, "twice");
-    let again = basis(&everything());
+    let again = cached(&everything());
     assert_eq!(bits(&again, true), once[0], "assembled anew");
     std::thread::scope(|scope| {
         // Two threads on one basis, each with a motion of its own.
-        let threads = [true, false].map(|live| scope.spawn(move || bits(&basis(&everything()), live)));
+        let threads = [true, false].map(|live| scope.spawn(move || bits(&cached(&everything()), live)));
         let shared = [true, false].map(|live| {
             scope.spawn({
                 let first = &first;

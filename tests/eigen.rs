@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::{Noise, basis, free_train, largest, train};
+use common::{Noise, cached, free_train, largest, train};
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
-use gearbow::modal::{self, Basis, Whirl};
-use gearbow::scene::System;
+use gearbow::modal::{self, CachedModel, Whirl};
+use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Coefficient;
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -155,7 +155,7 @@ fn null_motions_of_a_pencil_are_exact() {
 }
 
 /// A shaft of 30 elements with a heavy disk, on two bearings.
-fn rotor(damping: f64) -> Basis {
+fn rotor(damping: f64) -> CachedModel {
     let text = format!(
         r#"
         shafts = [{{ name = "rotor", length = 1.5, outer_diameter = 0.05, elements = 30 }}]
@@ -166,7 +166,7 @@ fn rotor(damping: f64) -> Basis {
         ]
         "#
     );
-    basis(&System::from_toml(&text).unwrap())
+    cached(&SceneDescription::from_toml(&text).unwrap())
 }
 
 #[test]
@@ -186,13 +186,13 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
 
 #[test]
 fn modes_solve_the_quadratic_problem() {
-    let (basis, speed) = (rotor(100.0), 400.0);
-    let model = &basis.model;
+    let (cached, speed) = (rotor(100.0), 400.0);
+    let model = &cached.model;
     let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(speed));
-    let rate = basis.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
+    let rate = cached.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
     let complex = |matrix: &DMatrix<f64>| matrix.map(|value| Complex::new(value, 0.0));
     let (mass, rate, stiffness) = (complex(&mass), complex(&rate), complex(&stiffness));
-    for mode in modal::modes(&basis, speed).unwrap() {
+    for mode in modal::modes(&cached, speed).unwrap() {
         let (value, shape) = (mode.eigenvalue, &mode.shape);
         let inertia = &mass * shape * (value * value);
         let elastic = &stiffness * shape;
@@ -208,8 +208,8 @@ fn modes_solve_the_quadratic_problem() {
 
 #[test]
 fn a_train_has_exactly_one_null_motion_and_it_rolls() {
-    let basis = basis(&train());
-    let (model, real) = (&basis.model, basis.real_modes(100.0).unwrap());
+    let cached = cached(&train());
+    let (model, real) = (&cached.model, cached.real_modes(100.0).unwrap());
     assert_eq!(real.null, 1);
     assert_eq!(real.frequencies[0], 0.0);
     assert!(real.frequencies[1] > 1.0, "{} rad/s", real.frequencies[1]);
@@ -226,8 +226,8 @@ fn a_train_has_exactly_one_null_motion_and_it_rolls() {
     for (index, bearing) in system.bearings.iter_mut().enumerate() {
         bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 });
     }
-    assert_eq!(common::basis(&system).real_modes(100.0).unwrap().null, 1);
-    let modes = modal::modes(&basis, 100.0).unwrap();
+    assert_eq!(common::cached(&system).real_modes(100.0).unwrap().null, 1);
+    let modes = modal::modes(&cached, 100.0).unwrap();
     let still = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
     assert_eq!(still.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);
 }
@@ -238,17 +238,17 @@ fn free_shafts_have_four_null_motions_in_bending_and_one_in_twist() {
         let text = format!(
             "motion = \"{motion}\"\nshafts = [{{ name = \"s\", length = 1.0, outer_diameter = 0.05, elements = 6 }}]"
         );
-        basis(&System::from_toml(&text).unwrap()).real_modes(0.0).unwrap().null
+        cached(&SceneDescription::from_toml(&text).unwrap()).real_modes(0.0).unwrap().null
     };
     assert_eq!([free("lateral"), free("torsion"), free("coupled")], [4, 1, 5]);
     // Without bearings the three shafts of the train have fifteen rigid motions; each mesh holds one of them.
     let mut unheld = free_train();
     unheld.bearings.clear();
-    unheld.motion = Some(gearbow::scene::Motion::Coupled);
-    assert_eq!(basis(&unheld).real_modes(0.0).unwrap().null, 13);
+    unheld.motion = Some(gearbow::scene::MotionKind::Coupled);
+    assert_eq!(cached(&unheld).real_modes(0.0).unwrap().null, 13);
     // One isotropic bearing more holds two translations.
     unheld.bearings = vec![train().bearings[0].clone()];
-    assert_eq!(basis(&unheld).real_modes(0.0).unwrap().null, 11);
+    assert_eq!(cached(&unheld).real_modes(0.0).unwrap().null, 11);
 }
 
 #[test]
@@ -258,14 +258,14 @@ fn real_modes_of_a_train_are_orthonormal() {
     for elements in [4, 16] {
         let mut system = train();
         system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(elements));
-        let basis = basis(&system);
-        let real = basis.real_modes(0.0).unwrap();
+        let cached = cached(&system);
+        let real = cached.real_modes(0.0).unwrap();
         let over = |matrix: DMatrix<f64>| real.vectors.transpose() * matrix * &real.vectors;
         let n = real.frequencies.len();
         // Masses of the elements and of the gears stand 1e3 apart.
-        assert!((over(basis.model.mass_matrix()) - DMatrix::identity(n, n)).amax() < 1e-11);
+        assert!((over(cached.model.mass_matrix()) - DMatrix::identity(n, n)).amax() < 1e-11);
         let squares = real.frequencies.map(|frequency| frequency * frequency);
-        let stiffness = over(basis.model.stiffness_matrix(0.0)) - DMatrix::from_diagonal(&squares);
+        let stiffness = over(cached.model.stiffness_matrix(0.0)) - DMatrix::from_diagonal(&squares);
         assert!(stiffness.amax() < 1e-12 * squares.max());
     }
 }

@@ -5,7 +5,9 @@ mod common;
 
 use common::particles::{Witness, adaptive};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Control, Halt, Observer, RungeKutta, State, Statistics, System, Trajectory, run};
+use gearbow::integrate::{
+    FirstOrderSystem, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
+};
 use proptest::prelude::*;
 
 /// ω of the spring, and what it pushes with as soon as it is touched: the force jumps where the law changes.
@@ -20,7 +22,7 @@ struct Ball {
     evaluations: u64,
 }
 
-impl System for Ball {
+impl FirstOrderSystem for Ball {
     fn len(&self) -> usize {
         2
     }
@@ -36,14 +38,14 @@ impl System for Ball {
         Some(&[0])
     }
 
-    fn laws_at(&mut self, _: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
-        laws.clear();
-        laws.push(i64::from(y[0] < 0.0));
+    fn contact_modes_at(&mut self, _: f64, y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
+        contact_modes.clear();
+        contact_modes.push(i64::from(y[0] < 0.0));
         Ok(())
     }
 
-    fn set_laws(&mut self, laws: &[i64]) {
-        self.touched = laws == [1];
+    fn set_contact_modes(&mut self, contact_modes: &[i64]) {
+        self.touched = contact_modes == [1];
     }
 
     fn norm(&mut self, difference: &[f64]) -> f64 {
@@ -59,7 +61,7 @@ fn drop_from(height: f64) -> State {
     State::new(vec![height, 0.0])
 }
 
-fn integrate<const S: usize>(tableau: Tableau<S>, control: Control, state: &mut State, end: f64) -> Statistics {
+fn integrate<const S: usize>(tableau: Tableau<S>, control: StepControl, state: &mut State, end: f64) -> Statistics {
     let (mut ball, mut statistics) = (Ball::default(), Statistics::new());
     let mut method = RungeKutta::new(tableau, 2);
     run(&mut ball, &mut method, &control, state, end, &mut Witness::default(), &mut statistics).unwrap();
@@ -88,7 +90,7 @@ fn exact(height: f64, time: f64) -> [f64; 2] {
 }
 
 /// Energy norm of what a run is off by after the third stroke; its time is one step grid's, whatever the step.
-fn error<const S: usize>(tableau: Tableau<S>, control: Control) -> (f64, Statistics) {
+fn error<const S: usize>(tableau: Tableau<S>, control: StepControl) -> (f64, Statistics) {
     let mut state = drop_from(0.5);
     let statistics = integrate(tableau, control, &mut state, 7.0);
     let expected = exact(0.5, state.elapsed);
@@ -97,7 +99,7 @@ fn error<const S: usize>(tableau: Tableau<S>, control: Control) -> (f64, Statist
 
 #[test]
 fn a_jump_of_force_does_not_cost_the_order() {
-    let at = |k: i32| error(RK4, Control::Fixed(2.0_f64.powi(-k)));
+    let at = |k: i32| error(RK4, StepControl::Fixed(2.0_f64.powi(-k)));
     let ((coarse, _), (fine, statistics)) = (at(9), at(10));
     let order = (coarse / fine).log2();
     // Flights are parabolas, which RK4 takes exactly. What a stroke loses of the energy, of fifth order, sets the
@@ -117,7 +119,7 @@ fn a_change_is_found_to_round_off() {
     let mut state = drop_from(0.5);
     let mut witness = Witness { end: Some(1.1), ..Witness::default() };
     let mut method = RungeKutta::new(RK4, 2);
-    let control = Control::Fixed(0.03);
+    let control = StepControl::Fixed(0.03);
     run(&mut Ball::default(), &mut method, &control, &mut state, 1.1, &mut witness, &mut Statistics::new()).unwrap();
     let [fall, stroke] = durations(0.5);
     let ends: Vec<f64> = witness.seen.iter().map(|(start, step, _)| start + step).collect();
@@ -157,7 +159,7 @@ impl Observer for Changes {
 fn whoever_looks_is_told_where_the_law_changed() {
     let mut changes = Changes::default();
     let mut method = RungeKutta::new(RK4, 2);
-    let control = Control::Fixed(2.0_f64.powi(-10));
+    let control = StepControl::Fixed(2.0_f64.powi(-10));
     run(&mut Ball::default(), &mut method, &control, &mut drop_from(0.5), 2.0, &mut changes, &mut Statistics::new())
         .unwrap();
     // The law that a run begins with, and the two changes of the first stroke, from the height of rest.
@@ -178,7 +180,7 @@ struct Marked {
     mark: f64,
 }
 
-impl System for Marked {
+impl FirstOrderSystem for Marked {
     fn len(&self) -> usize {
         2
     }
@@ -192,9 +194,9 @@ impl System for Marked {
         Some(&[0])
     }
 
-    fn laws_at(&mut self, _: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
-        laws.clear();
-        laws.push(i64::from(y[0] > self.mark));
+    fn contact_modes_at(&mut self, _: f64, y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
+        contact_modes.clear();
+        contact_modes.push(i64::from(y[0] > self.mark));
         Ok(())
     }
 
@@ -215,7 +217,7 @@ fn a_law_that_holds_within_a_step_alone_is_seen() {
     run(
         &mut Marked { mark: 0.42 },
         &mut method,
-        &Control::Fixed(2.0),
+        &StepControl::Fixed(2.0),
         &mut state,
         3.0,
         &mut changes,
@@ -232,11 +234,11 @@ fn a_law_that_holds_within_a_step_alone_is_seen() {
 fn steps_go_on_as_before_a_change() {
     // What is left of the grid's step comes next, so the grid stays where it was: 700 steps, six of them in two parts.
     let mut state = drop_from(0.6);
-    let statistics = integrate(RK4, Control::Fixed(0.01), &mut state, 7.005);
+    let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 7.005);
     assert_eq!((state.count, state.elapsed), (700, 700.0 * 0.01));
     assert_eq!((statistics.steps, statistics.events), (706, 6));
     // From half a metre the first touch is at 1 s, the end of a step: nothing is left of it.
-    let statistics = integrate(RK4, Control::Fixed(0.01), &mut drop_from(0.5), 7.005);
+    let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut drop_from(0.5), 7.005);
     assert_eq!((statistics.steps, statistics.events), (705, 6));
 }
 
@@ -244,7 +246,7 @@ fn steps_go_on_as_before_a_change() {
 fn a_ball_that_only_just_touches_does_not_stop_the_run() {
     // It rests where the law changes, on a spring that pushes as soon as it is touched: there is no end to changes.
     let mut state = State::new(vec![0.0, 0.0]);
-    let statistics = integrate(RK4, Control::Fixed(0.01), &mut state, 1.005);
+    let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 1.005);
     assert_eq!(state.count, 100);
     assert!(statistics.evaluations < 100_000, "{statistics:?}");
     assert!(state.y[0].abs() < 1e-2 && state.y[1].abs() < 0.2, "{:?}", state.y);
@@ -262,7 +264,7 @@ proptest! {
             stops.push(durations(height)[0]);
         }
         stops.sort_by(f64::total_cmp);
-        fn parts<const S: usize>(tableau: Tableau<S>, control: Control, stops: &[f64], height: f64) -> [State; 2] {
+        fn parts<const S: usize>(tableau: Tableau<S>, control: StepControl, stops: &[f64], height: f64) -> [State; 2] {
             let mut whole = drop_from(height);
             let mut parts = whole.clone();
             integrate(tableau, control, &mut whole, 8.0);
@@ -271,7 +273,7 @@ proptest! {
             }
             [parts, whole]
         }
-        let [parted, whole] = parts(RK4, Control::Fixed(0.0123), &stops, height);
+        let [parted, whole] = parts(RK4, StepControl::Fixed(0.0123), &stops, height);
         prop_assert_eq!(parted, whole);
         let [parted, whole] = parts(DORMAND_PRINCE, adaptive(1e-6, 0.1), &stops, height);
         prop_assert_eq!(parted, whole);

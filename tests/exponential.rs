@@ -3,13 +3,16 @@
 
 mod common;
 
-use common::{Noise, basis, everything, largest, motion, train};
-use gearbow::analysis::{Part, equilibrium, synchronous};
-use gearbow::exponential::{Clock, Control, Field, Output, Ports, Rule, Selection, Stepper, Table, run};
+use common::{Noise, cached, everything, largest, motion, train};
+use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
+use gearbow::exponential::{
+    InterfaceMaps, LevelControl, NonlinearLoads, OutputMap, PropagatorCache, QuadratureRule, Selection, Stepper,
+    TimeGrid, run,
+};
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
-use gearbow::modal::{Basis, Form, Linear};
-use gearbow::scene::System;
+use gearbow::modal::{CachedModel, Form, ModalStateSpace};
+use gearbow::scene::SceneDescription;
 use gearbow::scene::description::{Coefficient, Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -17,7 +20,7 @@ use proptest::prelude::*;
 const SPEED: f64 = 100.0;
 
 /// A small train with damping of every kind.
-fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) -> System {
+fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) -> SceneDescription {
     let mut system = train();
     system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(2));
     let [k_y, k_z, c_y, c_z] = bearing;
@@ -31,24 +34,24 @@ fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) ->
 }
 
 /// Checks that z and back is the identity, and that ż = A z is the equation of motion.
-fn obeys(basis: &Basis, speed: f64, seed: u64) -> Result<(), TestCaseError> {
-    let (stiffness, damping) = (basis.model.stiffness_matrix(speed), basis.damping_matrix(speed).unwrap());
-    moves_by(&basis.linear(speed).unwrap(), basis, (stiffness, damping), speed, seed)
+fn obeys(cached: &CachedModel, speed: f64, seed: u64) -> Result<(), TestCaseError> {
+    let (stiffness, damping) = (cached.model.stiffness_matrix(speed), cached.damping_matrix(speed).unwrap());
+    moves_by(&cached.linear(speed).unwrap(), cached, (stiffness, damping), speed, seed)
 }
 
 /// The same of a linear motion with matrices K and C.
 fn moves_by(
-    linear: &Linear,
-    basis: &Basis,
+    linear: &ModalStateSpace,
+    cached: &CachedModel,
     (stiffness, damping): (DMatrix<f64>, DMatrix<f64>),
     speed: f64,
     seed: u64,
 ) -> Result<(), TestCaseError> {
-    let model = &basis.model;
+    let model = &cached.model;
     let n = model.len();
     let mut noise = Noise::new(seed);
     let (q, v) = (noise.vector(n, 1e-6), noise.vector(n, 1e-2));
-    let z = linear.state(basis, &q, &v);
+    let z = linear.state(cached, &q, &v);
     let (q_back, v_back) = linear.motion(z.as_slice());
     let (q, v) = (DVector::from_vec(q), DVector::from_vec(v));
     // Round-off of a product of eigenvectors, which loses as many digits as its condition has.
@@ -83,7 +86,7 @@ proptest! {
     ) {
         let bearing = [bearing.0, bearing.1, bearing.2, bearing.3];
         let system = damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], modal);
-        obeys(&basis(&system), speed, seed)?;
+        obeys(&cached(&system), speed, seed)?;
     }
 
     #[test]
@@ -95,14 +98,14 @@ proptest! {
         seed in 0..1000_u64,
     ) {
         let bearing = [bearing.0, bearing.1, bearing.2, bearing.3];
-        let basis = basis(&damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], 0.0));
-        let model = &basis.model;
+        let cached = cached(&damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], 0.0));
+        let model = &cached.model;
         // Where two eigenvalues of a bearing's damping all but meet, modes do not carry it.
-        let Some(linear) = basis.linear_of_parts(speed).unwrap() else {
+        let Some(linear) = cached.linear_of_parts(speed).unwrap() else {
             return Ok(());
         };
         let stiffness = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
-        moves_by(&linear, &basis, (stiffness, model.unmeshed_damping_matrix()), speed, seed)?;
+        moves_by(&linear, &cached, (stiffness, model.unmeshed_damping_matrix()), speed, seed)?;
         // What bends one shaft is nothing to the others, nor to its twist.
         let parts: Vec<_> = model.numbering.parts().collect();
         prop_assert_eq!(linear.parts.len(), parts.len());
@@ -120,11 +123,11 @@ proptest! {
 fn rolling_that_hardly_slows_keeps_its_digits() {
     // The train rolls freely; mass-proportional damping slows it at its own rate.
     for rate in [1e-9, 1e-6, 1e-3, 0.17, 10.0, 1e3] {
-        let basis = basis(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
-        let linear = basis.linear(0.0).unwrap();
+        let cached = cached(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
+        let linear = cached.linear(0.0).unwrap();
         assert!(linear.condition < 10.0, "{rate}: {}", linear.condition);
         for seed in 0..8 {
-            obeys(&basis, 0.0, seed).unwrap();
+            obeys(&cached, 0.0, seed).unwrap();
         }
     }
 }
@@ -139,9 +142,9 @@ fn planes_that_do_not_couple_are_no_harder() {
         system.bearings.retain(|bearing| bearing.shaft == "input");
         system.meshes.clear();
         system.torques.clear();
-        let basis = basis(&system);
-        obeys(&basis, 0.0, 3).unwrap();
-        obeys(&basis, 1e-9, 4).unwrap();
+        let cached = cached(&system);
+        obeys(&cached, 0.0, 3).unwrap();
+        obeys(&cached, 1e-9, 4).unwrap();
     }
 }
 
@@ -153,30 +156,34 @@ fn equal_modes_of_coupled_planes_carry_the_motion() {
             let mut system = train();
             system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(elements));
             system.rayleigh = Some([20.0, 1e-5]);
-            let basis = basis(&system);
-            let linear = basis.linear(speed).unwrap();
+            let cached = cached(&system);
+            let linear = cached.linear(speed).unwrap();
             assert!(linear.condition < 100.0, "{elements} {speed}: {:e}", linear.condition);
-            obeys(&basis, speed, 5).unwrap();
+            obeys(&cached, speed, 5).unwrap();
         }
     }
 }
 
 /// What a field needs on top of its linear motion.
-fn field<'m>(basis: &'m Basis, geometry: Geometry, linear: &Linear) -> (Field<'m>, Ports) {
-    let reference = equilibrium(basis, geometry, SPEED).unwrap();
-    let motion = motion(basis, geometry, SPEED, 0.0);
-    let mut amplitudes = synchronous(basis, SPEED, Part::Both).unwrap();
+fn field<'m>(
+    cached: &'m CachedModel,
+    geometry: Geometry,
+    linear: &ModalStateSpace,
+) -> (NonlinearLoads<'m>, InterfaceMaps) {
+    let reference = equilibrium(cached, geometry, SPEED).unwrap();
+    let motion = motion(cached, geometry, SPEED, 0.0);
+    let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Both).unwrap();
     if !linear.meshed {
         for shaft in motion.sources() {
             let amplitude = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
             amplitudes.set_column(shaft, &amplitude.unwrap());
         }
     }
-    Field::new(motion, linear, reference, &amplitudes).unwrap()
+    NonlinearLoads::new(motion, linear, reference, &amplitudes).unwrap()
 }
 
 /// The same linear motion without its pairs.
-fn dense(linear: &Linear) -> Linear {
+fn dense(linear: &ModalStateSpace) -> ModalStateSpace {
     let [a, b, c, d] = &linear.blocks;
     let slots = linear.slots;
     let mut matrix = DMatrix::zeros(2 * slots, 2 * slots);
@@ -199,35 +206,35 @@ fn apart(first: &[f64], second: &[f64]) -> f64 {
 #[test]
 fn a_table_without_modes_is_that_of_the_modes() {
     for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
-        let basis = basis(&system);
-        let linear = basis.linear(SPEED).unwrap();
+        let cached = cached(&system);
+        let linear = cached.linear(SPEED).unwrap();
         let whole = dense(&linear);
         for stages in 1..=4 {
-            let (field, ports) = field(&basis, geometry, &linear);
+            let (field, maps) = field(&cached, geometry, &linear);
             let longest = 1e-4;
             let finest = (longest * linear.radius).log2().ceil() as usize + 1;
-            let clock = Clock { longest, finest, event: finest };
-            let rule = Rule::gauss(stages);
-            let pairs = Table::new(&linear, rule.clone(), ports.clone(), clock, field.spins());
-            let matrices = Table::new(&whole, rule, ports, clock, field.spins());
+            let time_grid = TimeGrid { longest, finest, event: finest };
+            let rule = QuadratureRule::gauss(stages);
+            let pairs = PropagatorCache::new(&linear, rule.clone(), maps.clone(), time_grid, field.spins());
+            let matrices = PropagatorCache::new(&whole, rule, maps, time_grid, field.spins());
             let mut z = vec![0.0; linear.len()];
             let noise =
-                linear.state(&basis, &Noise::new(5).vector(basis.model.len(), 1e-6), &vec![0.0; basis.model.len()]);
+                linear.state(&cached, &Noise::new(5).vector(cached.model.len(), 1e-6), &vec![0.0; cached.model.len()]);
             z.copy_from_slice(noise.as_slice());
             let arch = pulp::Arch::new();
             let p = vec![0.0; stages * field.loads()];
-            for level in 0..=clock.finest {
-                let (a, b) = (pairs.passage(level), matrices.passage(level));
-                let (seen_a, seen_b) = (pairs.sight(level), matrices.sight(level));
-                let responses = |table: &Table<'_>| -> Vec<f64> {
-                    table.sight(level).response.iter().flat_map(|panel| panel.values.iter().copied()).collect()
+            for level in 0..=time_grid.finest {
+                let (a, b) = (pairs.propagator(level), matrices.propagator(level));
+                let (seen_a, seen_b) = (pairs.stage_response(level), matrices.stage_response(level));
+                let responses = |table: &PropagatorCache<'_>| -> Vec<f64> {
+                    table.stage_response(level).response.iter().flat_map(|panel| panel.values.iter().copied()).collect()
                 };
                 let mut after = [vec![0.0; z.len()], vec![0.0; z.len()]];
                 a.advance(arch, &p, &z, &mut after[0]);
                 b.advance(arch, &p, &z, &mut after[1]);
                 // Doublings of a matrix exponential keep all digits but those of its angle, ω h. What the estimate of an
                 // error uses is the integral of a polynomial that all but vanishes.
-                let closeness = 1e-13 * (clock.step(level) * linear.radius).max(10.0);
+                let closeness = 1e-13 * (time_grid.step(level) * linear.radius).max(10.0);
                 for (what, gap, closeness) in [
                     ("transition", apart(&after[0], &after[1]), closeness),
                     ("columns", apart(&a.columns.values, &b.columns.values), closeness),
@@ -237,7 +244,7 @@ fn a_table_without_modes_is_that_of_the_modes() {
                 ] {
                     assert!(gap < closeness, "{stages} stages, level {level}, {what}: {gap:e}");
                 }
-                assert_eq!(seen_a.turns, seen_b.turns);
+                assert_eq!(seen_a.phasors, seen_b.phasors);
             }
         }
     }
@@ -313,34 +320,34 @@ impl Observer for Last {
 }
 
 /// The motion that a train settles to but for its meshes, disturbed.
-fn disturbed(basis: &Basis, geometry: Geometry) -> [DVector<f64>; 2] {
-    let (q, v) = field(basis, geometry, &basis.linear(SPEED).unwrap()).0.carried(0.0);
+fn disturbed(cached: &CachedModel, geometry: Geometry) -> [DVector<f64>; 2] {
+    let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.carried(0.0);
     let noise = Noise::new(8).vector(q.len(), 1e-7);
     [q + DVector::from_vec(noise), v]
 }
 
 /// Integrates a train, disturbed, in parts that end at `ends`, under `form` of its linear motion.
 fn integrate(
-    (basis, geometry): (&Basis, Geometry),
-    form: &Linear,
+    (cached, geometry): (&CachedModel, Geometry),
+    form: &ModalStateSpace,
     stages: usize,
     ends: &[f64],
     edges: &mut impl Observer,
 ) -> State {
-    let n = basis.model.len();
-    let (field, ports) = field(basis, geometry, form);
+    let n = cached.model.len();
+    let (field, maps) = field(cached, geometry, form);
     let longest = 5e-5;
     let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
-    let clock = Clock { longest, finest: event + 4, event };
+    let time_grid = TimeGrid { longest, finest: event + 4, event };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
-    let mut output = Output::new(&field, form, selection);
-    let table = Table::new(form, Rule::gauss(stages), ports, clock, field.spins());
+    let mut output = OutputMap::new(&field, form, selection);
+    let table = PropagatorCache::new(form, QuadratureRule::gauss(stages), maps, time_grid, field.spins());
     let (carried, turning) = field.carried(0.0);
-    let [q, v] = disturbed(basis, geometry);
-    let z = form.state(basis, (q - carried).as_slice(), (v - turning).as_slice());
+    let [q, v] = disturbed(cached, geometry);
+    let z = form.state(cached, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
     let mut stepper = Stepper::new(field, table);
-    let control = Control::Adaptive { rtol: 1e-9, floor: 1e-12 };
+    let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
     let mut statistics = Statistics::new();
     for end in ends {
         run((&mut stepper, &mut output), control, &mut state, *end, edges, &mut statistics).unwrap();
@@ -349,7 +356,7 @@ fn integrate(
 }
 
 /// A train whose mesh stiffness jumps.
-fn sharp() -> System {
+fn sharp() -> SceneDescription {
     let mut system = train();
     let square = StiffnessModel::of(StiffnessKind::Square);
     for mesh in &mut system.meshes {
@@ -365,14 +372,14 @@ fn runs_in_any_coordinates_are_the_same() {
     damped.meshes.iter_mut().for_each(|mesh| (mesh.damping, mesh.damping_ratio) = (Some(800.0), None));
     for (name, system) in [("mean", train()), ("sharp", sharp()), ("backlash", apart_by_backlash), ("damped", damped)] {
         for geometry in [Geometry::Live, Geometry::Frozen] {
-            let basis = basis(&system);
-            let linear = basis.linear(SPEED).unwrap();
+            let cached = cached(&system);
+            let linear = cached.linear(SPEED).unwrap();
             let mut whole = dense(&linear);
             // The norm of a matrix is a longer way to its radius.
             whole.radius = linear.radius;
-            let motion = |form: &Linear, ends: &[f64]| {
-                let mut last = Last(vec![0.0; 2 * basis.model.len()]);
-                integrate((&basis, geometry), form, 3, ends, &mut last);
+            let motion = |form: &ModalStateSpace, ends: &[f64]| {
+                let mut last = Last(vec![0.0; 2 * cached.model.len()]);
+                integrate((&cached, geometry), form, 3, ends, &mut last);
                 last.0
             };
             let (of_modes, without) = (motion(&linear, &[2e-3]), motion(&whole, &[2e-3]));
@@ -381,7 +388,7 @@ fn runs_in_any_coordinates_are_the_same() {
             assert!(gap < 1e-7, "{name}, {geometry:?}: {gap:e}");
             assert_eq!(motion(&whole, &[8.3e-4, 2e-3]), without, "{name}, {geometry:?}");
             // Nor does it matter whether the linear motion contains the meshes.
-            let shafts = basis.linear_of_parts(SPEED).unwrap().unwrap();
+            let shafts = cached.linear_of_parts(SPEED).unwrap().unwrap();
             let gap = apart(&of_modes, &motion(&shafts, &[2e-3]));
             // Then every step adds an error to the swing of the teeth as well, and events are met to 1e-6 by this clock.
             assert!(gap < 1e-5, "{name}, {geometry:?}, in parts: {gap:e}");
@@ -392,13 +399,13 @@ fn runs_in_any_coordinates_are_the_same() {
 
 #[test]
 fn the_motion_within_a_step_meets_its_ends() {
-    let basis = basis(&sharp());
-    let linear = basis.linear(SPEED).unwrap();
+    let cached = cached(&sharp());
+    let linear = cached.linear(SPEED).unwrap();
     for (stages, form) in [(2, (*linear).clone()), (3, (*linear).clone()), (4, (*linear).clone()), (3, dense(&linear))]
     {
-        let n = basis.model.len();
+        let n = cached.model.len();
         let mut edges = Edges { coordinates: (0..n).collect(), ..Edges::default() };
-        integrate((&basis, Geometry::Live), &form, stages, &[2e-3], &mut edges);
+        integrate((&cached, Geometry::Live), &form, stages, &[2e-3], &mut edges);
         assert!(edges.steps > 40);
         // What lies inside is made of other steps than the whole, under loads that differ from it by less than the
         // tolerance; and the straight line from the edge is right to (1e-7 ω h)², which is less.

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use gearbow::analysis::equilibrium;
-use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simulate};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, simulate};
 use gearbow::mesh::Geometry;
-use gearbow::modal::Basis;
+use gearbow::modal::CachedModel;
 use gearbow::model::Model;
-use gearbow::scene::{Scene, SceneError, System};
+use gearbow::scene::{Scene, SceneDescription, SceneError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -295,14 +295,14 @@ fn watch() {
 }
 
 fn scene(text: &str) -> Result<Model, SceneError> {
-    Model::new(Scene::new(&System::from_toml(text)?)?)
+    Model::new(Scene::new(&SceneDescription::from_toml(text)?)?)
 }
 
 /// A run of a few steps; that it fails with an error is as good as that it succeeds.
 fn run(model: Model) {
     let n = model.len();
-    let basis = Basis::new(model);
-    let _ = equilibrium(&basis, Geometry::Live, 100.0).map(|found| assert_eq!(found.len(), n));
+    let cached = CachedModel::new(model);
+    let _ = equilibrium(&cached, Geometry::Live, 100.0).map(|found| assert_eq!(found.len(), n));
     for method in [Method::Exponential, Method::Rk45] {
         let options = Options {
             duration: 1e-3,
@@ -316,17 +316,17 @@ fn run(model: Model) {
             times: vec![0.0, 1e-3],
             geometry: Geometry::Live,
             start: 0.0,
-            pause: None,
+            checkpoint: None,
         };
         let requests = ["gears", "meshes", "energy"].map(|name| Request::Name(name.to_owned()));
-        let plan = Plan::new(&basis.model, &requests).unwrap();
+        let plan = RecordPlan::new(&cached.model, &requests).unwrap();
         let mut asked = 0;
         // Some scenes are stiff beyond measure: they are stopped.
         let mut patience = |_| {
             asked += 1;
             asked < 3
         };
-        if let Ok(response) = simulate(&basis, &options, &plan, &mut patience) {
+        if let Ok(response) = simulate(&cached, &options, &plan, &mut patience) {
             assert_eq!(response.record.time.len(), 2);
         }
     }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
-    Adaptive, Control, Halt, Observer, RungeKutta, Span, State, Statistics, System as _, Trajectory, run,
+    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, Trajectory, run,
 };
 use proptest::prelude::*;
 
@@ -20,7 +20,7 @@ fn pair_and_pendulum() -> (Particles, State) {
 /// End of the run by steps of 2⁻ᵏ, which add up exactly.
 fn fixed<const S: usize>(tableau: Tableau<S>, k: i32) -> Vec<f64> {
     let (mut system, mut state) = pair_and_pendulum();
-    integrate(&mut system, tableau, Control::Fixed(2.0_f64.powi(-k)), &mut state, 4.0);
+    integrate(&mut system, tableau, StepControl::Fixed(2.0_f64.powi(-k)), &mut state, 4.0);
     assert_eq!(state.elapsed, 4.0);
     state.y
 }
@@ -125,7 +125,7 @@ struct Clocked {
     times: Vec<f64>,
 }
 
-impl gearbow::integrate::System for Clocked {
+impl gearbow::integrate::FirstOrderSystem for Clocked {
     fn len(&self) -> usize {
         2
     }
@@ -155,7 +155,7 @@ fn stages_know_what_time_it_is() {
         let (mut method, mut statistics) = (RungeKutta::new(tableau, 2), Statistics::new());
         let mut state = State::new(vec![0.0; 2]);
         let nobody = &mut Witness::default();
-        run(&mut system, &mut method, &Control::Fixed(0.1), &mut state, 2.05, nobody, &mut statistics).unwrap();
+        run(&mut system, &mut method, &StepControl::Fixed(0.1), &mut state, 2.05, nobody, &mut statistics).unwrap();
         let expected = state.elapsed.powi(power + 1);
         // Twenty steps of a rounding each.
         assert!((state.y[1] - expected).abs() < 1e-14 * expected, "{} {expected}", state.y[1]);
@@ -204,7 +204,7 @@ fn an_instant_at_the_end_of_a_step_is_seen_with_that_step() {
     let (mut system, mut state) = pair_and_pendulum();
     let (mut method, mut statistics) = (RungeKutta::new(RK4, system.len()), Statistics::new());
     let mut once = Once { at: 1.0, seen: None };
-    let control = Control::Fixed(1.0 / 128.0);
+    let control = StepControl::Fixed(1.0 / 128.0);
     run(&mut system, &mut method, &control, &mut state, 1.0, &mut once, &mut statistics).unwrap();
     assert_eq!(once.seen, Some([127.0 / 128.0, 1.0]));
     // No step beyond is tried for it: four evaluations a step, and the first.
@@ -233,7 +233,7 @@ fn statistics_are_those_of_the_steps() {
     assert!(lengths().next_back().is_some_and(|last| last > statistics.shortest + 1e-6));
 
     let (mut system, mut state) = pair_and_pendulum();
-    let fixed = integrate(&mut system, RK4, Control::Fixed(1.0 / 128.0), &mut state, 1.0);
+    let fixed = integrate(&mut system, RK4, StepControl::Fixed(1.0 / 128.0), &mut state, 1.0);
     assert_eq!(fixed.at_limit, 0);
     // What begins a run is counted once, however often the run is paused.
     let mut paused = Statistics { evaluations: 513, ..Statistics::new() };
@@ -246,7 +246,7 @@ fn the_middle_of_a_step_is_as_good_as_its_end() {
     let (mut system, mut state) = pair_and_pendulum();
     let mut witness = Witness { end: Some(4.0), ..Witness::default() };
     let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, system.len()), Statistics::new());
-    let control = Control::Fixed(1.0 / 64.0);
+    let control = StepControl::Fixed(1.0 / 64.0);
     run(&mut system, &mut method, &control, &mut state, 4.0, &mut witness, &mut statistics).unwrap();
     assert_eq!(witness.middles.len(), 256);
     for [time, q, v] in witness.middles {
@@ -277,7 +277,7 @@ fn the_controller_is_the_one_of_the_books() {
 fn counts_are_pinned() {
     let counts = |statistics: Statistics| (statistics.steps, statistics.rejected, statistics.evaluations);
     let (mut system, mut state) = pair_and_pendulum();
-    let fixed = integrate(&mut system, RK4, Control::Fixed(1.0 / 128.0), &mut state, 10.0);
+    let fixed = integrate(&mut system, RK4, StepControl::Fixed(1.0 / 128.0), &mut state, 10.0);
     // Four a step, and the first.
     assert_eq!(counts(fixed), (1280, 0, 5121));
     assert_eq!((fixed.shortest, fixed.longest), (1.0 / 128.0, 1.0 / 128.0));
@@ -318,7 +318,7 @@ fn no_step_grows_right_after_a_rejection() {
 }
 
 /// The same run at once and in parts.
-fn split<const S: usize>(tableau: Tableau<S>, control: Control, stops: &[f64]) -> Result<(), TestCaseError> {
+fn split<const S: usize>(tableau: Tableau<S>, control: StepControl, stops: &[f64]) -> Result<(), TestCaseError> {
     let (mut system, mut whole) = pair_and_pendulum();
     system.hit = 50.0;
     let mut parts = whole.clone();
@@ -338,7 +338,7 @@ proptest! {
     #[test]
     fn a_split_run_is_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {
         stops.sort_by(f64::total_cmp);
-        split(RK4, Control::Fixed(0.0123), &stops)?;
+        split(RK4, StepControl::Fixed(0.0123), &stops)?;
         split(DORMAND_PRINCE, adaptive(1e-6, 0.5), &stops)?;
     }
 }
@@ -349,7 +349,7 @@ fn time_does_not_drift() {
     let (y, end) = (vec![1.0, 0.0], 1e4 + 0.05);
     // 1e5 sums of 0.1 would be off by 2e-8; the adaptive steps are all at their limit.
     let mut state = State::new(y.clone());
-    integrate(&mut system, RK4, Control::Fixed(0.1), &mut state, end);
+    integrate(&mut system, RK4, StepControl::Fixed(0.1), &mut state, end);
     assert_eq!((state.count, state.elapsed), (100_000, 100_000.0 * 0.1));
     let mut state = State::new(y);
     integrate(&mut system, DORMAND_PRINCE, adaptive(0.5, 0.1), &mut state, end);

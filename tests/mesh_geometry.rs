@@ -5,8 +5,10 @@ mod common;
 
 use std::f64::consts::PI;
 
-use gearbow::mesh::stiffness::Path;
-use gearbow::mesh::{Centres, Coupling, Flank, Geometry, Involute, Law, LineOfAction, Overlap, Pose, Turning};
+use gearbow::mesh::stiffness::ContactPath;
+use gearbow::mesh::{
+    Centres, ContactMode, Flank, GearMesh, Geometry, Involute, LineOfAction, MeshPose, Overlap, ShaftPhase,
+};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 
@@ -23,7 +25,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn coupling(self) -> Coupling {
+    fn gear_mesh(self) -> GearMesh {
         let Self { teeth: [a, b], module, angle, stretch } = self;
         let distance = module * f64::from(a + b) / 2.0 * (1.0 + stretch);
         let gear = |teeth: u32| format!("teeth = {teeth}, module = {module}");
@@ -67,38 +69,45 @@ struct Contact {
     rate: f64,
     force: f64,
     normal: [f64; 2],
-    across: [f64; 2],
+    tangent_direction: [f64; 2],
     tangent: f64,
 }
 
 /// Shafts that stand still.
-const STILL: [Turning; 2] = [Turning { angle: 0.0, spin: 0.0 }; 2];
+const STILL: [ShaftPhase; 2] = [ShaftPhase { angle: 0.0, spin: 0.0 }; 2];
 
-fn touch(coupling: &Coupling, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
-    let found = coupling.contact(&coupling.pose(geometry, sigma, &STILL, q, v), &Law::ALWAYS)?;
-    let LineOfAction { normal, across, tangent, .. } = match geometry {
-        Geometry::Live => coupling.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
-        Geometry::Frozen => coupling.involute.line_at_rest(sigma),
+fn touch(gear_mesh: &GearMesh, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
+    let found = gear_mesh.contact(&gear_mesh.pose(geometry, sigma, &STILL, q, v), &ContactMode::ALWAYS)?;
+    let LineOfAction { normal, tangent_direction, tangent, .. } = match geometry {
+        Geometry::Live => gear_mesh.involute.line_of_action(sigma, [q[2] - q[0], q[3] - q[1]])?,
+        Geometry::Frozen => gear_mesh.involute.line_at_rest(sigma),
     };
-    Ok(Contact { deflection: found.deflection, rate: found.rate, force: found.force, normal, across, tangent })
+    Ok(Contact {
+        deflection: found.deflection,
+        rate: found.rate,
+        force: found.force,
+        normal,
+        tangent_direction,
+        tangent,
+    })
 }
 
 /// Live geometry at rest in displacements.
-fn still(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Pose<'static> {
-    coupling.pose(Geometry::Live, sigma, &STILL, q.as_slice(), &[0.0; 6])
+fn still(gear_mesh: &GearMesh, sigma: f64, q: &Vector6<f64>) -> MeshPose<'static> {
+    gear_mesh.pose(Geometry::Live, sigma, &STILL, q.as_slice(), &[0.0; 6])
 }
 
-fn at_rest(coupling: &Coupling, sigma: f64) -> Contact {
-    touch(coupling, Geometry::Frozen, sigma, &[0.0; 6], &[0.0; 6]).unwrap()
+fn at_rest(gear_mesh: &GearMesh, sigma: f64) -> Contact {
+    touch(gear_mesh, Geometry::Frozen, sigma, &[0.0; 6], &[0.0; 6]).unwrap()
 }
 
-fn live(coupling: &Coupling, sigma: f64, q: &Vector6<f64>) -> Contact {
-    touch(coupling, Geometry::Live, sigma, q.as_slice(), &[0.0; 6]).unwrap()
+fn live(gear_mesh: &GearMesh, sigma: f64, q: &Vector6<f64>) -> Contact {
+    touch(gear_mesh, Geometry::Live, sigma, q.as_slice(), &[0.0; 6]).unwrap()
 }
 
-fn gradient(coupling: &Coupling, sigma: f64, contact: &Contact) -> Vector6<f64> {
+fn gradient(gear_mesh: &GearMesh, sigma: f64, contact: &Contact) -> Vector6<f64> {
     let mut gradient = Vector6::zeros();
-    coupling.gradient(sigma, contact.normal, |index, slope| gradient[index] += slope);
+    gear_mesh.gradient(sigma, contact.normal, |index, slope| gradient[index] += slope);
     gradient
 }
 
@@ -111,10 +120,10 @@ where
     let step = 1e-5 * pair.centre_distance();
     std::array::from_fn(|index| {
         let step = if index < 4 { step } else { 1e-5 };
-        let (mut ahead, mut behind) = (*q, *q);
+        let (mut ahead, mut back_flank_deflection) = (*q, *q);
         ahead[index] += step;
-        behind[index] -= step;
-        (value(&ahead) - value(&behind)) / (ahead[index] - behind[index])
+        back_flank_deflection[index] -= step;
+        (value(&ahead) - value(&back_flank_deflection)) / (ahead[index] - back_flank_deflection[index])
     })
 }
 
@@ -125,20 +134,20 @@ proptest! {
     fn gradient_is_that_of_the_deflection(
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0), rates in prop::array::uniform6(-1.0..1.0),
     ) {
-        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
-        let contact = live(&coupling, sigma, &q);
-        let found = gradient(&coupling, sigma, &contact);
-        let expected = differentiate(pair, &q, |q| live(&coupling, sigma, q).deflection);
+        let (gear_mesh, q) = (pair.gear_mesh(), displaced(pair, numbers));
+        let contact = live(&gear_mesh, sigma, &q);
+        let found = gradient(&gear_mesh, sigma, &contact);
+        let expected = differentiate(pair, &q, |q| live(&gear_mesh, sigma, q).deflection);
         for (found, expected) in found.iter().zip(expected) {
             prop_assert!((found - expected).abs() < 1e-8, "{found} {expected}");
         }
         let [y, z] = contact.normal;
         // |n| is a sine and a cosine of one angle, each right to an ulp.
         prop_assert!((y.hypot(z) - 1.0).abs() < 1e-14);
-        prop_assert!((y * contact.across[0] + z * contact.across[1]).abs() < 1e-14);
-        prop_assert!((contact.across[0].hypot(contact.across[1]) - 1.0).abs() < 1e-14);
+        prop_assert!((y * contact.tangent_direction[0] + z * contact.tangent_direction[1]).abs() < 1e-14);
+        prop_assert!((contact.tangent_direction[0].hypot(contact.tangent_direction[1]) - 1.0).abs() < 1e-14);
 
-        let moving = touch(&coupling, Geometry::Live, sigma, q.as_slice(), &rates).unwrap();
+        let moving = touch(&gear_mesh, Geometry::Live, sigma, q.as_slice(), &rates).unwrap();
         prop_assert!((moving.rate - found.dot(&Vector6::from(rates))).abs() < 1e-14);
         let force = STIFFNESS * contact.deflection + DAMPING * moving.rate;
         prop_assert!((moving.force - force).abs() < 1e-15 * (STIFFNESS * contact.deflection.abs() + DAMPING * moving.rate.abs()) * 4.0);
@@ -148,23 +157,23 @@ proptest! {
     fn tangent_is_the_derivative_of_the_force(
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0),
     ) {
-        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
-        let contact = live(&coupling, sigma, &q);
+        let (gear_mesh, q) = (pair.gear_mesh(), displaced(pair, numbers));
+        let contact = live(&gear_mesh, sigma, &q);
         let mut tangent = Matrix6::zeros();
         let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
-        let (pressed, normal) = coupling.mean_tangent(Geometry::Live, sigma, Flank::Drive, q.as_slice(), add).unwrap();
+        let (pressed, normal) = gear_mesh.mean_tangent(Geometry::Live, sigma, Flank::Drive, q.as_slice(), add).unwrap();
         prop_assert_eq!((pressed, normal), (contact.force, contact.normal));
-        let slopes = gradient(&coupling, sigma, &contact);
+        let slopes = gradient(&gear_mesh, sigma, &contact);
         let curvature: Matrix6<f64> = tangent - STIFFNESS * slopes * slopes.transpose();
         let force = |q: &Vector6<f64>| {
-            let contact = coupling.contact(&still(&coupling, sigma, q), &Law::ALWAYS).unwrap();
+            let contact = gear_mesh.contact(&still(&gear_mesh, sigma, q), &ContactMode::ALWAYS).unwrap();
             let mut force = Vector6::zeros();
-            coupling.apply(&contact, force.as_mut_slice());
+            gear_mesh.apply(&contact, force.as_mut_slice());
             -force
         };
         let columns = differentiate(pair, &q, force);
         // The same difference with the deflection held: the turning of the line of action alone, F ∂²δ/∂q².
-        let turning = differentiate(pair, &q, |q| gradient(&coupling, sigma, &live(&coupling, sigma, q)) * contact.force);
+        let turning = differentiate(pair, &q, |q| gradient(&gear_mesh, sigma, &live(&gear_mesh, sigma, q)) * contact.force);
         for j in 0..6 {
             prop_assert!((columns[j] - tangent.column(j)).amax() < 1e-8 * STIFFNESS);
             // ∂²δ/∂u² is 1/(C sin α), about 3/C.
@@ -176,14 +185,14 @@ proptest! {
 
     #[test]
     fn turning_the_pair_about_a_gear_leaves_it_undeflected(pair in pairs(), sigma in sigmas(), turn in -3.0..3.0_f64) {
-        let (coupling, distance) = (pair.coupling(), pair.centre_distance());
+        let (gear_mesh, distance) = (pair.gear_mesh(), pair.centre_distance());
         let (sin, cos) = pair.angle.sin_cos();
         let (turned_sin, turned_cos) = (pair.angle + turn).sin_cos();
         let q = Vector6::new(0.0, 0.0, distance * (turned_cos - cos), distance * (turned_sin - sin), turn, turn);
-        let contact = live(&coupling, sigma, &q);
+        let contact = live(&gear_mesh, sigma, &q);
         // Round-off of the centres that this test itself computes.
         prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
-        let state = coupling.state(&still(&coupling, sigma, &q), &Law::ALWAYS).unwrap();
+        let state = gear_mesh.state(&still(&gear_mesh, sigma, &q), &ContactMode::ALWAYS).unwrap();
         prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
         prop_assert!((state.centres.angle - pair.angle - turn).abs() < 1e-13);
     }
@@ -192,12 +201,12 @@ proptest! {
     fn the_smallest_displacement_keeps_its_digits(
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0), exponent in -300..-10,
     ) {
-        let coupling = pair.coupling();
-        let slopes = gradient(&coupling, sigma, &at_rest(&coupling, sigma));
+        let gear_mesh = pair.gear_mesh();
+        let slopes = gradient(&gear_mesh, sigma, &at_rest(&gear_mesh, sigma));
         // A power of two, so that scaling is exact.
         let scale = 2.0_f64.powi(exponent * 3);
         let unit = displaced(pair, numbers) * 1e3;
-        let found = live(&coupling, sigma, &(unit * scale)).deflection;
+        let found = live(&gear_mesh, sigma, &(unit * scale)).deflection;
         let terms = slopes.component_mul(&unit) * scale;
         // A few ulps of its terms, the squares that the prediction leaves out, and the smallest doubles of all.
         let allowed = 4e-15 * terms.abs().sum() + 20.0 * scale * scale * pair.centre_distance() + 1e-320;
@@ -208,34 +217,34 @@ proptest! {
     fn frozen_is_the_linearisation_of_live(
         pair in pairs(), sigma in sigmas(), numbers in prop::array::uniform6(-1.0..1.0),
     ) {
-        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
-        let frozen = |q: &Vector6<f64>| touch(&coupling, Geometry::Frozen, sigma, q.as_slice(), q.as_slice()).unwrap();
+        let (gear_mesh, q) = (pair.gear_mesh(), displaced(pair, numbers));
+        let frozen = |q: &Vector6<f64>| touch(&gear_mesh, Geometry::Frozen, sigma, q.as_slice(), q.as_slice()).unwrap();
         let deflection = frozen(&q).deflection;
-        let slopes = gradient(&coupling, sigma, &at_rest(&coupling, sigma));
+        let slopes = gradient(&gear_mesh, sigma, &at_rest(&gear_mesh, sigma));
         let terms = slopes.component_mul(&q);
         let round_off = 4e-15 * terms.abs().sum();
         prop_assert!((deflection - terms.sum()).abs() < round_off);
         prop_assert!((frozen(&q).rate - terms.sum()).abs() < round_off);
-        prop_assert!((coupling.deflection_at_rest(sigma, q.as_slice()) - deflection).abs() < round_off);
+        prop_assert!((gear_mesh.deflection_at_rest(sigma, q.as_slice()) - deflection).abs() < round_off);
         prop_assert!((frozen(&(-3.0 * q)).force + 3.0 * frozen(&q).force).abs() < 1e-14 * (STIFFNESS + DAMPING) * terms.abs().sum());
 
         // What live adds is −(m·u)²/(2 C sin α) to second order; the third is a thousandth of C over C sin α smaller.
-        let at_rest = at_rest(&coupling, sigma);
-        let across = at_rest.across[0] * (q[2] - q[0]) + at_rest.across[1] * (q[3] - q[1]);
-        let second = -across * across / (2.0 * at_rest.tangent);
+        let at_rest = at_rest(&gear_mesh, sigma);
+        let tangent_direction = at_rest.tangent_direction[0] * (q[2] - q[0]) + at_rest.tangent_direction[1] * (q[3] - q[1]);
+        let second = -tangent_direction * tangent_direction / (2.0 * at_rest.tangent);
         let third = 1e3 * (1e-3_f64).powi(3) * pair.centre_distance();
-        let found = live(&coupling, sigma, &q).deflection - deflection;
+        let found = live(&gear_mesh, sigma, &q).deflection - deflection;
         prop_assert!((found - second).abs() < third, "{found:e} {second:e}");
     }
 
     #[test]
     fn centres_are_where_they_are(pair in pairs(), numbers in prop::array::uniform6(-1.0..1.0)) {
-        let (coupling, q) = (pair.coupling(), displaced(pair, numbers));
+        let (gear_mesh, q) = (pair.gear_mesh(), displaced(pair, numbers));
         let apart = [q[2] - q[0], q[3] - q[1]];
         let (sin, cos) = pair.angle.sin_cos();
         let [y, z] = [pair.centre_distance() * cos + apart[0], pair.centre_distance() * sin + apart[1]];
-        let centres = coupling.involute.centres(apart).unwrap();
-        let sum: f64 = coupling.involute.base_radius.iter().sum();
+        let centres = gear_mesh.involute.centres(apart).unwrap();
+        let sum: f64 = gear_mesh.involute.base_radius.iter().sum();
         prop_assert!((centres.distance - y.hypot(z)).abs() < 1e-14 * centres.distance);
         prop_assert!((centres.pressure_angle.cos() - sum / y.hypot(z)).abs() < 1e-14);
         // γ stays near ψ, however many turns that contains.
@@ -243,7 +252,7 @@ proptest! {
         prop_assert!((centres.angle.cos() - y / centres.distance).abs() < 1e-13);
         let tips = pair.teeth.map(|z| pair.module * (f64::from(z) / 2.0 + 1.0));
         let reach = |tip: f64, base: f64| (tip * tip - base * base).sqrt();
-        let [a, b] = coupling.involute.base_radius;
+        let [a, b] = gear_mesh.involute.base_radius;
         let path = reach(tips[0], a) + reach(tips[1], b) - centres.distance * centres.pressure_angle.sin();
         prop_assert!((centres.contact_ratio - path * f64::from(pair.teeth[0]) / (2.0 * PI * a)).abs() < 1e-11);
     }
@@ -251,7 +260,7 @@ proptest! {
 
 #[test]
 fn contact_ratios_are_the_published_ones() {
-    let involute = |pair: Pair| pair.coupling().involute;
+    let involute = |pair: Pair| pair.gear_mesh().involute;
     let wide = involute(Pair { teeth: [62, 62], module: 2e-3, ..PLAIN });
     // Printed to eight and six digits.
     assert!((wide.centres([0.0; 2]).unwrap().contact_ratio - 1.789_779_9).abs() < 5e-8);
@@ -263,11 +272,11 @@ fn contact_ratios_are_the_published_ones() {
         let (sin, cos) = PLAIN.angle.sin_cos();
         plain.centres([step * cos, step * sin]).unwrap()
     };
-    let (ahead, behind) = (along(1e-6), along(-1e-6));
-    let slope = (ahead.contact_ratio - behind.contact_ratio) / 2e-6;
+    let (ahead, back_flank_deflection) = (along(1e-6), along(-1e-6));
+    let slope = (ahead.contact_ratio - back_flank_deflection.contact_ratio) / 2e-6;
     assert!((slope + 330.13).abs() < 0.005, "{slope}");
     let alpha = 20_f64.to_radians();
-    let steeper = (ahead.pressure_angle - behind.pressure_angle) / 2e-6;
+    let steeper = (ahead.pressure_angle - back_flank_deflection.pressure_angle) / 2e-6;
     let expected = 1.0 / (PLAIN.centre_distance() * alpha.tan());
     assert!((steeper - expected).abs() < 1e-7 * expected, "{steeper} {expected}");
 }
@@ -275,7 +284,7 @@ fn contact_ratios_are_the_published_ones() {
 fn pairs_in_contact(involute: &Involute, centres: &Centres, sigma: f64, turned: f64) -> f64 {
     let position = involute.position(sigma, turned, centres.angle, centres.pressure_angle);
     let [low, high] = involute.path(centres.distance * centres.pressure_angle.sin());
-    let (first, last) = Path { position, low, high, pitch: involute.base_pitch }.engaged();
+    let (first, last) = ContactPath { position, low, high, pitch: involute.base_pitch }.engaged();
     (last - first + 1).max(0) as f64
 }
 
@@ -294,7 +303,7 @@ fn count(involute: &Involute, apart: [f64; 2], sigma: f64, teeth: u32) -> (f64, 
 #[test]
 fn tooth_pairs_share_the_path_of_contact() {
     // Contact ratios through 2, 1 and below, where a tooth is lost for a part of its pitch.
-    let involute = PLAIN.coupling().involute;
+    let involute = PLAIN.gear_mesh().involute;
     let (sin, cos) = PLAIN.angle.sin_cos();
     for sigma in [-1.0, 1.0] {
         for moved in [-8e-4, -2e-4, 0.0, 1e-3, 2.05e-3, 2.5e-3] {
@@ -314,10 +323,10 @@ fn tooth_pairs_share_the_path_of_contact() {
 #[test]
 fn the_flanks_mirror_each_other() {
     // Mirrored on the line of centres, a driver that turns the other way is the same gear pair.
-    let coupling = Pair { angle: 0.0, ..PLAIN }.coupling();
+    let gear_mesh = Pair { angle: 0.0, ..PLAIN }.gear_mesh();
     let q = Vector6::new(1e-4, -2e-4, -3e-5, 5e-5, 1e-3, 2e-3);
     let mirrored = Vector6::new(q[0], -q[1], q[2], -q[3], -q[4], -q[5]);
-    let (forward, backward) = (live(&coupling, 1.0, &q), live(&coupling, -1.0, &mirrored));
+    let (forward, backward) = (live(&gear_mesh, 1.0, &q), live(&gear_mesh, -1.0, &mirrored));
     assert_eq!(forward.deflection, backward.deflection);
     assert_eq!(forward.normal, [backward.normal[0], -backward.normal[1]]);
     // A driver turning counter-clockwise with its driven gear to the right pushes it down, and itself up.
@@ -326,19 +335,19 @@ fn the_flanks_mirror_each_other() {
 
 #[test]
 fn base_circles_that_overlap_are_an_error() {
-    let coupling = PLAIN.coupling();
+    let gear_mesh = PLAIN.gear_mesh();
     let (sin, cos) = PLAIN.angle.sin_cos();
-    let sum: f64 = coupling.involute.base_radius.iter().sum();
+    let sum: f64 = gear_mesh.involute.base_radius.iter().sum();
     let to = |distance: f64| {
         let moved = distance - PLAIN.centre_distance();
         Vector6::new(0.0, 0.0, moved * cos, moved * sin, 0.0, 0.0)
     };
-    let apart = |q: &Vector6<f64>| touch(&coupling, Geometry::Live, 1.0, q.as_slice(), &[0.0; 6]);
+    let apart = |q: &Vector6<f64>| touch(&gear_mesh, Geometry::Live, 1.0, q.as_slice(), &[0.0; 6]);
     assert!(apart(&to(sum * (1.0 + 1e-9))).is_ok());
     let overlap = apart(&to(sum * (1.0 - 1e-9))).unwrap_err();
     assert!((overlap.distance - sum).abs() < 2e-9 * sum && (overlap.base_circles - sum).abs() < 1e-15);
     assert!(apart(&to(0.0)).unwrap_err().distance.abs() < 1e-9);
     // Frozen geometry has no such place, and what is not a number is for the integrator to report.
-    assert!(touch(&coupling, Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
+    assert!(touch(&gear_mesh, Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
     assert!(apart(&Vector6::repeat(f64::NAN)).is_ok_and(|contact| contact.force.is_nan()));
 }

@@ -12,7 +12,7 @@
 
 mod common;
 
-use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Turning};
+use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use nalgebra::Vector6;
 use proptest::prelude::*;
 
@@ -36,7 +36,7 @@ const ERRORS: [&str; 2] =
     ["", ", error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }"];
 const RUN_OUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
 
-fn coupling(stiffness: &str, error: &str, run_out: &str, damping: f64) -> Coupling {
+fn gear_mesh(stiffness: &str, error: &str, run_out: &str, damping: f64) -> GearMesh {
     let gears = TEETH.map(|teeth| format!("teeth = {teeth}, module = 3e-3, run_out = [{run_out}]"));
     let mesh = format!("damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error}");
     common::mesh([&gears[0], &gears[1]], &mesh)
@@ -44,7 +44,7 @@ fn coupling(stiffness: &str, error: &str, run_out: &str, damping: f64) -> Coupli
 
 /// A motion that goes straight on.
 #[derive(Clone, Debug)]
-struct Course {
+struct ShaftRotation {
     geometry: Geometry,
     spin: f64,
     angle: f64,
@@ -52,43 +52,45 @@ struct Course {
     v: Vector6<f64>,
 }
 
-impl Course {
+impl ShaftRotation {
     fn sigma(&self) -> f64 {
         self.spin.signum()
     }
 
-    fn turning(&self, after: f64) -> [Turning; 2] {
+    fn turning(&self, after: f64) -> [ShaftPhase; 2] {
         let ratio = -TEETH[0] / TEETH[1];
         let spins = [self.spin, self.spin * ratio];
-        spins.map(|spin| Turning { angle: self.angle * spin / self.spin + spin * after, spin })
+        spins.map(|spin| ShaftPhase { angle: self.angle * spin / self.spin + spin * after, spin })
     }
 
     /// The law at the instant, with the flank that is asked for.
-    fn law(&self, coupling: &Coupling, flank: Flank) -> Law {
+    fn contact_mode(&self, gear_mesh: &GearMesh, flank: Flank) -> ContactMode {
         let (q, v) = (self.q.as_slice(), self.v.as_slice());
         let turning = self.turning(0.0);
-        Law { flank, ..coupling.law(&self.pose(coupling, &turning, q, v)).unwrap() }
+        ContactMode { flank, ..gear_mesh.contact_mode(&self.pose(gear_mesh, &turning, q, v)).unwrap() }
     }
 
-    fn contact(&self, coupling: &Coupling, law: &Law, after: f64) -> Contact {
+    fn contact(&self, gear_mesh: &GearMesh, contact_mode: &ContactMode, after: f64) -> Contact {
         let q = self.q + self.v * after;
-        coupling.contact(&self.pose(coupling, &self.turning(after), q.as_slice(), self.v.as_slice()), law).unwrap()
+        gear_mesh
+            .contact(&self.pose(gear_mesh, &self.turning(after), q.as_slice(), self.v.as_slice()), contact_mode)
+            .unwrap()
     }
 
-    fn pose<'a>(&self, coupling: &Coupling, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
-        coupling.pose(self.geometry, self.sigma(), turning, q, v)
+    fn pose<'a>(&self, gear_mesh: &GearMesh, turning: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
+        gear_mesh.pose(self.geometry, self.sigma(), turning, q, v)
     }
 }
 
 /// Displacements of some tens of micrometres, velocities of some tens of millimetres a second; twists as much at the
 /// teeth.
-fn courses() -> impl Strategy<Value = Course> {
+fn courses() -> impl Strategy<Value = ShaftRotation> {
     let numbers = || prop::array::uniform6(-1.0..1.0);
     let scaled = |numbers: [f64; 6], size: f64| {
         Vector6::from(numbers).component_mul(&Vector6::new(size, size, size, size, size / 0.04, size / 0.08))
     };
     (prop_oneof![Just(Geometry::Live), Just(Geometry::Frozen)], 0.5..2.0, any::<bool>(), 0.0..6.0, numbers(), numbers())
-        .prop_map(move |(geometry, pace, forward, angle, q, v)| Course {
+        .prop_map(move |(geometry, pace, forward, angle, q, v)| ShaftRotation {
             geometry,
             spin: 100.0 * pace * if forward { 1.0 } else { -1.0 },
             angle,
@@ -107,15 +109,15 @@ proptest! {
         course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, run_out in 0..2_usize,
         flank in 0..FLANKS.len(),
     ) {
-        let coupling = coupling(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[run_out], DAMPING);
-        let law = course.law(&coupling, FLANKS[flank]);
-        let contact = course.contact(&coupling, &law, 0.0);
+        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[run_out], DAMPING);
+        let contact_mode = course.contact_mode(&gear_mesh, FLANKS[flank]);
+        let contact = course.contact(&gear_mesh, &contact_mode, 0.0);
         let mut forces = [0.0; 6];
-        coupling.apply(&contact, &mut forces);
+        gear_mesh.apply(&contact, &mut forces);
         let delivered: f64 = forces.iter().zip(&course.v).map(|(force, rate)| force * rate).sum();
         // It moves the teeth by 1e-6 m, next to nothing of the 3e-3 m over which a pair comes and goes.
         let step = 1e-7;
-        let [before, after] = [-step, step].map(|after| course.contact(&coupling, &law, after));
+        let [before, after] = [-step, step].map(|after| course.contact(&gear_mesh, &contact_mode, after));
         let change = (after.energy - before.energy) / (2.0 * step);
         // Where the energy bends, as where a relieved pair just touches, the difference is off by as much.
         let bends = ((after.energy + before.energy) / 2.0 - contact.energy).abs() / step;
@@ -129,17 +131,17 @@ proptest! {
         course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
     ) {
         // The driven gear's twist moves no teeth, and without run-out it changes nothing but the deflection.
-        let coupling = coupling(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
-        let law = course.law(&coupling, FLANKS[flank]);
-        let contact = course.contact(&coupling, &law, 0.0);
+        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
+        let contact_mode = course.contact_mode(&gear_mesh, FLANKS[flank]);
+        let contact = course.contact(&gear_mesh, &contact_mode, 0.0);
         let turned = |by: f64| {
             let mut turned = course.clone();
             turned.q[5] += by;
-            turned.contact(&coupling, &law, 0.0).force
+            turned.contact(&gear_mesh, &contact_mode, 0.0).force
         };
         let by = 1e-9;
         let [low, high] = [turned(-by), turned(by)];
-        let slope = (high - low) / (2.0 * by) / (course.sigma() * coupling.involute.base_radius[1]);
+        let slope = (high - low) / (2.0 * by) / (course.sigma() * gear_mesh.involute.base_radius[1]);
         // Forces of 2e4 N are right to 4e-12 N, deflections move by 7e-11 m; a pair that just touches bends the force.
         let bends = ((high + low) / 2.0 - contact.force).abs() / by;
         prop_assert!((slope - contact.stiffness).abs() <= 1e3 + 1e2 * bends, "{slope:e}, {:e}", contact.stiffness);
@@ -150,9 +152,9 @@ proptest! {
         course in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
     ) {
         let [with, without] =
-            [DAMPING, 0.0].map(|damping| coupling(STIFFNESSES[stiffness], "", RUN_OUTS[0], damping));
-        let law = course.law(&with, FLANKS[flank]);
-        let [damped, elastic] = [&with, &without].map(|coupling| course.contact(coupling, &law, 0.0));
+            [DAMPING, 0.0].map(|damping| gear_mesh(STIFFNESSES[stiffness], "", RUN_OUTS[0], damping));
+        let contact_mode = course.contact_mode(&with, FLANKS[flank]);
+        let [damped, elastic] = [&with, &without].map(|gear_mesh| course.contact(gear_mesh, &contact_mode, 0.0));
         let mut forces = [0.0; 6];
         with.apply(&damped, &mut forces);
         let mut springs = [0.0; 6];
@@ -160,9 +162,9 @@ proptest! {
         let taken: f64 = forces.iter().zip(springs).zip(&course.v).map(|((force, spring), v)| (spring - force) * v).sum();
         prop_assert!((taken - damped.damping_power).abs() <= 1e-9 * (taken.abs() + elastic.energy * 1e3));
         let mut rate_squared = 0.0;
-        for (presses, back) in [(law.flank.drives(), false), (law.flank.holds_back(), true)] {
+        for (presses, back) in [(contact_mode.flank.drives(), false), (contact_mode.flank.holds_back(), true)] {
             if presses {
-                let alone = Law { flank: if back { Flank::Back } else { Flank::Drive }, ..law };
+                let alone = ContactMode { flank: if back { Flank::Back } else { Flank::Drive }, ..contact_mode };
                 rate_squared += course.contact(&with, &alone, 0.0).damping_power / DAMPING;
             }
         }
@@ -173,7 +175,7 @@ proptest! {
 #[test]
 fn laws_are_told_by_their_numbers() {
     for flank in FLANKS {
-        let law = Law { flank, engaged: [(-3, 4), (5, 6)] };
-        assert_eq!(Law::from_code(&law.code()), law);
+        let contact_mode = ContactMode { flank, engaged: [(-3, 4), (5, 6)] };
+        assert_eq!(ContactMode::from_code(&contact_mode.code()), contact_mode);
     }
 }

@@ -3,18 +3,18 @@
 
 mod common;
 
-use common::{Noise, basis, everything, free_train, largest, motion, points, train};
-use gearbow::integrate::System as _;
-use gearbow::mesh::{Geometry, Law, Turning};
-use gearbow::modal::Basis;
-use gearbow::motion::{Motion, phase};
+use common::{Noise, cached, everything, free_train, largest, motion, points, train};
+use gearbow::integrate::FirstOrderSystem as _;
+use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
+use gearbow::modal::CachedModel;
+use gearbow::motion::{EquationOfMotion, phase};
 use gearbow::scene::Node;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 /// The load of bow, unbalance, torque and gravity, from their definitions.
-fn load(basis: &Basis, speed: f64, time: f64) -> DVector<f64> {
-    let model = &basis.model;
+fn load(cached: &CachedModel, speed: f64, time: f64) -> DVector<f64> {
+    let model = &cached.model;
     let turn = |shaft: usize| Complex64::from_polar(1.0, model.scene.speed_ratios[shaft] * speed * time);
     let mut bent = DVector::zeros(model.len());
     for (index, shaft) in model.shafts.iter().enumerate() {
@@ -50,18 +50,18 @@ fn load(basis: &Basis, speed: f64, time: f64) -> DVector<f64> {
 #[test]
 fn derivative_is_that_of_the_dense_matrices() {
     for (system, speed) in [(everything(), 310.0), (everything(), -70.0), (train(), 100.0), (free_train(), 0.0)] {
-        let basis = basis(&system);
-        let model = &basis.model;
+        let cached = cached(&system);
+        let model = &cached.model;
         let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(speed));
-        let rate = basis.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
+        let rate = cached.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
         let mut noise = Noise::new(11);
         let n = model.len();
         let (origin, elapsed) = (0.3, 0.02);
-        let force = load(&basis, speed, origin + elapsed);
+        let force = load(&cached, speed, origin + elapsed);
         for _ in 0..5 {
             let y = [noise.vector(n, 1e-4), noise.vector(n, 0.1)].concat();
             let mut derivative = vec![0.0; 2 * n];
-            motion(&basis, Geometry::Frozen, speed, origin).derivative(elapsed, &y, &mut derivative).unwrap();
+            motion(&cached, Geometry::Frozen, speed, origin).derivative(elapsed, &y, &mut derivative).unwrap();
             assert_eq!(derivative[..n], y[n..]);
             let [q, v, a] = [&y[..n], &y[n..], &derivative[n..]].map(DVector::from_column_slice);
             let residual = &mass * &a + &rate * &v + &stiffness * &q - &force;
@@ -90,8 +90,8 @@ fn rayleigh_damping_is_that_of_the_shafts_alone() {
 
 #[test]
 fn live_differs_from_frozen_by_the_force_of_the_meshes() {
-    let basis = basis(&everything());
-    let (model, speed) = (&basis.model, 200.0);
+    let cached = cached(&everything());
+    let (model, speed) = (&cached.model, 200.0);
     let n = model.len();
     let mut noise = Noise::new(5);
     let y = [noise.vector(n, 2e-4), noise.vector(n, 0.1)].concat();
@@ -100,13 +100,13 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
     let mut forces = Vec::new();
     for geometry in [Geometry::Live, Geometry::Frozen] {
         let mut derivative = vec![0.0; 2 * n];
-        motion(&basis, geometry, speed, 0.0).derivative(0.1, &y, &mut derivative).unwrap();
+        motion(&cached, geometry, speed, 0.0).derivative(0.1, &y, &mut derivative).unwrap();
         accelerations.push(DVector::from_column_slice(&derivative[n..]));
         let mut force = vec![0.0; n];
         for (index, mesh) in model.meshes.iter().enumerate() {
             let sigma = model.sigma(index, speed);
-            let turning = [Turning::default(); 2];
-            let contact = mesh.contact(&mesh.pose(geometry, sigma, &turning, q, v), &Law::ALWAYS).unwrap();
+            let turning = [ShaftPhase::default(); 2];
+            let contact = mesh.contact(&mesh.pose(geometry, sigma, &turning, q, v), &ContactMode::ALWAYS).unwrap();
             mesh.apply(&contact, &mut force);
         }
         forces.push(DVector::from_vec(force));
@@ -151,18 +151,18 @@ fn a_turned_bow_follows_its_shaft() {
     let mut system = train();
     system.shafts[1].bow = None;
     system.torques.clear();
-    let basis = basis(&system);
-    let (n, speed) = (basis.model.len(), 50.0);
+    let cached = cached(&system);
+    let (n, speed) = (cached.model.len(), 50.0);
     let at = |angle: f64| {
         let mut derivative = vec![0.0; 2 * n];
-        motion(&basis, Geometry::Frozen, speed, angle / speed)
+        motion(&cached, Geometry::Frozen, speed, angle / speed)
             .derivative(0.0, &vec![0.0; 2 * n], &mut derivative)
             .unwrap();
         DVector::from_column_slice(&derivative[n..])
     };
     let (start, quarter) = (at(0.0), at(std::f64::consts::FRAC_PI_2));
     let scale = start.amax();
-    for i in (0..4 * basis.model.scene.shafts[0].nodes.len()).step_by(2) {
+    for i in (0..4 * cached.model.scene.shafts[0].nodes.len()).step_by(2) {
         // The sine of π/2 times the spin, an ulp or two away from a quarter turn.
         assert!((quarter[i + 1] - start[i]).abs() < 1e-14 * scale && (quarter[i] + start[i + 1]).abs() < 1e-14 * scale);
     }
@@ -191,12 +191,12 @@ fn long_runs_keep_their_angle() {
 
 #[test]
 fn norms_are_those_of_the_dense_matrices() {
-    let basis = basis(&train());
-    let model = &basis.model;
+    let cached = cached(&train());
+    let model = &cached.model;
     let n = model.len();
     let mut noise = Noise::new(4);
     let equilibrium = DVector::from_vec(noise.vector(n, 1e-5));
-    let mut motion = Motion::new(&basis, Geometry::Live, 100.0, 0.0, equilibrium.clone()).unwrap();
+    let mut motion = EquationOfMotion::new(&cached, Geometry::Live, 100.0, 0.0, equilibrium.clone()).unwrap();
     let y = [noise.vector(n, 1e-5), noise.vector(n, 0.1)].concat();
     let (q, v) = (DVector::from_column_slice(&y[..n]), DVector::from_column_slice(&y[n..]));
     let (mass, stiffness): (DMatrix<f64>, DMatrix<f64>) = (model.mass_matrix(), model.stiffness_matrix(100.0));

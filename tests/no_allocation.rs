@@ -4,17 +4,19 @@
 mod common;
 
 use allocation_counter::{AllocationInfo, measure};
-use common::{Noise, basis, motion, train};
-use gearbow::analysis::simulate::{Initial, Method, Options, Plan, simulate};
-use gearbow::analysis::{Part, Spectrum, equilibrium, synchronous};
-use gearbow::exponential::{self, Clock, Field, Output, Rule, Selection, Stepper, Table};
+use common::{Noise, cached, motion, train};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
+use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
+use gearbow::exponential::{
+    self, NonlinearLoads, OutputMap, PropagatorCache, QuadratureRule, Selection, Stepper, TimeGrid,
+};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
-    Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run,
+    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use gearbow::mesh::Geometry;
-use gearbow::motion::{Course, Motion, Profile, Speed};
-use gearbow::scene::System;
+use gearbow::motion::{EquationOfMotion, Profile, ShaftRotation, Speed};
+use gearbow::scene::SceneDescription;
 use gearbow::scene::description::{Engagement, Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::DVector;
 
@@ -44,7 +46,7 @@ impl Observer for Onlooker {
 }
 
 /// The train with every damping that there is.
-fn damped() -> System {
+fn damped() -> SceneDescription {
     let mut system = train();
     system.modal_damping = Some(0.01);
     system.rayleigh = Some([10.0, 1e-7]);
@@ -52,7 +54,7 @@ fn damped() -> System {
 }
 
 /// The train with teeth that part and come and go one pair after the other.
-fn rattling() -> System {
+fn rattling() -> SceneDescription {
     let mut system = train();
     for mesh in &mut system.meshes {
         let square = StiffnessModel::of(StiffnessKind::Square);
@@ -67,17 +69,17 @@ fn cost<const S: usize>(
     tableau: Tableau<S>,
     adaptive: bool,
     geometry: Geometry,
-    system: &System,
+    system: &SceneDescription,
     steps: u32,
 ) -> (AllocationInfo, Statistics) {
-    let basis = basis(system);
-    let n = basis.model.len();
-    let mut motion = Motion::new(&basis, geometry, 100.0, 0.0, DVector::zeros(n)).unwrap();
-    let longest = Spectrum::new(&basis, 100.0).unwrap().longest_step(&DORMAND_PRINCE);
+    let cached = cached(system);
+    let n = cached.model.len();
+    let mut motion = EquationOfMotion::new(&cached, geometry, 100.0, 0.0, DVector::zeros(n)).unwrap();
+    let longest = Spectrum::new(&cached, 100.0).unwrap().longest_step(&DORMAND_PRINCE);
     let control = if adaptive {
-        Control::Adaptive(Adaptive { rtol: 1e-9, floor: 1e-12, longest })
+        StepControl::Adaptive(Adaptive { rtol: 1e-9, floor: 1e-12, longest })
     } else {
-        Control::Fixed(longest)
+        StepControl::Fixed(longest)
     };
     let mut method = RungeKutta::new(tableau, 2 * n);
     let mut noise = Noise::new(6);
@@ -124,8 +126,8 @@ fn changes_of_law_allocate_nothing() {
 }
 
 /// How many times a run of a method allocates, and how many steps and events it has.
-fn whole_run(method: Method, system: &System, geometry: Geometry, duration: f64) -> (u64, u64, u64) {
-    let basis = basis(system);
+fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, duration: f64) -> (u64, u64, u64) {
+    let cached = cached(system);
     let options = Options {
         duration,
         speed: 100.0.into(),
@@ -138,10 +140,10 @@ fn whole_run(method: Method, system: &System, geometry: Geometry, duration: f64)
         times: Vec::new(),
         geometry,
         start: 0.0,
-        pause: None,
+        checkpoint: None,
     };
-    let plan = Plan::new(&basis.model, &[]).unwrap();
-    let run = || simulate(&basis, &options, &plan, &mut |_| true).unwrap().statistics;
+    let plan = RecordPlan::new(&cached.model, &[]).unwrap();
+    let run = || simulate(&cached, &options, &plan, &mut |_| true).unwrap().statistics;
     run();
     let mut statistics = Statistics::new();
     let info = measure(|| statistics = run());
@@ -175,9 +177,9 @@ fn further_steps_in_the_modes_allocate_nothing() {
 
 #[test]
 fn derivative_norms_and_energy_allocate_nothing() {
-    let basis = basis(&train());
-    let n = basis.model.len();
-    let mut motion = Motion::new(&basis, Geometry::Live, 100.0, 0.0, DVector::zeros(n)).unwrap();
+    let cached = cached(&train());
+    let n = cached.model.len();
+    let mut motion = EquationOfMotion::new(&cached, Geometry::Live, 100.0, 0.0, DVector::zeros(n)).unwrap();
     let y = Noise::new(6).vector(2 * n, 1e-6);
     let mut derivative = vec![0.0; 2 * n];
     let info = measure(|| {
@@ -188,13 +190,13 @@ fn derivative_norms_and_energy_allocate_nothing() {
     });
     assert_eq!(info.count_total, 0);
     let ramp = Profile::new(vec![0.0, 0.2], &[[100.0, 500.0, 0.0, 0.0]]).unwrap();
-    let course = Course { speed: Speed::Changing(ramp), ..Course::constant(200.0, 0.0) };
-    let mut motion = Motion::along(&basis, Geometry::Live, &course, DVector::zeros(n)).unwrap();
-    let mut laws = Vec::with_capacity(16);
+    let course = ShaftRotation { speed: Speed::Changing(ramp), ..ShaftRotation::constant(200.0, 0.0) };
+    let mut motion = EquationOfMotion::along(&cached, Geometry::Live, &course, DVector::zeros(n)).unwrap();
+    let mut contact_modes = Vec::with_capacity(16);
     let info = measure(|| {
         motion.derivative(0.1, &y, &mut derivative).unwrap();
-        motion.laws_at(0.3, &y, &mut laws).unwrap();
-        motion.set_laws(&laws);
+        motion.contact_modes_at(0.3, &y, &mut contact_modes).unwrap();
+        motion.set_contact_modes(&contact_modes);
     });
     assert_eq!(info.count_total, 0, "a speed that changes");
 }
@@ -202,31 +204,32 @@ fn derivative_norms_and_energy_allocate_nothing() {
 /// What two runs of the exponential method allocate, the second three times as long as the first, after one in which all
 /// the steps that it needs were made.
 fn exponential(
-    system: &System,
+    system: &SceneDescription,
     geometry: Geometry,
-    rule: &Rule,
+    rule: &QuadratureRule,
     adaptive: bool,
 ) -> ([AllocationInfo; 2], [Statistics; 3]) {
-    let (basis, speed) = (basis(system), 100.0);
-    let n = basis.model.len();
-    let linear = basis.linear(speed).unwrap();
-    let reference = equilibrium(&basis, geometry, speed).unwrap();
-    let amplitudes = synchronous(&basis, speed, Part::Both).unwrap();
-    let (field, ports) = Field::new(motion(&basis, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
+    let (cached, speed) = (cached(system), 100.0);
+    let n = cached.model.len();
+    let linear = cached.linear(speed).unwrap();
+    let reference = equilibrium(&cached, geometry, speed).unwrap();
+    let amplitudes = synchronous(&cached, speed, ExcitationPart::Both).unwrap();
+    let (field, maps) =
+        NonlinearLoads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
-    let clock = Clock { longest, finest: event + 12, event };
+    let time_grid = TimeGrid { longest, finest: event + 12, event };
     let selection = Selection { displacements: vec![3], velocities: vec![3] };
-    let mut output = Output::new(&field, &linear, selection);
-    let table = Table::new(&linear, rule.clone(), ports, clock, field.spins());
+    let mut output = OutputMap::new(&field, &linear, selection);
+    let table = PropagatorCache::new(&linear, rule.clone(), maps, time_grid, field.spins());
     let mut stepper = Stepper::new(field, table);
     let control = if adaptive {
-        exponential::Control::Adaptive { rtol: 1e-6, floor: 1e-12 }
+        exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12 }
     } else {
-        exponential::Control::Fixed
+        exponential::LevelControl::Fixed
     };
     let mut noise = Noise::new(6);
-    let z = linear.state(&basis, &noise.vector(n, 1e-7), &noise.vector(n, 0.01));
+    let z = linear.state(&cached, &noise.vector(n, 1e-7), &noise.vector(n, 0.01));
     let mut state = State::new(z.as_slice().to_vec());
     let mut go = |steps: u32| {
         let mut statistics = Statistics::new();
@@ -248,7 +251,11 @@ fn exponential(
 fn steps_of_the_exponential_method_allocate_nothing() {
     for system in [damped(), rattling()] {
         for geometry in [Geometry::Live, Geometry::Frozen] {
-            for (rule, adaptive) in [(Rule::gauss(3), true), (Rule::gauss(2), false), (Rule::explicit(), false)] {
+            for (rule, adaptive) in [
+                (QuadratureRule::gauss(3), true),
+                (QuadratureRule::gauss(2), false),
+                (QuadratureRule::explicit(), false),
+            ] {
                 let ([short, long], [_, few, many]) = exponential(&system, geometry, &rule, adaptive);
                 // A run makes room for itself once, however long it is.
                 assert_eq!(short.count_total, long.count_total, "{rule:?} {few:?} {many:?}");

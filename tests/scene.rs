@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use common::{TRAIN, train};
 use gearbow::model::Model;
 use gearbow::scene::description::{Bearing, Coefficient, Gravity, Segment, Shaft, Stiffness};
-use gearbow::scene::{MAX_ELEMENTS, Scene, SceneError, System};
+use gearbow::scene::{MAX_ELEMENTS, Scene, SceneDescription, SceneError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
 /// All the way from text to matrices.
 fn build(text: &str) -> Result<Model, SceneError> {
-    Model::new(Scene::new(&System::from_toml(text)?)?)
+    Model::new(Scene::new(&SceneDescription::from_toml(text)?)?)
 }
 
 /// An error that tells a user where to look.
@@ -94,7 +94,7 @@ proptest! {
 }
 
 /// Fails within a second, with the path given.
-fn assert_refused(system: &System, path: &str) {
+fn assert_refused(system: &SceneDescription, path: &str) {
     let begun = Instant::now();
     let error = Scene::new(system).and_then(Model::new).err();
     assert_eq!(error.as_ref().map(|error| error.path.as_str()), Some(path), "{error:?}");
@@ -134,7 +134,7 @@ fn absurd_sizes_are_refused_quickly() {
 
 #[test]
 fn errors_name_their_place() {
-    let place = |spoil: &dyn Fn(&mut System)| {
+    let place = |spoil: &dyn Fn(&mut SceneDescription)| {
         let mut system = train();
         spoil(&mut system);
         let error = Scene::new(&system).and_then(Model::new).err().unwrap();
@@ -160,7 +160,7 @@ fn errors_name_their_place() {
     assert_eq!(place(&|system| system.reference = Some("none".to_owned())), "reference");
     assert_eq!(place(&|system| system.gravity = Some(Gravity::Vector([0.0, f64::NAN]))), "gravity[1]");
     assert_eq!(place(&|system| system.meshes.truncate(1)), "shafts[2]");
-    let text = |text: &str| System::from_toml(text).unwrap_err().path;
+    let text = |text: &str| SceneDescription::from_toml(text).unwrap_err().path;
     assert_eq!(text("shafts = 3"), "shafts");
     assert_eq!(text("\"\" = 3"), "system");
     assert_eq!(text("shafts = ["), "toml");

@@ -8,7 +8,7 @@ use gearbow::scene::description::{
     Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft,
     Stiffness, Torque,
 };
-use gearbow::scene::{Scene, System};
+use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
 
 fn maybe<T: std::fmt::Debug + Clone + 'static>(value: impl Strategy<Value = T> + 'static) -> BoxedStrategy<Option<T>> {
@@ -111,7 +111,7 @@ fn coefficients() -> BoxedStrategy<Coefficient> {
 }
 
 /// A pair of shafts in mesh with everything that may stand on them.
-fn systems() -> impl Strategy<Value = System> {
+fn systems() -> impl Strategy<Value = SceneDescription> {
     let gear = || (8_u32..200, maybe(0.01..0.2), maybe(sizes(-3, 3)), maybe(complexes()), 0.0..=1.0_f64, -0.5..0.5);
     let pair = (gear(), gear(), 1e-3..2e-2, maybe(0.2..0.5));
     let mesh = (sizes(5, 10), 0..3, 0.0..0.2, maybe(-7.0..7.0));
@@ -164,7 +164,7 @@ fn systems() -> impl Strategy<Value = System> {
                 Bearing { shaft, position: at * length, stiffness, damping }
             };
             let torque = |at: Place, value: Option<f64>| Torque { at, value, balance: value.is_none() };
-            System {
+            SceneDescription {
                 reference: named.then(|| "two".to_owned()),
                 modal_damping,
                 rayleigh,
@@ -201,7 +201,7 @@ proptest! {
     #[test]
     fn what_is_valid_loads_saves_and_loads_again(system in systems()) {
         let text = system.to_toml().unwrap();
-        let again = System::from_toml(&text).unwrap();
+        let again = SceneDescription::from_toml(&text).unwrap();
         // Every double is written with all its digits.
         prop_assert_eq!(&again, &system);
         prop_assert_eq!(again.to_toml().unwrap(), text);

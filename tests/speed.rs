@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::{Noise, basis, everything, train};
-use gearbow::integrate::System as _;
+use common::{Noise, cached, everything, train};
+use gearbow::integrate::FirstOrderSystem as _;
 use gearbow::mesh::Geometry;
-use gearbow::motion::{Anchor, Course, Motion, Profile, Speed, Twofold};
+use gearbow::motion::{Anchor, DoubleDouble, EquationOfMotion, Profile, ShaftRotation, Speed};
 use nalgebra::DVector;
 use num_complex::Complex64;
 
@@ -22,9 +22,9 @@ fn profile(breaks: &[f64], first: f64, rest: &[[f64; 3]]) -> Profile {
     Profile::new(breaks.to_vec(), &coefficients).unwrap()
 }
 
-fn course(profile: Profile, origin: f64, end: f64) -> Course {
+fn course(profile: Profile, origin: f64, end: f64) -> ShaftRotation {
     let speed = Speed::Changing(profile);
-    Course { fastest: speed.fastest(origin, end), speed, anchor: Anchor::default(), origin }
+    ShaftRotation { fastest: speed.fastest(origin, end), speed, anchor: Anchor::default(), origin }
 }
 
 #[test]
@@ -40,24 +40,25 @@ fn the_angle_is_the_exact_integral() {
     // A third of a turn a second for a year, and a little: 1e7 rad with an ulp of 2e-9 rad.
     let (third, year) = (1.0 / 3.0, 31_557_600.0);
     let slow = Speed::Changing(profile(&[0.0, 1.0], third, &[[0.0; 3]]));
-    assert_eq!(slow.turned(0.0, year + 0.5), Twofold::product(third, year + 0.5));
+    assert_eq!(slow.turned(0.0, year + 0.5), DoubleDouble::product(third, year + 0.5));
     assert!(slow.turned(0.0, year + 0.5).low != 0.0);
 }
 
 #[test]
 fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
-    let basis = basis(&train());
-    let n = basis.model.len();
+    let cached = cached(&train());
+    let n = cached.model.len();
     let pieces = profile(&[0.0, 0.5, 2.0], 40.0, &[[30.0, -20.0, 16.0], [-7.0, 5.0, -1.0]]);
     let speed = Speed::Changing(pieces.clone());
     for origin in [-1.0, 0.0, 0.3, 0.5, 1.7, 5.0] {
         let mut motion =
-            Motion::along(&basis, Geometry::Live, &course(pieces.clone(), origin, 9.0), DVector::zeros(n)).unwrap();
+            EquationOfMotion::along(&cached, Geometry::Live, &course(pieces.clone(), origin, 9.0), DVector::zeros(n))
+                .unwrap();
         for time in [-1.0, 0.1, 0.5, 0.9, 1.9, 2.5, 8.0_f64].into_iter().filter(|time| *time >= origin) {
-            let (elapsed, y, mut laws) = (time - origin, vec![0.0; 2 * n], Vec::new());
-            motion.laws_at(elapsed, &y, &mut laws).unwrap();
-            motion.set_laws(&laws);
-            for (index, shaft) in basis.model.shafts.iter().enumerate() {
+            let (elapsed, y, mut contact_modes) = (time - origin, vec![0.0; 2 * n], Vec::new());
+            motion.contact_modes_at(elapsed, &y, &mut contact_modes).unwrap();
+            motion.set_contact_modes(&contact_modes);
+            for (index, shaft) in cached.model.shafts.iter().enumerate() {
                 let expected = Complex64::from_polar(1.0, shaft.ratio * speed.turned(0.0, time).high);
                 // 400 rad, rounded some times.
                 assert!((motion.turn(index, elapsed) - expected).norm() < 1e-12, "{index} at {time} from {origin}");
@@ -71,20 +72,21 @@ fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
 
 #[test]
 fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
-    let basis = basis(&everything());
-    let (model, n) = (&basis.model, basis.model.len());
+    let cached = cached(&everything());
+    let (model, n) = (&cached.model, cached.model.len());
     let pieces = profile(&[0.0, 0.25, 1.0], 150.0, &[[800.0, -900.0, 400.0], [300.0, 0.0, -100.0]]);
     let speed = Speed::Changing(pieces.clone());
     let origin = 0.1;
-    let mut motion = Motion::along(&basis, Geometry::Frozen, &course(pieces, origin, 2.0), DVector::zeros(n)).unwrap();
+    let mut motion =
+        EquationOfMotion::along(&cached, Geometry::Frozen, &course(pieces, origin, 2.0), DVector::zeros(n)).unwrap();
     let mut noise = Noise::new(4);
     for time in [0.1, 0.2, 0.6, 1.5_f64] {
         let y = [noise.vector(n, 1e-4), noise.vector(n, 0.1)].concat();
         let (q, v) = y.split_at(n);
         let [q, v] = [q, v].map(DVector::from_column_slice);
-        let (mut laws, mut derivative) = (Vec::new(), vec![0.0; 2 * n]);
-        motion.laws_at(time - origin, &y, &mut laws).unwrap();
-        motion.set_laws(&laws);
+        let (mut contact_modes, mut derivative) = (Vec::new(), vec![0.0; 2 * n]);
+        motion.contact_modes_at(time - origin, &y, &mut contact_modes).unwrap();
+        motion.set_contact_modes(&contact_modes);
         motion.derivative(time - origin, &y, &mut derivative).unwrap();
         let (now, angle) = (speed.at(time), speed.turned(0.0, time).high);
         let acceleration = match time {
@@ -102,7 +104,7 @@ fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
                 force[excitation.index + 1] += turned.im;
             }
         }
-        let rate = basis.damping_matrix(now).unwrap() + model.gyroscopic_matrix() * now;
+        let rate = cached.damping_matrix(now).unwrap() + model.gyroscopic_matrix() * now;
         let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(now));
         let a = DVector::from_column_slice(&derivative[n..]);
         let residual = &mass * &a + &rate * &v + &stiffness * &q - &force;

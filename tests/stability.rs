@@ -5,7 +5,9 @@ mod common;
 
 use common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Control, Halt, Halted, Limit, RungeKutta, State, Statistics, System as _, run};
+use gearbow::integrate::{
+    FirstOrderSystem as _, Halt, Halted, RungeKutta, State, Statistics, StepControl, StepLimit, run,
+};
 use num_complex::Complex64;
 
 #[test]
@@ -29,7 +31,7 @@ fn capped_steps_stay_bounded_on_undamped_stiffness() {
 fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64 {
     let mut system = Particles::new(&[1.0], &[0.0]);
     let mut state = State::new(vec![1.0, 0.0]);
-    integrate(&mut system, tableau, Control::Fixed(angle), &mut state, angle * (f64::from(steps) + 0.5));
+    integrate(&mut system, tableau, StepControl::Fixed(angle), &mut state, angle * (f64::from(steps) + 0.5));
     assert_eq!(state.count, u64::from(steps));
     system.norm(&state.y)
 }
@@ -101,7 +103,7 @@ fn what_cannot_go_on_says_so() {
     let Halted { halt, elapsed } = run(
         &mut exploding,
         &mut method,
-        &Control::Fixed(0.01),
+        &StepControl::Fixed(0.01),
         &mut state,
         100.0,
         &mut Witness::default(),
@@ -118,5 +120,8 @@ fn what_cannot_go_on_says_so() {
     let (Halted { halt, elapsed }, _) =
         halted(&mut Particles::new(&[1.0], &[0.0]), vec![f64::NAN, 0.0], &mut Witness::default());
     assert_eq!((halt, elapsed), (Halt::Diverged, 0.0));
-    assert_eq!([Limit::Step, Limit::Stability, Limit::Tolerance].map(Limit::name), ["step", "stability", "tolerance"]);
+    assert_eq!(
+        [StepLimit::Step, StepLimit::Stability, StepLimit::Tolerance].map(StepLimit::name),
+        ["step", "stability", "tolerance"]
+    );
 }

@@ -6,8 +6,8 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::COORDINATES;
-use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, Cycle, Pair, Path, Stiffness, Tooth, UniformCurve, iso6336};
-use gearbow::mesh::{Contact, Coupling, Flank, Geometry, Law, Pose, Turning};
+use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, ContactPath, Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336};
+use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -24,33 +24,45 @@ fn scene(of_driver: &str, of_driven: &str, mesh: &str) -> Scene {
     common::scene_of_mesh([&gear(a, of_driver), &gear(b, of_driven)], &mesh)
 }
 
-fn coupling(mesh: &str) -> Coupling {
+fn gear_mesh(mesh: &str) -> GearMesh {
     let scene = scene("", "", mesh);
-    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+    GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES)
 }
 
 /// Shafts that stand at two angles.
-fn standing(angles: [f64; 2]) -> [Turning; 2] {
-    angles.map(|angle| Turning { angle, spin: 0.0 })
+fn standing(angles: [f64; 2]) -> [ShaftPhase; 2] {
+    angles.map(|angle| ShaftPhase { angle, spin: 0.0 })
 }
 
 /// The shafts at `part` of a mesh cycle.
-fn at_part(part: f64) -> [Turning; 2] {
+fn at_part(part: f64) -> [ShaftPhase; 2] {
     standing([part * TAU / TEETH[0], -part * TAU / TEETH[1]])
 }
 
 /// The mesh in frozen geometry.
-fn frozen<'a>(coupling: &Coupling, sigma: f64, turning: &'a [Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Pose<'a> {
-    coupling.pose(Geometry::Frozen, sigma, turning, q, v)
+fn frozen<'a>(
+    gear_mesh: &GearMesh,
+    sigma: f64,
+    turning: &'a [ShaftPhase; 2],
+    q: &[f64; 6],
+    v: &[f64; 6],
+) -> MeshPose<'a> {
+    gear_mesh.pose(Geometry::Frozen, sigma, turning, q, v)
 }
 
-fn touch(coupling: &Coupling, law: &Law, turning: &[Turning; 2], q: &[f64; 6], v: &[f64; 6]) -> Contact {
-    coupling.contact(&frozen(coupling, 1.0, turning, q, v), law).unwrap()
+fn touch(
+    gear_mesh: &GearMesh,
+    contact_mode: &ContactMode,
+    turning: &[ShaftPhase; 2],
+    q: &[f64; 6],
+    v: &[f64; 6],
+) -> Contact {
+    gear_mesh.contact(&frozen(gear_mesh, 1.0, turning, q, v), contact_mode).unwrap()
 }
 
 /// The law that holds, but for the flank.
-fn law(coupling: &Coupling, turning: &[Turning; 2], q: &[f64; 6], flank: Flank) -> Law {
-    Law { flank, ..coupling.law(&frozen(coupling, 1.0, turning, q, &AT_REST)).unwrap() }
+fn contact_mode(gear_mesh: &GearMesh, turning: &[ShaftPhase; 2], q: &[f64; 6], flank: Flank) -> ContactMode {
+    ContactMode { flank, ..gear_mesh.contact_mode(&frozen(gear_mesh, 1.0, turning, q, &AT_REST)).unwrap() }
 }
 
 /// What the quadratic slope of a cubic piece says of it: its rise, and its second derivative at both ends.
@@ -124,13 +136,13 @@ fn a_harmonic_swings_about_its_mean() {
 
 #[test]
 fn every_error_turns_with_its_own_shaft() {
-    let harmonics = coupling(
+    let harmonics = gear_mesh(
         "stiffness = 3e8, error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }",
     );
     let values = [3e-6, -1e-6, 4e-6, 2e-6];
-    let table = coupling("stiffness = 3e8, error = { table = [3e-6, -1e-6, 4e-6, 2e-6] }");
-    let off = |coupling: &Coupling, angles: [f64; 2]| {
-        -touch(coupling, &Law::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection
+    let table = gear_mesh("stiffness = 3e8, error = { table = [3e-6, -1e-6, 4e-6, 2e-6] }");
+    let off = |gear_mesh: &GearMesh, angles: [f64; 2]| {
+        -touch(gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection
     };
     // Angles that no train has, so that each harmonic shows its shaft.
     for [a, b] in [[0.3, 0.9], [-1.7, 0.2], [40.0, -3.0]] {
@@ -148,27 +160,27 @@ fn every_error_turns_with_its_own_shaft() {
 #[test]
 fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
     let scene = scene(", run_out = [2e-5, 1e-5]", ", run_out = [0.0, -3e-5]", "stiffness = 3e8");
-    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
     let turned = |[y, z]: [f64; 2], angle: f64| {
         let (sin, cos) = angle.sin_cos();
         [cos * y - sin * z, sin * y + cos * z]
     };
     for angles in [[0.0, 0.0], [0.4, -0.2], [2.0, 5.0]] {
         let ([ay, az], [by, bz]) = (turned([2e-5, 1e-5], angles[0]), turned([0.0, -3e-5], angles[1]));
-        let [ny, nz] = coupling.normal_at_rest(1.0);
-        let found = touch(&coupling, &Law::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
+        let [ny, nz] = gear_mesh.normal_at_rest(1.0);
+        let found = touch(&gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
         assert!((found + ny * (by - ay) + nz * (bz - az)).abs() < 1e-18, "{found:e}");
     }
-    assert!(coupling.follows() && coupling.has_run_out());
+    assert!(gear_mesh.follows() && gear_mesh.has_run_out());
 }
 
 #[test]
 fn a_damping_ratio_is_that_of_the_two_gears_on_their_mesh() {
     let scene = scene("", "", "stiffness = 3e8, damping_ratio = 0.07");
-    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
     // The gears that swing against each other: δ̈ + c/m δ̇ + k/m δ = 0, with 1/m what a unit force accelerates δ by.
     let yields: f64 = scene.gears.iter().map(|gear| gear.base_radius.powi(2) / gear.body.polar_inertia).sum();
-    let (frequency, decay) = ((3e8 * yields).sqrt(), coupling.damping * yields / 2.0);
+    let (frequency, decay) = ((3e8 * yields).sqrt(), gear_mesh.damping * yields / 2.0);
     assert!((decay / frequency - 0.07).abs() < 1e-15);
 }
 
@@ -188,27 +200,28 @@ const STIFFNESSES: [&str; 8] = [
 fn the_mean_and_the_bound_are_those_of_the_cycle() {
     const PARTS: usize = 4000;
     for stiffness in STIFFNESSES {
-        let coupling = coupling(&format!("backlash = 1e-5, {stiffness}"));
+        let gear_mesh = gear_mesh(&format!("backlash = 1e-5, {stiffness}"));
         let (mut sum, mut largest) = (0.0, 0.0_f64);
         for i in 0..PARTS {
             let turning = at_part((i as f64 + 0.5) / PARTS as f64);
-            let law = |flank: Flank| law(&coupling, &turning, &AT_REST, flank);
-            sum += touch(&coupling, &law(Flank::Drive), &turning, &AT_REST, &AT_REST).stiffness;
-            largest = largest.max(touch(&coupling, &law(Flank::Both), &turning, &AT_REST, &AT_REST).stiffness);
+            let contact_mode = |flank: Flank| contact_mode(&gear_mesh, &turning, &AT_REST, flank);
+            sum += touch(&gear_mesh, &contact_mode(Flank::Drive), &turning, &AT_REST, &AT_REST).stiffness;
+            largest =
+                largest.max(touch(&gear_mesh, &contact_mode(Flank::Both), &turning, &AT_REST, &AT_REST).stiffness);
         }
         // Two ends of contact fall between the points; what is smooth has a mean to 1e-8, the bends of ramps included.
-        let off = (sum / PARTS as f64 / coupling.stiffness - 1.0).abs();
-        let sharp = coupling.teeth.is_sharp();
+        let off = (sum / PARTS as f64 / gear_mesh.stiffness - 1.0).abs();
+        let sharp = gear_mesh.teeth.is_sharp();
         assert!(off < if sharp { 2.0 / PARTS as f64 } else { 1e-8 }, "{off:e} of {stiffness}");
-        assert!(largest <= coupling.stiffest * (1.0 + 1e-12), "{largest:e} {:e} of {stiffness}", coupling.stiffest);
+        assert!(largest <= gear_mesh.stiffest * (1.0 + 1e-12), "{largest:e} {:e} of {stiffness}", gear_mesh.stiffest);
     }
 }
 
 #[test]
 fn means_have_their_closed_forms() {
-    let ratio = |coupling: &Coupling| coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    let ratio = |gear_mesh: &GearMesh| gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
     for engagement in [r#""sharp""#, "0.1", "0.5"] {
-        let of = |model: &str| coupling(&format!("stiffness = {{ {model}, engagement = {engagement} }}"));
+        let of = |model: &str| gear_mesh(&format!("stiffness = {{ {model}, engagement = {engagement} }}"));
         // The ramp is symmetric about the end of the path, so as many pairs carry as without it.
         let square = of(r#"model = "square", pair = 2e8"#);
         assert!((square.stiffness / (2e8 * ratio(&square)) - 1.0).abs() < 1e-9, "{engagement}");
@@ -218,7 +231,7 @@ fn means_have_their_closed_forms() {
         }
     }
     let parabolic =
-        coupling(r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.4, engagement = "sharp" }"#);
+        gear_mesh(r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.4, engagement = "sharp" }"#);
     // The mean of a parabola is a third of its ends and two thirds of its middle.
     assert!((parabolic.stiffness / (2e8 * ratio(&parabolic) * 2.4 / 3.0) - 1.0).abs() < 1e-12);
     let [low, high] = parabolic.involute.path_at_rest();
@@ -263,16 +276,16 @@ fn iso_6336_has_the_coefficients_of_the_standard() {
     assert!((one.mesh / one.single - 1.0).abs() < 1e-15 && (two.mesh / two.single - 1.75).abs() < 1e-15);
     assert!((one.single * one.flexibility / 0.8e9 - 1.0).abs() < 1e-15);
     // A mesh that says nothing of its stiffness has that of the standard, over its face width.
-    let coupling = coupling("damping = 0.0");
-    let ratio = coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    let gear_mesh = gear_mesh("damping = 0.0");
+    let ratio = gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
     let expected = WIDTH * iso6336(&scene.gears[0], &scene.gears[1], ratio).mesh;
-    assert!((coupling.stiffness / expected - 1.0).abs() < 1e-14);
+    assert!((gear_mesh.stiffness / expected - 1.0).abs() < 1e-14);
 }
 
-/// Compliance per face width of a tooth of standard steel, touched `rolled` from its base point: a cantilever whose
+/// Compliance per face width of a tooth of standard steel, touched `rolling_displacement` from its base point: a cantilever whose
 /// thickness is that of the textbook at every radius, s_r = 2r[s/(2r_p) + inv α − inv α_r], cut into thin slices; and
 /// the fillet and blank of Sainsot, Velex and Duverger (2004).
-fn compliance(gear: &Gear, bore: f64, rolled: f64) -> f64 {
+fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
     const SLICES: u32 = 4000;
     let (e, g) = (207e9, 207e9 / 2.6);
     let involute = |angle: f64| angle.tan() - angle;
@@ -282,7 +295,7 @@ fn compliance(gear: &Gear, bore: f64, rolled: f64) -> f64 {
     let pressure = |r: f64| (base / r).min(1.0).acos();
     let half = |r: f64| thickness / (2.0 * gear.pitch_radius) + involute(alpha) - involute(pressure(r));
     let place = |r: f64| (r * half(r).cos(), r * half(r).sin());
-    let touched = rolled.hypot(base);
+    let touched = rolling_displacement.hypot(base);
     let (height, side) = place(touched);
     // The force is inclined to the axis of the tooth as the flank is there.
     let (sin, cos) = (pressure(touched) - half(touched)).sin_cos();
@@ -328,8 +341,11 @@ fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
         let reach = |radius: f64| (radius * radius - base_radius * base_radius).max(0.0).sqrt();
         let (root, tip) = (reach(gear.root_radius()), reach(pitch_radius + gear.module * (1.0 + profile_shift)));
         for part in [0.2, 0.6, 1.0] {
-            let rolled = root + part * (tip - root);
-            let (found, expected) = (Tooth::new(&gear, 0.015).compliance(rolled), compliance(&gear, 0.015, rolled));
+            let rolling_displacement = root + part * (tip - root);
+            let (found, expected) = (
+                Tooth::new(&gear, 0.015).compliance(rolling_displacement),
+                compliance(&gear, 0.015, rolling_displacement),
+            );
             // Slices of a four-thousandth, of second order in that.
             assert!((found / expected - 1.0).abs() < 1e-5, "{teeth} {profile_shift} {part}: {}", found / expected);
         }
@@ -341,14 +357,14 @@ fn a_pair_yields_by_both_teeth_and_their_contact() {
     let bores = [0.012, 0.03];
     let mesh = r#"stiffness = { model = "potential_energy", engagement = 0.2, bore_radii = [0.012, 0.03] }"#;
     let scene = scene("", "", mesh);
-    let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+    let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
     let teeth = [0, 1].map(|i| Tooth::new(&scene.gears[i], bores[i]));
-    let Stiffness::Pairs { pair, .. } = &coupling.teeth else { unreachable!() };
-    let ([low, high], tangent) = (coupling.involute.path_at_rest(), coupling.involute.tangent_at_rest());
+    let Stiffness::Pairs { pair, .. } = &gear_mesh.teeth else { unreachable!() };
+    let ([low, high], tangent) = (gear_mesh.involute.path_at_rest(), gear_mesh.involute.tangent_at_rest());
     // Also where pairs still carry beyond the ends of the path, by half the engagement, and centres that move.
     for i in 0..=40 {
         let s =
-            low + (high - low) * f64::from(i) / 40.0 + 0.25 * coupling.involute.base_pitch * f64::from(i - 20) / 20.0;
+            low + (high - low) * f64::from(i) / 40.0 + 0.25 * gear_mesh.involute.base_pitch * f64::from(i - 20) / 20.0;
         for moved in [-1e-4, 0.0, 1e-4] {
             let compliance = CONTACT_COMPLIANCE + teeth[0].compliance(s) + teeth[1].compliance(tangent + moved - s);
             let off = pair.at(s, low + moved)[0] * compliance / WIDTH - 1.0;
@@ -360,8 +376,8 @@ fn a_pair_yields_by_both_teeth_and_their_contact() {
 
 /// A path of contact of `length` base pitches of 9 mm that begins at 4 mm, with pair 0 at the part `place` of a pitch
 /// from there.
-fn path(length: f64, place: f64) -> Path {
-    Path { position: 4e-3 + place * 9e-3, low: 4e-3, high: 4e-3 + length * 9e-3, pitch: 9e-3 }
+fn path(length: f64, place: f64) -> ContactPath {
+    ContactPath { position: 4e-3 + place * 9e-3, low: 4e-3, high: 4e-3 + length * 9e-3, pitch: 9e-3 }
 }
 
 proptest! {
@@ -379,13 +395,13 @@ proptest! {
         let relief = relieved.then_some(Relief { amount: 2e-5, length: 3e-3, exponent: 2 });
         let teeth = Stiffness::Pairs { pair, engagement: Engagement::Smooth(width), relief };
         let at = path(length, place);
-        let stored = |at: Path, deflection: f64| teeth.stored(|| at, (0, 0), deflection);
+        let stored = |at: ContactPath, deflection: f64| teeth.stored(|| at, (0, 0), deflection);
         let here = stored(at, deflection);
         // A short path has ramps that overlap: both of its ends matter to a pair at once.
         let slope = |step: f64, moved: &dyn Fn(f64) -> f64| (moved(step) - moved(-step)) / (2.0 * step);
         let by_position =
-            slope(1e-8, &|by| stored(Path { position: at.position + by, ..at }, deflection).energy);
-        let by_low = slope(1e-8, &|by| stored(Path { low: at.low + by, ..at }, deflection).energy);
+            slope(1e-8, &|by| stored(ContactPath { position: at.position + by, ..at }, deflection).energy);
+        let by_low = slope(1e-8, &|by| stored(ContactPath { low: at.low + by, ..at }, deflection).energy);
         let by_deflection = slope(1e-10, &|by| stored(at, deflection + by).energy);
         // Energies up to a joule over millimetres; a pair that just touches bends its force within a step.
         let size = 4e8 * deflection * deflection / 1e-3;
@@ -426,14 +442,15 @@ fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
     for shift in [0.0, 0.3, -0.2] {
         let [of_driver, of_driven] = [shift, -shift].map(|shift: f64| format!(", profile_shift = {shift}"));
         let scene = scene(&of_driver, &of_driven, "stiffness = 3e8");
-        let coupling = Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES);
+        let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
         let gear = &scene.gears[0];
         let thickness = gear.module * (PI / 2.0 + 2.0 * shift * gear.pressure_angle.tan());
         let pitch_point = gear.base_radius * gear.pressure_angle.tan();
         for sigma in [-1.0, 1.0] {
             let beyond = |angle: f64, back: bool| {
                 let turning = standing([angle, 0.0]);
-                let path = coupling.engagement(&frozen(&coupling, sigma, &turning, &AT_REST, &AT_REST), back).unwrap();
+                let path =
+                    gear_mesh.engagement(&frozen(&gear_mesh, sigma, &turning, &AT_REST, &AT_REST), back).unwrap();
                 (path.position - pitch_point) / path.pitch
             };
             let passes = -sigma * beyond(0.0, false) * TAU / TEETH[0];
@@ -447,17 +464,17 @@ fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
 #[test]
 fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
     const PARTS: usize = 2000;
-    let coupling = coupling(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
-    let ratio = coupling.involute.centres([0.0; 2]).unwrap().contact_ratio;
+    let gear_mesh = gear_mesh(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
+    let ratio = gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
     for (flank, expected) in [(Flank::Drive, ratio), (Flank::Back, ratio), (Flank::Both, ratio), (Flank::Apart, 0.0)] {
         let mut sum = 0.0;
         for i in 0..PARTS {
             let turning = at_part((i as f64 + 0.5) / PARTS as f64);
-            let law = law(&coupling, &turning, &AT_REST, flank);
-            let pose = frozen(&coupling, 1.0, &turning, &AT_REST, &AT_REST);
-            let state = coupling.state(&pose, &law).unwrap();
+            let contact_mode = contact_mode(&gear_mesh, &turning, &AT_REST, flank);
+            let pose = frozen(&gear_mesh, 1.0, &turning, &AT_REST, &AT_REST);
+            let state = gear_mesh.state(&pose, &contact_mode).unwrap();
             if flank != Flank::Apart {
-                let path = coupling.engagement(&pose, flank == Flank::Back).unwrap();
+                let path = gear_mesh.engagement(&pose, flank == Flank::Back).unwrap();
                 let [low, high] = [path.low, path.high].map(|end| (end - path.position) / path.pitch);
                 let between = (-20..20).filter(|j| low <= f64::from(*j) && f64::from(*j) <= high).count();
                 assert_eq!(state.pairs_in_contact, between as f64, "{flank:?} at {i}");
@@ -471,8 +488,8 @@ fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
 #[test]
 fn flanks_press_while_their_force_pushes() {
     let (stiffness, damping, backlash) = (3e8, 2e3, 4e-5);
-    let coupling = coupling("stiffness = 3e8, damping = 2e3, backlash = 4e-5");
-    let radius = coupling.involute.base_radius[1];
+    let gear_mesh = gear_mesh("stiffness = 3e8, damping = 2e3, backlash = 4e-5");
+    let radius = gear_mesh.involute.base_radius[1];
     let turning = at_part(0.3);
     // Deflections of the drive flank, and rates, by the twist of the driven gear alone.
     let moved = |value: f64| [0.0, 0.0, 0.0, 0.0, 0.0, value / radius];
@@ -487,9 +504,9 @@ fn flanks_press_while_their_force_pushes() {
         (-1e-6, 1.0, Flank::Apart),
     ] {
         let (q, v) = (moved(deflection), moved(rate));
-        let law = coupling.law(&frozen(&coupling, 1.0, &turning, &q, &v)).unwrap();
-        assert_eq!(law.flank, expected, "{deflection} {rate}");
-        let contact = touch(&coupling, &law, &turning, &q, &v);
+        let contact_mode = gear_mesh.contact_mode(&frozen(&gear_mesh, 1.0, &turning, &q, &v)).unwrap();
+        assert_eq!(contact_mode.flank, expected, "{deflection} {rate}");
+        let contact = touch(&gear_mesh, &contact_mode, &turning, &q, &v);
         let force = match expected {
             Flank::Drive => stiffness * deflection + damping * rate,
             Flank::Back => stiffness * (deflection + backlash) + damping * rate,
@@ -506,8 +523,8 @@ fn flanks_press_while_their_force_pushes() {
 #[test]
 fn a_step_ends_where_pairs_come_in_jumps_or_flanks_part() {
     let of = |mesh: &str| {
-        let coupling = coupling(mesh);
-        (coupling.switches(), coupling.varies(), coupling.follows())
+        let gear_mesh = gear_mesh(mesh);
+        (gear_mesh.switches(), gear_mesh.varies(), gear_mesh.follows())
     };
     assert_eq!(of("stiffness = 3e8"), (false, false, false));
     assert_eq!(of("stiffness = 3e8, backlash = 1e-5"), (true, true, false));
@@ -523,29 +540,29 @@ proptest! {
     fn the_mean_mesh_is_the_contact_of_a_constant_stiffness(
         numbers in prop::array::uniform6(-1.0..1.0_f64), live: bool, forward: bool,
     ) {
-        let coupling = coupling("stiffness = 3e8, backlash = 4e-5");
+        let gear_mesh = gear_mesh("stiffness = 3e8, backlash = 4e-5");
         let geometry = if live { Geometry::Live } else { Geometry::Frozen };
         let sigma = if forward { 1.0 } else { -1.0 };
         let scales = Vector6::new(1e-4, 1e-4, 1e-4, 1e-4, 2e-3, 1e-3);
         let q = Vector6::from(numbers).component_mul(&scales);
         let turning = standing([0.0; 2]);
         let forces = |flank: Flank, q: &Vector6<f64>| {
-            let law = Law { flank, ..Law::ALWAYS };
-            let pose = coupling.pose(geometry, sigma, &turning, q.as_slice(), &AT_REST);
-            let contact = coupling.contact(&pose, &law).unwrap();
+            let contact_mode = ContactMode { flank, ..ContactMode::ALWAYS };
+            let pose = gear_mesh.pose(geometry, sigma, &turning, q.as_slice(), &AT_REST);
+            let contact = gear_mesh.contact(&pose, &contact_mode).unwrap();
             let mut forces = Vector6::zeros();
-            coupling.apply(&contact, forces.as_mut_slice());
+            gear_mesh.apply(&contact, forces.as_mut_slice());
             (contact, forces)
         };
         for (flank, sign) in [(Flank::Drive, 1.0), (Flank::Back, -1.0)] {
             let mut tangent = Matrix6::zeros();
             let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
-            let (force, normal) = coupling.mean_tangent(geometry, sigma, flank, q.as_slice(), add).unwrap();
+            let (force, normal) = gear_mesh.mean_tangent(geometry, sigma, flank, q.as_slice(), add).unwrap();
             let (contact, acting) = forces(flank, &q);
             // Forces up to 1e5 N, to their digits.
             prop_assert!((force - sign * contact.force).abs() < 1e-9, "{force} {}", contact.force);
             let mut expected = Vector6::zeros();
-            coupling.gradient(sign * sigma, normal, |index, slope| expected[index] -= force * slope);
+            gear_mesh.gradient(sign * sigma, normal, |index, slope| expected[index] -= force * slope);
             prop_assert!((acting - expected).amax() < 1e-9);
             // Steps of a micrometre in stiffnesses of 3e8 N/m, which centres of 0.1 m change by 1e-5.
             for j in 0..6 {
@@ -556,7 +573,7 @@ proptest! {
             }
         }
 
-        let state = coupling.state_at_rest(geometry, sigma, q.as_slice()).unwrap();
+        let state = gear_mesh.state_at_rest(geometry, sigma, q.as_slice()).unwrap();
         let (drive, back) = (forces(Flank::Drive, &q).0, forces(Flank::Back, &q).0);
         prop_assert!((state.deflection - drive.deflection).abs() < 1e-17);
         // Where both press the drive flank counts: what is at rest under a load leans on one.

@@ -7,18 +7,18 @@
 
 use gearbow::integrate::{Halt, Observer, Trajectory};
 use gearbow::mesh::Geometry;
-use gearbow::modal::Basis;
+use gearbow::modal::CachedModel;
 use gearbow::model::Model;
-use gearbow::motion::Motion;
+use gearbow::motion::EquationOfMotion;
 use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
-use gearbow::scene::{Scene, System};
+use gearbow::scene::{Scene, SceneDescription};
 use nalgebra::DVector;
 
 /// Of the reference shaft, rad/s.
 pub const SPEED: f64 = 100.0;
 
 /// The train with so many elements a shaft, with bow and unbalance or without.
-pub fn system(elements: usize, excited: bool) -> System {
+pub fn system(elements: usize, excited: bool) -> SceneDescription {
     // Gears stand at nodes that are there anyway, so that none is added.
     let at = |part: usize| 0.5 * part as f64 / elements as f64;
     let (middle, third) = (elements / 2, elements / 3);
@@ -54,11 +54,11 @@ pub fn system(elements: usize, excited: bool) -> System {
     ]
     torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
     "#;
-    System::from_toml(&text).unwrap()
+    SceneDescription::from_toml(&text).unwrap()
 }
 
 /// Makes every mesh one of tooth pairs with the same mean stiffness.
-pub fn set_teeth(system: &mut System, kind: StiffnessKind) {
+pub fn set_teeth(system: &mut SceneDescription, kind: StiffnessKind) {
     for mesh in &mut system.meshes {
         let model = StiffnessModel { mean: Some(2e8), ..StiffnessModel::of(kind) };
         mesh.stiffness = Some(Stiffness::Model(model));
@@ -66,22 +66,22 @@ pub fn set_teeth(system: &mut System, kind: StiffnessKind) {
 }
 
 /// The basis of a description.
-pub fn basis_of(system: &System) -> Basis {
-    Basis::new(Model::new(Scene::new(system).unwrap()).unwrap())
+pub fn basis_of(system: &SceneDescription) -> CachedModel {
+    CachedModel::new(Model::new(Scene::new(system).unwrap()).unwrap())
 }
 
 /// The basis of the train.
-pub fn basis(elements: usize, excited: bool) -> Basis {
-    let basis = basis_of(&system(elements, excited));
-    assert_eq!(basis.model.len(), 15 * (elements + 1));
-    basis
+pub fn cached(elements: usize, excited: bool) -> CachedModel {
+    let cached = basis_of(&system(elements, excited));
+    assert_eq!(cached.model.len(), 15 * (elements + 1));
+    cached
 }
 
 /// A motion with a state that is small, so that time does not depend on how it goes.
-pub fn motion(basis: &Basis, geometry: Geometry, speed: f64) -> (Motion<'_>, Vec<f64>) {
-    let n = basis.model.len();
+pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64) -> (EquationOfMotion<'_>, Vec<f64>) {
+    let n = cached.model.len();
     let y = (0..2 * n).map(|i| 1e-7 * (0.7 * i as f64).sin()).collect();
-    (Motion::new(basis, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)
+    (EquationOfMotion::new(cached, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)
 }
 
 /// Sees nothing, and never stops a run.

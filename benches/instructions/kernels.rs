@@ -2,17 +2,17 @@
 
 use std::hint::black_box;
 
-use gearbow::analysis::simulate::{Initial, Method, Options, Plan, Request, simulate};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, simulate};
 use gearbow::analysis::{Spectrum, equilibrium};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{Adaptive, Control, RungeKutta, State, Statistics, System as _, run};
-use gearbow::mesh::{Geometry, Law, Turning};
-use gearbow::modal::{self, Basis};
+use gearbow::integrate::{Adaptive, FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
+use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
+use gearbow::modal::{self, CachedModel};
 use gearbow::model::Model;
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 
-use crate::common::{Nobody, SPEED, basis, basis_of, motion, set_teeth, system};
+use crate::common::{Nobody, SPEED, basis_of, cached, motion, set_teeth, system};
 
 /// A kernel, ready to run.
 pub type Work = Box<dyn FnMut()>;
@@ -24,14 +24,14 @@ pub type Kernel = (&'static str, fn() -> Work);
 pub const KERNELS: &[Kernel] = &[
     ("right-hand side, live, n = 240", || right_hand_side(Geometry::Live)),
     ("right-hand side, frozen, n = 240", || right_hand_side(Geometry::Frozen)),
-    ("200 steps of rk4, live, n = 240", || steps(RK4, Control::Fixed)),
+    ("200 steps of rk4, live, n = 240", || steps(RK4, StepControl::Fixed)),
     ("as long with rk45, live, n = 240", || {
-        steps(DORMAND_PRINCE, |longest| Control::Adaptive(Adaptive { rtol: 1e-6, floor: 0.0, longest }))
+        steps(DORMAND_PRINCE, |longest| StepControl::Adaptive(Adaptive { rtol: 1e-6, floor: 0.0, longest }))
     }),
     ("real modes, n = 135", real_modes),
     ("damped modes, n = 60", damped_modes),
     ("static equilibrium, n = 135", static_equilibrium),
-    ("law of a mesh of tooth pairs", tooth_pairs),
+    ("force of a mesh of tooth pairs", tooth_pairs),
     ("scene and assembly, n = 240", assembly),
     ("2000 records, n = 60", recording),
     ("0.05 s of exponential, frozen, square, n = 240", || exponential(Geometry::Frozen)),
@@ -44,13 +44,13 @@ const MIDDLE: usize = 8;
 const LARGE: usize = 15;
 
 /// What a kernel works on stays until the process ends.
-fn keep(basis: Basis) -> &'static Basis {
-    Box::leak(Box::new(basis))
+fn keep(cached: CachedModel) -> &'static CachedModel {
+    Box::leak(Box::new(cached))
 }
 
 /// A hundred evaluations.
 fn right_hand_side(geometry: Geometry) -> Work {
-    let (mut motion, y) = motion(keep(basis(LARGE, true)), geometry, SPEED);
+    let (mut motion, y) = motion(keep(cached(LARGE, true)), geometry, SPEED);
     let mut derivative = vec![0.0; y.len()];
     Box::new(move || {
         for i in 0..100 {
@@ -60,10 +60,10 @@ fn right_hand_side(geometry: Geometry) -> Work {
 }
 
 /// 200 of the longest stable steps of Dormand and Prince, from a small motion.
-fn steps<const S: usize>(tableau: Tableau<S>, control: fn(f64) -> Control) -> Work {
-    let basis = keep(basis(LARGE, true));
-    let longest = Spectrum::new(basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
-    let (mut motion, y) = motion(basis, Geometry::Live, SPEED);
+fn steps<const S: usize>(tableau: Tableau<S>, control: fn(f64) -> StepControl) -> Work {
+    let cached = keep(cached(LARGE, true));
+    let longest = Spectrum::new(cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+    let (mut motion, y) = motion(cached, Geometry::Live, SPEED);
     let mut method = RungeKutta::new(tableau, y.len());
     let control = control(longest);
     Box::new(move || {
@@ -75,23 +75,23 @@ fn steps<const S: usize>(tableau: Tableau<S>, control: fn(f64) -> Control) -> Wo
 
 /// A basis keeps the modes that it has found, so each call has one of its own.
 fn real_modes() -> Work {
-    let mut fresh = [basis(MIDDLE, true), basis(MIDDLE, true)].map(keep).into_iter();
+    let mut fresh = [cached(MIDDLE, true), cached(MIDDLE, true)].map(keep).into_iter();
     Box::new(move || {
         black_box(fresh.next().unwrap().real_modes(SPEED).unwrap());
     })
 }
 
 fn damped_modes() -> Work {
-    let basis = keep(basis(SMALL, true));
+    let cached = keep(cached(SMALL, true));
     Box::new(move || {
-        black_box(modal::modes(basis, SPEED).unwrap());
+        black_box(modal::modes(cached, SPEED).unwrap());
     })
 }
 
 fn static_equilibrium() -> Work {
-    let basis = keep(basis(MIDDLE, true));
+    let cached = keep(cached(MIDDLE, true));
     Box::new(move || {
-        black_box(equilibrium(basis, Geometry::Live, SPEED).unwrap());
+        black_box(equilibrium(cached, Geometry::Live, SPEED).unwrap());
     })
 }
 
@@ -99,16 +99,16 @@ fn static_equilibrium() -> Work {
 fn tooth_pairs() -> Work {
     let mut system = system(SMALL, true);
     set_teeth(&mut system, StiffnessKind::Parabolic);
-    let basis = keep(basis_of(&system));
-    let rest = equilibrium(basis, Geometry::Live, SPEED).unwrap();
-    let zero = vec![0.0; basis.model.len()];
-    let (mesh, sigma) = (&basis.model.meshes[0], basis.model.sigma(0, SPEED));
+    let cached = keep(basis_of(&system));
+    let rest = equilibrium(cached, Geometry::Live, SPEED).unwrap();
+    let zero = vec![0.0; cached.model.len()];
+    let (mesh, sigma) = (&cached.model.meshes[0], cached.model.sigma(0, SPEED));
     Box::new(move || {
         for i in 0..1000 {
             let angle = 1e-3 * f64::from(i);
-            let turning = [Turning { angle, spin: SPEED }, Turning { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
+            let turning = [ShaftPhase { angle, spin: SPEED }, ShaftPhase { angle: -angle / 2.0, spin: -SPEED / 2.0 }];
             let pose = mesh.pose(Geometry::Live, sigma, &turning, black_box(rest.as_slice()), &zero);
-            black_box(mesh.contact(&pose, &Law::ALWAYS).unwrap());
+            black_box(mesh.contact(&pose, &ContactMode::ALWAYS).unwrap());
         }
     })
 }
@@ -122,14 +122,14 @@ fn assembly() -> Work {
 
 /// All that can be recorded, at 2000 times within few steps of a small train.
 fn recording() -> Work {
-    let basis = keep(basis(SMALL, true));
+    let cached = keep(cached(SMALL, true));
     let groups = ["nodes", "meshes", "bearings", "energy"];
     let requests = groups.map(|group| Request::Name(group.to_owned()));
-    let plan = Plan::new(&basis.model, &requests).unwrap();
-    let duration = 10.0 * Spectrum::new(basis, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
+    let plan = RecordPlan::new(&cached.model, &requests).unwrap();
+    let duration = 10.0 * Spectrum::new(cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
     let options = Options { times: (0..2000).map(|i| duration * f64::from(i) / 2000.0).collect(), ..options(duration) };
     Box::new(move || {
-        black_box(simulate(basis, &options, &plan, &mut |_| true).unwrap());
+        black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
     })
 }
 
@@ -137,8 +137,8 @@ fn recording() -> Work {
 fn exponential(geometry: Geometry) -> Work {
     let mut description = system(LARGE, true);
     set_teeth(&mut description, StiffnessKind::Square);
-    let basis = keep(basis_of(&description));
-    let plan = Plan::new(&basis.model, &[Request::Name("gears".to_owned())]).unwrap();
+    let cached = keep(basis_of(&description));
+    let plan = RecordPlan::new(&cached.model, &[Request::Name("gears".to_owned())]).unwrap();
     let options = Options {
         method: Method::Exponential,
         rtol: 1e-4,
@@ -147,7 +147,7 @@ fn exponential(geometry: Geometry) -> Work {
         ..options(0.05)
     };
     Box::new(move || {
-        black_box(simulate(basis, &options, &plan, &mut |_| true).unwrap());
+        black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
     })
 }
 
@@ -165,6 +165,6 @@ fn options(duration: f64) -> Options {
         times: Vec::new(),
         geometry: Geometry::Live,
         start: 0.0,
-        pause: None,
+        checkpoint: None,
     }
 }

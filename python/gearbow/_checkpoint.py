@@ -18,13 +18,13 @@ import numpy as np
 from gearbow import storage
 from gearbow._core import __version__
 from gearbow._run import number
-from gearbow._types import Array, Pause, Plain, Progress, RunData
+from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError
 from gearbow.response import Response
 from gearbow.speed import SpeedProfile
 
 #: A run of the core: the times that are left, where it was stopped, and what is told how far it is.
-Core: TypeAlias = Callable[[Array, Pause | None, Progress], RunData]
+Core: TypeAlias = Callable[[Array, CoreCheckpoint | None, Progress], RunData]
 
 
 class _Due(Exception):  # noqa: N818  # nothing went wrong
@@ -77,10 +77,10 @@ class Checkpoint:
             raise SceneError(
                 f"checkpoint: {self.path} is of a run whose {where} was {was}, not {now}"
             )
-        if known["pause"] is None:
+        if known["checkpoint"] is None:
             self.complete = response
         else:
-            self._kept = {**response._data, "pause": known["pause"]}
+            self._kept = {**response._data, "checkpoint": known["checkpoint"]}
 
     def run(
         self,
@@ -110,10 +110,10 @@ class Checkpoint:
         while True:
             kept = self._kept
             done = 0 if kept is None else kept["time"].size
-            pause = None if kept is None else (kept["final"], kept["pause"])
+            checkpoint = None if kept is None else (kept["final"], kept["checkpoint"])
             watch = _Watch(self.every, progress)
             try:
-                return _joined(kept, core(times[done:], pause, watch))
+                return _joined(kept, core(times[done:], checkpoint, watch))
             except BaseException as error:
                 partial: RunData | None = getattr(error, "partial", None)
                 joined = kept if partial is None else _joined(kept, partial)
@@ -129,7 +129,7 @@ class Checkpoint:
     def _write(self, data: RunData, speed: float | SpeedProfile) -> None:
         """Write what there is; whatever stops that, a full disk apart, carries it."""
         try:
-            self._save(Response(data, speed), data["pause"])
+            self._save(Response(data, speed), data["checkpoint"])
         except BaseException as error:
             error.partial = data  # type: ignore[attr-defined]
             raise
@@ -144,9 +144,11 @@ class Checkpoint:
         """
         self._save(response, None)
 
-    def _save(self, response: Response, pause: dict[str, Plain] | None) -> None:
+    def _save(self, response: Response, checkpoint: dict[str, Plain] | None) -> None:
         try:
-            storage.save(response, self.path, checkpoint={"asked": self._asked, "pause": pause})
+            storage.save(
+                response, self.path, checkpoint={"asked": self._asked, "checkpoint": checkpoint}
+            )
         except OSError as error:
             message = f"checkpoint: {self.path} could not be written and is as it was: {error}"
             warnings.warn(message, CheckpointWarning, stacklevel=2)

@@ -12,7 +12,7 @@ from gearbow._types import (
     Dof,
     MatricesData,
     ModesData,
-    Pause,
+    CoreCheckpoint,
     Plain,
     Record,
     RunData,
@@ -74,5 +74,5 @@ class Model:
         geometry: str,
         start: float,
         progress: Callable[[float], object] | None,
-        pause: Pause | None,
+        checkpoint: CoreCheckpoint | None,
     ) -> RunData: ...

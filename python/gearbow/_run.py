@@ -109,7 +109,7 @@ def grid(start: float, duration: float, step: float) -> Array:
 def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     """Give the rows in the order the user asked for; a partial run has only the first."""
     data = data.copy()
-    data.pop("pause", None)
+    data.pop("checkpoint", None)
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]

@@ -47,11 +47,11 @@ class CampbellData(TypedDict):
     whirl: list[list[str]]
     lines: list[tuple[str, list[str], int]]
     orders: Array
-    meeting_modes: list[int]
-    meeting_lines: list[int]
-    meeting_speeds: Array
-    meeting_eigenvalues: ComplexArray
-    meeting_whirl: list[str]
+    intersection_modes: list[int]
+    intersection_lines: list[int]
+    intersection_speeds: Array
+    intersection_eigenvalues: ComplexArray
+    intersection_whirl: list[str]
 
 
 class SynchronousData(TypedDict):
@@ -74,13 +74,13 @@ class StaticData(TypedDict):
 
 
 #: Where a run was stopped: its final state, and what it had counted and seen.
-Pause: TypeAlias = tuple[dict[str, Any], dict[str, Plain]]
+CoreCheckpoint: TypeAlias = tuple[dict[str, Any], dict[str, Plain]]
 
 
 class _Paused(TypedDict, total=False):
     """What the same run needs beside its final state to go on."""
 
-    pause: dict[str, Plain]
+    checkpoint: dict[str, Plain]
 
 
 class RunData(_Paused):

@@ -120,8 +120,8 @@ class Campbell:
     >>> disk = gb.Disk("disk", "rotor", 0.3, mass=20.0, diametral_inertia=0.3, polar_inertia=0.6)
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, disks=[disk])
     >>> campbell = system.campbell(np.linspace(0.0, 700.0, 15), count=4)
-    >>> for meeting in campbell.criticals:
-    ...     print(f"{meeting.speed:.1f} rad/s {meeting.whirl}")
+    >>> for intersection in campbell.criticals:
+    ...     print(f"{intersection.speed:.1f} rad/s {intersection.whirl}")
     324.7 rad/s backward
     341.1 rad/s forward
     """
@@ -139,12 +139,12 @@ class Campbell:
         for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
             source = names[0] if kind == "shaft" else (names[0], names[1])
             lines.append(ExcitationLine(kind, source, harmonic, float(order)))
-        meetings = zip(
-            data["meeting_modes"],
-            data["meeting_lines"],
-            data["meeting_speeds"],
-            data["meeting_eigenvalues"],
-            data["meeting_whirl"],
+        intersections = zip(
+            data["intersection_modes"],
+            data["intersection_lines"],
+            data["intersection_speeds"],
+            data["intersection_eigenvalues"],
+            data["intersection_whirl"],
             strict=True,
         )
         intersections = tuple(
@@ -156,7 +156,7 @@ class Campbell:
                 damping_ratio=float(_ratio(value)),
                 whirl=whirl,
             )
-            for mode, line, speed, value, whirl in meetings
+            for mode, line, speed, value, whirl in intersections
         )
         whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
         return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections, system)
@@ -195,7 +195,9 @@ class Campbell:
             By ascending speed, backward ones too: unbalance excites these where bearings or meshes
             are stiffer in one direction.
         """
-        return tuple(meeting for meeting in self.intersections if meeting.line.kind == "shaft")
+        return tuple(
+            intersection for intersection in self.intersections if intersection.line.kind == "shaft"
+        )
 
     def table(self) -> str:
         """Lay the intersections out as text.
@@ -208,10 +210,10 @@ class Campbell:
         heads = f"{'speed [rad/s]':>13}  {'frequency [Hz]':>14}  {'damping [%]':>11}"
         lines = [f"{heads}  {'whirl':<9}  mode  excited by"]
         lines += [
-            f"{meeting.speed:>13.2f}  {meeting.frequency_hz:>14.3f}"
-            f"  {100.0 * meeting.damping_ratio:>11.3f}  {meeting.whirl:<9}"
-            f"  {meeting.mode + 1:>4}  {meeting.line.name}"
-            for meeting in self.intersections
+            f"{intersection.speed:>13.2f}  {intersection.frequency_hz:>14.3f}"
+            f"  {100.0 * intersection.damping_ratio:>11.3f}  {intersection.whirl:<9}"
+            f"  {intersection.mode + 1:>4}  {intersection.line.name}"
+            for intersection in self.intersections
         ]
         return "\n".join(lines)
 
@@ -230,15 +232,15 @@ class Campbell:
 
         rows = [
             {
-                "speed [rad/s]": meeting.speed,
-                "frequency [Hz]": meeting.frequency_hz,
-                "damping ratio": meeting.damping_ratio,
-                "whirl": meeting.whirl,
-                "mode": meeting.mode,
-                "excited by": meeting.line.name,
-                "order": meeting.line.order,
+                "speed [rad/s]": intersection.speed,
+                "frequency [Hz]": intersection.frequency_hz,
+                "damping ratio": intersection.damping_ratio,
+                "whirl": intersection.whirl,
+                "mode": intersection.mode,
+                "excited by": intersection.line.name,
+                "order": intersection.line.order,
             }
-            for meeting in self.intersections
+            for intersection in self.intersections
         ]
         table: pd.DataFrame = pd.DataFrame(rows)
         return table

@@ -73,7 +73,10 @@ def campbell(diagram: "Campbell") -> Figure:
                 va="center" if inside else "top",
                 fontsize=12,
             )
-        met = [(meeting.speed, meeting.frequency_hz) for meeting in diagram.intersections]
+        met = [
+            (intersection.speed, intersection.frequency_hz)
+            for intersection in diagram.intersections
+        ]
         if met:
             panels[0].plot(
                 *np.transpose(met), "o", color="black", markersize=5, markerfacecolor="white"

@@ -25,7 +25,7 @@ from gearbow._run import (
     reported,
     whole,
 )
-from gearbow._types import Array, At, Dof, Pause, Plain, Progress, Record, RunData
+from gearbow._types import Array, At, Dof, CoreCheckpoint, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.balance import balance
 from gearbow.campbell import campbell
@@ -497,8 +497,10 @@ class RotorSystem:
         """Run in one go, or by the file; what ends the run early carries what there is."""
         wanted, rows = times
 
-        def core(left: Array, pause: Pause | None, report: Progress | None) -> RunData:
-            return self._model.simulate(**asked, times=left, pause=pause, progress=report)
+        def core(
+            left: Array, checkpoint: CoreCheckpoint | None, report: Progress | None
+        ) -> RunData:
+            return self._model.simulate(**asked, times=left, checkpoint=checkpoint, progress=report)
 
         try:
             with reported(progress, asked["duration"]) as report:

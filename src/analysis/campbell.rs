@@ -12,8 +12,8 @@ use std::rc::Rc;
 use nalgebra::{Complex, DVector};
 
 use super::AnalysisError;
-use crate::modal::{self, Basis, OnLine, Quadratic, Whirl};
-use crate::scene::Path;
+use crate::modal::{self, CachedModel, OnLine, Quadratic, Whirl};
+use crate::scene::EntryPath;
 
 /// A step in which a mode keeps less than this part of its energy in its shape is halved.
 const CLEAR: f64 = 0.9;
@@ -30,7 +30,7 @@ const KNOWN: f64 = 0.7;
 
 /// What excites a train at a multiple of the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ExcitationSource {
     /// The turning of a shaft.
     Shaft(usize),
     /// The teeth of a mesh.
@@ -39,9 +39,9 @@ pub enum Source {
 
 /// A line of the diagram: ω = order·Ω, with Ω the speed of the reference shaft.
 #[derive(Clone, Copy, Debug)]
-pub struct Line {
+pub struct ExcitationLine {
     /// What excites.
-    pub source: Source,
+    pub source: ExcitationSource,
     /// The harmonic of its own frequency.
     pub harmonic: u32,
     /// Frequency over the speed of the reference shaft.
@@ -50,7 +50,7 @@ pub struct Line {
 
 /// A speed at which a mode meets a line.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
+pub struct Intersection {
     /// Index of the mode.
     pub mode: usize,
     /// Index of the line.
@@ -71,9 +71,9 @@ pub struct Campbell {
     /// Whirl of every mode, speed after speed.
     pub whirl: Vec<Vec<Whirl>>,
     /// The lines.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ExcitationLine>,
     /// Where modes meet lines, by ascending speed.
-    pub meetings: Vec<Meeting>,
+    pub intersections: Vec<Intersection>,
 }
 
 /// One mode at one speed: y of unit length beside its eigenvalue.
@@ -85,14 +85,21 @@ struct State {
 }
 
 /// Every shaft's turning, and `harmonics` of the tooth frequency of every mesh.
-pub fn lines(basis: &Basis, harmonics: u32) -> Vec<Line> {
-    let scene = &basis.model.scene;
-    let turning =
-        |(shaft, ratio): (usize, &f64)| Line { source: Source::Shaft(shaft), harmonic: 1, order: ratio.abs() };
+pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
+    let scene = &cached.model.scene;
+    let turning = |(shaft, ratio): (usize, &f64)| ExcitationLine {
+        source: ExcitationSource::Shaft(shaft),
+        harmonic: 1,
+        order: ratio.abs(),
+    };
     let teeth = scene.meshes.iter().enumerate().flat_map(|(index, mesh)| {
         let gear = &scene.gears[mesh.driver];
         let order = f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs();
-        let line = move |harmonic| Line { source: Source::Mesh(index), harmonic, order: order * f64::from(harmonic) };
+        let line = move |harmonic| ExcitationLine {
+            source: ExcitationSource::Mesh(index),
+            harmonic,
+            order: order * f64::from(harmonic),
+        };
         (1..=harmonics).map(line)
     });
     scene.speed_ratios.iter().enumerate().map(turning).chain(teeth).collect()
@@ -102,37 +109,41 @@ pub fn lines(basis: &Basis, harmonics: u32) -> Vec<Line> {
 ///
 /// # Errors
 /// [`AnalysisError`] if the speeds do not ascend from zero or above, or a decomposition fails.
-pub fn campbell(basis: &Basis, speeds: &[f64], count: usize, harmonics: u32) -> Result<Campbell, AnalysisError> {
+pub fn campbell(cached: &CachedModel, speeds: &[f64], count: usize, harmonics: u32) -> Result<Campbell, AnalysisError> {
     for (index, speed) in speeds.iter().enumerate() {
-        let place = Path::entry("speeds", index);
+        let place = EntryPath::entry("speeds", index);
         place.non_negative(*speed)?;
         if index > 0 && *speed <= speeds[index - 1] {
             return Err(place.error(format!("must be above the one before, got {speed}")).into());
         }
     }
-    let mut tracker = Tracker::new(basis, speeds, count, harmonics)?;
-    let mut diagram =
-        Campbell { eigenvalues: Vec::new(), whirl: Vec::new(), lines: tracker.lines.clone(), meetings: Vec::new() };
+    let mut tracker = Tracker::new(cached, speeds, count, harmonics)?;
+    let mut diagram = Campbell {
+        eigenvalues: Vec::new(),
+        whirl: Vec::new(),
+        lines: tracker.lines.clone(),
+        intersections: Vec::new(),
+    };
     for speed in speeds {
         let here = tracker.at(*speed)?;
         tracker.advance(*speed, here, 0)?;
         diagram.eigenvalues.push(tracker.modes.iter().map(|mode| mode.eigenvalue).collect());
         diagram.whirl.push(tracker.modes.iter().map(|mode| mode.whirl).collect());
     }
-    diagram.meetings = tracker.meetings;
-    diagram.meetings.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
+    diagram.intersections = tracker.intersections;
+    diagram.intersections.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
     Ok(diagram)
 }
 
 /// Where the modes have been followed to.
 struct Tracker<'a> {
-    basis: &'a Basis,
+    cached: &'a CachedModel,
     quadratic: Quadratic,
-    lines: Vec<Line>,
+    lines: Vec<ExcitationLine>,
     /// None before the first of the speeds.
     speed: Option<f64>,
     modes: Vec<State>,
-    meetings: Vec<Meeting>,
+    intersections: Vec<Intersection>,
 }
 
 /// Which state each mode becomes in a step.
@@ -143,14 +154,14 @@ struct Assignment {
 }
 
 impl<'a> Tracker<'a> {
-    fn new(basis: &'a Basis, speeds: &[f64], count: usize, harmonics: u32) -> Result<Self, AnalysisError> {
+    fn new(cached: &'a CachedModel, speeds: &[f64], count: usize, harmonics: u32) -> Result<Self, AnalysisError> {
         let mut tracker = Self {
-            basis,
-            quadratic: Quadratic::new(basis, 1.0)?,
-            lines: lines(basis, harmonics),
+            cached,
+            quadratic: Quadratic::new(cached, 1.0)?,
+            lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
-            meetings: Vec::new(),
+            intersections: Vec::new(),
         };
         if let Some(first) = speeds.first() {
             // At rest forward and backward are equal; their shapes are told apart a little way on.
@@ -162,8 +173,8 @@ impl<'a> Tracker<'a> {
     }
 
     fn at(&self, speed: f64) -> Result<Rc<Vec<State>>, AnalysisError> {
-        let real = self.basis.real_modes(speed)?;
-        let weighted = self.basis.model.mass_matrix() * &real.vectors;
+        let real = self.cached.real_modes(speed)?;
+        let weighted = self.cached.model.mass_matrix() * &real.vectors;
         let n = real.frequencies.len();
         let state = |mode: modal::Mode| {
             let part = |part: fn(&Complex<f64>) -> f64| weighted.tr_mul(&mode.shape.map(|value| part(&value)));
@@ -181,7 +192,7 @@ impl<'a> Tracker<'a> {
             let norm = energy.norm();
             State { eigenvalue: mode.eigenvalue, whirl: mode.whirl, energy: energy.unscale(norm) }
         };
-        Ok(Rc::new(modal::modes(self.basis, speed)?.into_iter().map(state).collect()))
+        Ok(Rc::new(modal::modes(self.cached, speed)?.into_iter().map(state).collect()))
     }
 
     /// Follows the modes to the states of `speed`.
@@ -252,17 +263,17 @@ impl<'a> Tracker<'a> {
             let order = self.lines[line].order;
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
-                let met = self.meeting(order, ends, 0)?;
-                let whirl = modal::whirl(self.basis, met.speed, met.eigenvalue, &met.coordinates)?;
+                let met = self.intersection(order, ends, 0)?;
+                let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
                 let OnLine { speed, eigenvalue, .. } = met;
-                self.meetings.push(Meeting { mode, line, speed, eigenvalue, whirl });
+                self.intersections.push(Intersection { mode, line, speed, eigenvalue, whirl });
             }
         }
         Ok(())
     }
 
     /// The mode on the line ω = `order`·Ω between two speeds at which it is on either side of it.
-    fn meeting(&self, order: f64, ends: [(f64, &State); 2], halved: u32) -> Result<OnLine, AnalysisError> {
+    fn intersection(&self, order: f64, ends: [(f64, &State); 2], halved: u32) -> Result<OnLine, AnalysisError> {
         let [low, high] = ends;
         let distance = ends.map(|(speed, state)| (state.eigenvalue.im - order * speed).abs());
         let part = distance[0] / (distance[0] + distance[1]);
@@ -289,7 +300,7 @@ impl<'a> Tracker<'a> {
         let above = |(speed, state): (f64, &State)| state.eigenvalue.im > order * speed;
         let between = (middle, found);
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
-        self.meeting(order, halves, halved + 1)
+        self.intersection(order, halves, halved + 1)
     }
 
     fn start(&self, speed: f64, state: &State) -> OnLine {

@@ -1,8 +1,8 @@
 //! Undamped critical speeds, straight from the eigenproblem.
 
 use super::AnalysisError;
-use crate::modal::{self, Basis, Quadratic, Whirl};
-use crate::scene::Path;
+use crate::modal::{self, CachedModel, Quadratic, Whirl};
+use crate::scene::EntryPath;
 
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +18,11 @@ pub struct Critical {
 ///
 /// # Errors
 /// [`AnalysisError`] if `excitation` is not positive, or a decomposition fails.
-pub fn critical_speeds(basis: &Basis, excitation: f64) -> Result<Vec<Critical>, AnalysisError> {
-    Path::root("excitation").positive(excitation)?;
-    let found = Quadratic::new(basis, 1.0)?.critical(excitation)?;
+pub fn critical_speeds(cached: &CachedModel, excitation: f64) -> Result<Vec<Critical>, AnalysisError> {
+    EntryPath::root("excitation").positive(excitation)?;
+    let found = Quadratic::new(cached, 1.0)?.critical(excitation)?;
     let named = |met: modal::OnLine| {
-        let whirl = modal::whirl(basis, met.speed, met.eigenvalue, &met.coordinates)?;
+        let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
         Ok(Critical { speed: met.speed, whirl })
     };
     found.into_iter().map(named).collect()

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::AnalysisError;
 use crate::linalg::Factors;
 use crate::mesh::{Flank, Geometry};
-use crate::modal::Basis;
+use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::SceneError;
 
@@ -16,7 +16,7 @@ use crate::scene::SceneError;
 const BALANCED: f64 = 1e-9;
 /// The part of the load that the stiffness of null motions may carry, round-off.
 const CARRIED: f64 = 1e-6;
-/// Part of a null motion that is round-off where it should not move.
+/// ExcitationPart of a null motion that is round-off where it should not move.
 const ROUND_OFF: f64 = 1e-12;
 /// Newton has converged when the energy of its step is below this part of that of the load: displacements to 1e-13.
 const CONVERGED: f64 = 1e-26;
@@ -32,9 +32,9 @@ const ITERATIONS: usize = 60;
 ///
 /// # Errors
 /// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.
-pub fn equilibrium(basis: &Basis, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
-    let model = &basis.model;
-    let real = basis.real_modes(speed)?;
+pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
+    let model = &cached.model;
+    let real = cached.real_modes(speed)?;
     let load = &model.constant_load;
     let null = real.vectors.columns(0, real.null).into_owned();
     check_balance(model, &null, load)?;

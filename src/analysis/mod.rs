@@ -1,8 +1,8 @@
 //! What is asked of a model: modes over the speed, critical speeds, equilibrium, synchronous response, motion.
 
 mod campbell;
-mod caution;
 mod critical;
+mod diagnostics;
 mod equilibrium;
 mod error;
 mod peaks;
@@ -10,11 +10,11 @@ pub mod simulate;
 mod stability;
 mod synchronous;
 
-pub use campbell::{Campbell, Line, Meeting, Source, campbell, lines};
-pub use caution::{beyond, conditioning};
+pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, campbell, lines};
 pub use critical::{Critical, critical_speeds};
+pub use diagnostics::{ill_conditioning, small_displacement_check};
 pub use equilibrium::equilibrium;
 pub use error::AnalysisError;
 pub use peaks::{Peak, Probe, peaks};
 pub use stability::Spectrum;
-pub use synchronous::{Part, bearing_forces, bow, synchronous};
+pub use synchronous::{ExcitationPart, bearing_forces, bow, synchronous};

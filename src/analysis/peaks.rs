@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::Complex;
 
 use super::synchronous::synchronous_of;
-use super::{AnalysisError, Part};
-use crate::modal::Basis;
+use super::{AnalysisError, ExcitationPart};
+use crate::modal::CachedModel;
 
 /// A maximum is flat: closer than this part of its speed, round-off hides where it is.
 const PEAK: f64 = 1e-9;
@@ -24,7 +24,7 @@ pub struct Probe {
     /// The shaft that excites.
     pub source: usize,
     /// What of it.
-    pub part: Part,
+    pub part: ExcitationPart,
     /// The speed of slow roll, whose amplitudes are taken off as run-out, rad/s.
     pub slow_roll: Option<f64>,
 }
@@ -46,9 +46,9 @@ pub struct Peak {
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
-pub fn peaks(basis: &Basis, probe: Probe, speeds: &[f64]) -> Result<Vec<Peak>, AnalysisError> {
+pub fn peaks(cached: &CachedModel, probe: Probe, speeds: &[f64]) -> Result<Vec<Peak>, AnalysisError> {
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
-        let amplitudes = synchronous_of(basis, speed, speed, probe.source, probe.part)?;
+        let amplitudes = synchronous_of(cached, speed, speed, probe.source, probe.part)?;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
     let run_out = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();

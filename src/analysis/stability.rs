@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::tableau::Tableau;
 use crate::linalg::{DecompositionError, symmetric_pencil};
-use crate::mesh::Coupling;
-use crate::modal::Basis;
+use crate::mesh::GearMesh;
+use crate::modal::CachedModel;
 use crate::model::Support;
 
 /// Bounds of the eigenvalues.
@@ -24,14 +24,14 @@ impl Spectrum {
     ///
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be found.
-    pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
-        let model = &basis.model;
-        let beside = stiffening(basis, speed) + circulating(basis);
-        let omega_max = (basis.real_modes(speed)?.highest().powi(2) + beside).sqrt();
+    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
+        let model = &cached.model;
+        let beside = stiffening(cached, speed) + skew_part(cached);
+        let omega_max = (cached.real_modes(speed)?.highest().powi(2) + beside).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
-        Ok(Self { omega_max, damping: spread + dampers(basis, speed)?, gyroscopic: 2.0 * spin })
+        Ok(Self { omega_max, damping: spread + dampers(cached, speed)?, gyroscopic: 2.0 * spin })
     }
 
     /// Bound of |λ|: λ² + dλ + ω² = 0 has |λ| ≤ (d + √(d² + 4ω²))/2.
@@ -51,9 +51,9 @@ impl Spectrum {
 }
 
 /// A bound of what meshes that are stiffer than their mean add to ω_max²: (k_max − k)·gᵀM⁻¹g each.
-fn stiffening(basis: &Basis, speed: f64) -> f64 {
-    let model = &basis.model;
-    let stiffer = |(index, mesh): (usize, &Coupling)| {
+fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
+    let model = &cached.model;
+    let stiffer = |(index, mesh): (usize, &GearMesh)| {
         let excess = mesh.stiffest - mesh.stiffness;
         if excess <= 0.0 {
             return 0.0;
@@ -71,10 +71,10 @@ fn stiffening(basis: &Basis, speed: f64) -> f64 {
 }
 
 /// A bound of what bearings that do more than restore add to ω_max²: the norm of K − K_restoring times (M⁻¹)_ii each.
-fn circulating(basis: &Basis) -> f64 {
-    let model = &basis.model;
+fn skew_part(cached: &CachedModel) -> f64 {
+    let model = &cached.model;
     let add = |support: &Support| {
-        let norm = support.circulating().as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
+        let norm = support.skew_part().as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
         if norm == 0.0 {
             return 0.0;
         }
@@ -91,8 +91,8 @@ fn circulating(basis: &Basis) -> f64 {
 
 /// The largest eigenvalue of M⁻¹C for the dampers of bearings and meshes: that of the small matrix dᵀM⁻¹d, where each
 /// damper c on the coordinate g contributes the column d = √c·g.
-fn dampers(basis: &Basis, speed: f64) -> Result<f64, DecompositionError> {
-    let model = &basis.model;
+fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> {
+    let model = &cached.model;
     let mut columns: Vec<DVector<f64>> = Vec::new();
     for support in &model.supports {
         // Its Frobenius norm bounds what a damping matrix, symmetric or not, does in any direction.

@@ -1,4 +1,4 @@
-//! Linear response to what turns with the shafts, without time stepping.
+//! ModalStateSpace response to what turns with the shafts, without time stepping.
 //!
 //! Shaft s excites at its own speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s, and the motion is Re(a e^{iϑ_s}). A gear
 //! carries as many lines as there are shafts.
@@ -7,13 +7,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::AnalysisError;
 use crate::linalg::solve_complex;
-use crate::modal::Basis;
+use crate::modal::CachedModel;
 use crate::model::{Excitation, Model};
 use crate::scene::Node;
 
 /// What turns with a shaft and is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum ExcitationPart {
     /// Bow and unbalance.
     #[default]
     Both,
@@ -28,8 +28,12 @@ pub enum Part {
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
-pub fn synchronous(basis: &Basis, speed: f64, part: Part) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let columns = (0..basis.model.shafts.len()).map(|source| synchronous_of(basis, speed, speed, source, part));
+pub fn synchronous(
+    cached: &CachedModel,
+    speed: f64,
+    part: ExcitationPart,
+) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let columns = (0..cached.model.shafts.len()).map(|source| synchronous_of(cached, speed, speed, source, part));
     Ok(DMatrix::from_columns(&columns.collect::<Result<Vec<_>, _>>()?))
 }
 
@@ -68,14 +72,18 @@ pub fn bearing_forces(
 }
 
 /// The amplitudes of bow and unbalance with the flanks that carry at the speed `carrying`: at rest no speed says which.
-pub(super) fn with_flanks(basis: &Basis, speed: f64, carrying: f64) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let model = &basis.model;
+pub(super) fn with_flanks(
+    cached: &CachedModel,
+    speed: f64,
+    carrying: f64,
+) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let model = &cached.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
     if model.shafts.iter().all(|shaft| shaft.excitations.is_empty()) {
         return Ok(amplitudes);
     }
     for (source, _) in model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
-        amplitudes.set_column(source, &synchronous_of(basis, speed, carrying, source, Part::Both)?);
+        amplitudes.set_column(source, &synchronous_of(cached, speed, carrying, source, ExcitationPart::Both)?);
     }
     Ok(amplitudes)
 }
@@ -85,31 +93,31 @@ pub(super) fn with_flanks(basis: &Basis, speed: f64, carrying: f64) -> Result<DM
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
 pub(super) fn synchronous_of(
-    basis: &Basis,
+    cached: &CachedModel,
     speed: f64,
     carrying: f64,
     source: usize,
-    part: Part,
+    part: ExcitationPart,
 ) -> Result<DVector<Complex<f64>>, AnalysisError> {
-    let model = &basis.model;
+    let model = &cached.model;
     let shaft = &model.shafts[source];
     let spin = shaft.ratio * speed;
     let acting = |excitation: &Excitation| match part {
-        Part::Both => excitation.amplitude(spin, 0.0),
-        Part::Bow => excitation.bow,
-        Part::Unbalance => excitation.of_unbalance(spin, 0.0),
+        ExcitationPart::Both => excitation.amplitude(spin, 0.0),
+        ExcitationPart::Bow => excitation.bow,
+        ExcitationPart::Unbalance => excitation.of_unbalance(spin, 0.0),
     };
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
         return Ok(DVector::zeros(model.len()));
     }
     let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(carrying));
-    let rate = basis.damping_matrix(carrying)? + model.gyroscopic_matrix() * speed;
+    let rate = cached.damping_matrix(carrying)? + model.gyroscopic_matrix() * speed;
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
     if spin == 0.0 {
         // At rest null motions have no stiffness; the bow, which bends alone, does not drive them either.
-        let real = basis.real_modes(carrying)?;
+        let real = cached.real_modes(carrying)?;
         let weighted = &mass * real.vectors.columns(0, real.null);
         let held = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
         dynamic += (&weighted * weighted.transpose() * (held * held)).map(|value| Complex::new(value, 0.0));
@@ -126,15 +134,15 @@ pub(super) fn synchronous_of(
 
 /// Displacement and velocity of the synchronous motion where shaft s stands at e^{iϑ} = `turns[s]`.
 pub(super) fn motion(
-    basis: &Basis,
+    cached: &CachedModel,
     speed: f64,
     amplitudes: &DMatrix<Complex<f64>>,
     turns: &[Complex<f64>],
 ) -> (DVector<f64>, DVector<f64>) {
-    let n = basis.model.len();
+    let n = cached.model.len();
     let (mut q, mut v) = (DVector::zeros(n), DVector::zeros(n));
     for (source, turn) in turns.iter().enumerate() {
-        let spin = basis.model.shafts[source].ratio * speed;
+        let spin = cached.model.shafts[source].ratio * speed;
         for (index, amplitude) in amplitudes.column(source).iter().enumerate() {
             let turned = amplitude * turn;
             q[index] += turned.re;

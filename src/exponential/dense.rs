@@ -13,11 +13,11 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use num_complex::Complex64;
 
-use super::level::{Passage, Sight, Transition};
+use super::cache::{InterfaceMaps, PropagatorCache, gram};
 use super::packed::Columns;
 use super::phi::factorial;
-use super::rule::Rule;
-use super::table::{Ports, Table, gram};
+use super::propagator::{StageResponse, StepPropagator, Transition};
+use super::quadrature::QuadratureRule;
 
 /// Terms of the series; with |A h| below 1/20 the last is below round-off.
 const TERMS: usize = 14;
@@ -32,17 +32,17 @@ struct Rung {
 }
 
 /// The steps of the clock of a table.
-pub fn levels(matrix: &DMatrix<f64>, table: &Table<'_>) -> Vec<(Passage, Sight)> {
-    let (rule, ports, clock) = (&table.rule, &table.ports, &table.clock);
-    let finest = clock.finest;
+pub fn levels(matrix: &DMatrix<f64>, cache: &PropagatorCache<'_>) -> Vec<(StepPropagator, StageResponse)> {
+    let (rule, maps, time_grid) = (&cache.rule, &cache.maps, &cache.time_grid);
+    let finest = time_grid.finest;
     let orders = rule.stages() + 1;
-    let loads: Vec<DVector<f64>> = ports.columns.iter().map(|column| DVector::from_column_slice(column)).collect();
-    let mut rungs = vec![first(matrix, clock.step(finest), &loads, orders)];
-    let mut levels = vec![level(matrix, &rungs, rule, ports, table.turns(finest))];
+    let loads: Vec<DVector<f64>> = maps.columns.iter().map(|column| DVector::from_column_slice(column)).collect();
+    let mut rungs = vec![first(matrix, time_grid.step(finest), &loads, orders)];
+    let mut levels = vec![level(matrix, &rungs, rule, maps, cache.phasors(finest))];
     for at in (0..finest).rev() {
         let rung = doubled(&rungs[rungs.len() - 1]);
         rungs.push(rung);
-        levels.push(level(matrix, &rungs, rule, ports, table.turns(at)));
+        levels.push(level(matrix, &rungs, rule, maps, cache.phasors(at)));
     }
     levels.reverse();
     levels
@@ -93,24 +93,29 @@ fn weighted(rung: &Rung, polynomial: &[f64], load: usize) -> DVector<f64> {
 }
 
 /// The level of the last rung; those before it are the shorter ones.
-fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turns: Vec<Complex64>) -> (Passage, Sight) {
+fn level(
+    matrix: &DMatrix<f64>,
+    rungs: &[Rung],
+    rule: &QuadratureRule,
+    maps: &InterfaceMaps,
+    phasors: Vec<Complex64>,
+) -> (StepPropagator, StageResponse) {
     let rung = &rungs[rungs.len() - 1];
-    let (stages, loads, scalars) = (rule.stages(), ports.columns.len(), ports.rows.len());
+    let (stages, loads, scalars) = (rule.stages(), maps.columns.len(), maps.rows.len());
     let columns: Vec<Vec<f64>> = (0..stages)
         .flat_map(|j| (0..loads).map(move |k| (j, k)))
         .map(|(j, k)| weighted(rung, &rule.lagrange[j], k).as_slice().to_vec())
         .collect();
-    let missed: Vec<f64> =
-        (0..ports.meshes).flat_map(|k| weighted(rung, &rule.missed, k).as_slice().to_vec()).collect();
+    let defect: Vec<f64> = (0..maps.meshes).flat_map(|k| weighted(rung, &rule.defect, k).as_slice().to_vec()).collect();
 
     let mut rows = Vec::new();
     let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
     for (i, node) in rule.nodes.iter().enumerate() {
-        rows.extend(ports.rows.iter().map(|row| row_after(matrix, rungs, row, *node).as_slice().to_vec()));
+        rows.extend(maps.rows.iter().map(|row| row_after(matrix, rungs, row, *node).as_slice().to_vec()));
         for j in 0..stages {
             for k in 0..loads {
-                let state = loaded(matrix, rungs, rule, &ports.columns[k], (j, k), *node);
-                for (scalar, row) in ports.rows.iter().enumerate() {
+                let state = loaded(matrix, rungs, rule, &maps.columns[k], (j, k), *node);
+                for (scalar, row) in maps.rows.iter().enumerate() {
                     let seen = row.iter().zip(state.iter()).map(|(w, z)| w * z).sum();
                     response[i][(j * loads + k) * scalars + scalar] = seen;
                 }
@@ -119,8 +124,11 @@ fn level(matrix: &DMatrix<f64>, rungs: &[Rung], rule: &Rule, ports: &Ports, turn
     }
     // Row after row: the transpose of how it is stored.
     let transition = Transition::Dense(rung.change.transpose().as_slice().to_vec());
-    let columns = Columns::new(&columns, &ports.parts);
-    (Passage { transition, columns, gram: gram(&missed, ports.meshes) }, Sight::of_rows(ports, &rows, &response, turns))
+    let columns = Columns::new(&columns, &maps.parts);
+    (
+        StepPropagator { transition, columns, gram: gram(&defect, maps.meshes) },
+        StageResponse::of_rows(maps, &rows, &response, phasors),
+    )
 }
 
 /// The rungs that make up a part of the last one, longest first, and what is left of it, both in parts of its length.
@@ -156,7 +164,7 @@ fn row_after(matrix: &DMatrix<f64>, rungs: &[Rung], row: &[f64], part: f64) -> R
 fn loaded(
     matrix: &DMatrix<f64>,
     rungs: &[Rung],
-    rule: &Rule,
+    rule: &QuadratureRule,
     load: &[f64],
     (j, k): (usize, usize),
     part: f64,

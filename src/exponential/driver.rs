@@ -3,17 +3,17 @@
 use std::f64::consts::TAU;
 
 use super::Outcome;
-use super::clock::Clock;
-use super::output::{Course, Output};
-use super::sample::Sample;
-use super::shift::POINTS;
+use super::contact_monitor::ContactMonitor;
+use super::jump::POINTS;
+use super::output::{OutputMap, StepTrajectory};
 use super::step::Stepper;
-use super::watch::Watch;
-use crate::integrate::{Halt, Halted, Observer, PATIENCE, State, Statistics, System as _};
+use super::substep::SubstepSampler;
+use super::time_grid::TimeGrid;
+use crate::integrate::{CHECK_INTERVAL, FirstOrderSystem as _, Halt, Halted, Observer, State, Statistics};
 
 /// How the length of a step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Control {
+pub enum LevelControl {
     /// The longest always.
     Fixed,
     /// As long as the error allows.
@@ -42,7 +42,7 @@ const STEPS_A_SWING: f64 = 3.0;
 /// Loads of fixed steps are found to this part of the motion.
 const TIGHT: f64 = 1e-13;
 /// Changes of law at one tick before a step is taken as it is: grazing contacts would change them for ever.
-const PATIENCE_AT_ONCE: u32 = 8;
+const MAX_CHANGES_AT_ONCE: u32 = 8;
 
 /// A step that was taken.
 #[derive(Clone, Copy)]
@@ -61,8 +61,8 @@ pub(super) struct Reached<'a, 'm> {
 /// # Errors
 /// [`Halted`]; `state` is then the last good one.
 pub fn run(
-    (stepper, output): (&mut Stepper<'_>, &mut Output),
-    control: Control,
+    (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+    control: LevelControl,
     state: &mut State,
     end: f64,
     observer: &mut impl Observer,
@@ -74,11 +74,11 @@ pub fn run(
 }
 
 pub(super) struct Driver {
-    pub(super) clock: Clock,
-    control: Control,
+    pub(super) time_grid: TimeGrid,
+    control: LevelControl,
     /// Elapsed time that ticks count from: that of the run's beginning, unless it took up a state of another clock.
     pub(super) base: f64,
-    pub(super) sample: Sample,
+    pub(super) sample: SubstepSampler,
     /// The level that the error asks for.
     wanted: usize,
     pub(super) found: Vec<i64>,
@@ -92,9 +92,9 @@ pub(super) struct Driver {
     /// The laws at the change that was found last.
     pub(super) after: Vec<i64>,
     /// Whether the flanks of each mesh stay as they are over the step.
-    pub(super) settled: Vec<bool>,
+    pub(super) unchanged: Vec<bool>,
     /// Where they may part or meet within it.
-    pub(super) watch: Watch,
+    pub(super) contact_monitor: ContactMonitor,
     /// Changes of law since the last tick.
     pub(super) at_once: u32,
     /// Energy norm of the state.
@@ -102,9 +102,9 @@ pub(super) struct Driver {
 }
 
 impl Driver {
-    fn new(stepper: &Stepper<'_>, control: Control, state: &mut State) -> Self {
-        let clock = stepper.table.clock;
-        let continues = |base: &f64| base + clock.time(state.count) == state.elapsed;
+    fn new(stepper: &Stepper<'_>, control: LevelControl, state: &mut State) -> Self {
+        let time_grid = stepper.cache.time_grid;
+        let continues = |base: &f64| base + time_grid.time(state.count) == state.elapsed;
         if !state.memory.first().is_some_and(continues) {
             // The state of another clock: ticks count from there.
             (state.count, state.next_step) = (0, 0.0);
@@ -112,12 +112,12 @@ impl Driver {
         }
         let base = state.memory[0];
         // The step to try is kept as its length.
-        let wanted = if state.next_step > 0.0 { clock.level_of(state.next_step) } else { 0 };
+        let wanted = if state.next_step > 0.0 { time_grid.level_of(state.next_step) } else { 0 };
         Self {
-            clock,
+            time_grid,
             control,
             base,
-            sample: Sample::new(stepper),
+            sample: SubstepSampler::new(stepper),
             wanted,
             found: Vec::new(),
             point: vec![0.0; stepper.begin.len()],
@@ -126,8 +126,8 @@ impl Driver {
             loads: vec![0.0; stepper.end_load.len()],
             ends: [Vec::new(), Vec::new()],
             after: Vec::new(),
-            settled: Vec::new(),
-            watch: Watch::new(&stepper.table.rule, stepper.field.meshes()),
+            unchanged: Vec::new(),
+            contact_monitor: ContactMonitor::new(&stepper.cache.rule, stepper.field.meshes()),
             at_once: 0,
             size: 0.0,
         }
@@ -138,7 +138,7 @@ impl Driver {
         stepper: &mut Stepper<'_>,
         state: &mut State,
         end: f64,
-        output: &mut Output,
+        output: &mut OutputMap,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
@@ -146,38 +146,38 @@ impl Driver {
         let mut looks = Statistics::new();
         if switches {
             stepper.look(state.elapsed, &state.y, &mut looks)?;
-            if state.laws.is_empty() {
-                stepper.field.laws(state.elapsed, &stepper.begin, &[], &mut state.laws)?;
+            if state.contact_modes.is_empty() {
+                stepper.field.contact_modes(state.elapsed, &stepper.begin, &[], &mut state.contact_modes)?;
             }
-            stepper.field.motion.set_laws(&state.laws);
+            stepper.field.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.look(state.elapsed, &state.y, &mut looks)?;
         self.size = stepper.size(&state.y);
         statistics.begin(looks.evaluations);
         let mut read = |q: &mut [f64], v: &mut [f64]| output.read(&stepper.field, state.elapsed, &state.y, q, v);
-        observer.switched(state.elapsed, &mut read, &state.laws);
+        observer.switched(state.elapsed, &mut read, &state.contact_modes);
         let mut asked = 0;
         while state.elapsed < end || observer.next().is_some() {
             // Between two changes at one tick nothing stops: the count of them is no part of the state.
             asked += u64::from(self.at_once == 0);
-            if self.at_once == 0 && asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
+            if self.at_once == 0 && asked % CHECK_INTERVAL == 1 && !observer.go_on(state.elapsed) {
                 return Err(Halt::Interrupted);
             }
             let (level, error) = self.attempt(stepper, state, statistics)?;
             let ticks = self.to_grid(state.count, level);
-            let length = self.clock.time(ticks);
+            let length = self.time_grid.time(ticks);
             let change =
-                if switches && self.at_once < PATIENCE_AT_ONCE { self.locate(stepper, level, state)? } else { None };
+                if switches && self.at_once < MAX_CHANGES_AT_ONCE { self.locate(stepper, level, state)? } else { None };
             let until = change.map_or(state.elapsed + length, |change| change.at);
             let kept = change.map_or(ticks, |change| change.ticks);
-            if kept < self.clock.ticks(level) && self.is_off(stepper, level, state, kept, statistics)? {
+            if kept < self.time_grid.ticks(level) && self.is_off(stepper, level, state, kept, statistics)? {
                 statistics.rejected += 1;
                 self.wanted = level + 1;
                 continue;
             }
             if observer.sees_every_step() || observer.next().is_some_and(|next| next <= until) {
                 let reached = Reached { stepper, level, z: &state.y, begin: state.elapsed, end: until };
-                let mut course = Course { reached, output, sample: &mut self.sample };
+                let mut course = StepTrajectory { reached, output, sample: &mut self.sample };
                 observer.observe(&mut course, until)?;
             }
             if until > end {
@@ -194,12 +194,12 @@ impl Driver {
                 observer.switched(change.at, &mut read, found);
                 self.switch(stepper, level, state, change, statistics)?;
                 if change.ticks > 0 {
-                    statistics.accept(self.clock.time(change.ticks), false);
+                    statistics.accept(self.time_grid.time(change.ticks), false);
                 }
                 continue;
             }
             self.at_once = 0;
-            if ticks < self.clock.ticks(level) {
+            if ticks < self.time_grid.ticks(level) {
                 // The loads of a whole step tell the motion at the grid within it.
                 let at_grid = self.sample.within(stepper, level, &state.y, length);
                 stepper.after.copy_from_slice(at_grid);
@@ -222,35 +222,35 @@ impl Driver {
         ticks: u64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let Control::Adaptive { rtol, floor } = self.control else {
+        let LevelControl::Adaptive { rtol, floor } = self.control else {
             return Ok(false);
         };
-        if level == self.clock.finest || ticks == 0 {
+        if level == self.time_grid.finest || ticks == 0 {
             return Ok(false);
         }
-        let within = self.clock.time(ticks);
+        let within = self.time_grid.time(ticks);
         let z = self.sample.within(stepper, level, &state.y, within);
         let room = [&mut self.loads[..], &mut self.jumps[0][..]];
         let at = state.elapsed + within;
-        let missed = stepper.missed_at(within / self.clock.step(level), at, z, &mut self.point, room)?;
+        let defect = stepper.defect_at(within / self.time_grid.step(level), at, z, &mut self.point, room)?;
         statistics.evaluations += 1;
-        Ok(within * missed > rtol * self.size.max(floor))
+        Ok(within * defect > rtol * self.size.max(floor))
     }
 
     /// Ticks from `count` to the grid of a level, at least one and at most a step of it.
     fn to_grid(&self, count: u64, level: usize) -> u64 {
-        let ticks = self.clock.ticks(level);
+        let ticks = self.time_grid.ticks(level);
         ticks - count % ticks
     }
 
     /// The step to try next, s.
     pub(super) fn next_step(&self) -> f64 {
-        self.clock.step(self.wanted)
+        self.time_grid.step(self.wanted)
     }
 
     /// Elapsed time at a tick.
     pub(super) fn at(&self, tick: u64) -> f64 {
-        self.base + self.clock.time(tick)
+        self.base + self.time_grid.time(tick)
     }
 
     /// Takes the end of the step, after so many ticks of it, as the beginning of the next.
@@ -264,11 +264,11 @@ impl Driver {
         state.previous_error = error;
         state.next_step = self.next_step();
         state.memory.truncate(1);
-        if stepper.remembers() && ticks == self.clock.ticks(level) {
-            state.memory.extend_from_slice(&stepper.told);
+        if stepper.remembers() && ticks == self.time_grid.ticks(level) {
+            state.memory.extend_from_slice(&stepper.evaluated_loads);
             state.memory.extend_from_slice(&stepper.nodes);
-            state.memory.extend_from_slice(&stepper.follow.rigidity);
-            state.memory.extend([self.clock.step(level), stepper.contraction]);
+            state.memory.extend_from_slice(&stepper.tangent_solver.residual_tangent);
+            state.memory.extend([self.time_grid.step(level), stepper.contraction]);
         }
     }
 
@@ -277,15 +277,19 @@ impl Driver {
     /// grid; fixed steps get there by shorter ones.
     fn fitting(&self, count: u64, level: usize) -> usize {
         let shortest = match self.control {
-            Control::Fixed => self.clock.finest,
-            Control::Adaptive { .. } => (level + 1).min(self.clock.finest),
+            LevelControl::Fixed => self.time_grid.finest,
+            LevelControl::Adaptive { .. } => (level + 1).min(self.time_grid.finest),
         };
-        (level..=shortest).find(|level| count.is_multiple_of(self.clock.ticks(*level))).unwrap_or(level)
+        (level..=shortest).find(|level| count.is_multiple_of(self.time_grid.ticks(*level))).unwrap_or(level)
     }
 
     /// The level of the longest step that follows teeth whose flanks may part and that swing at so many rad/s.
     fn of_swing(&self, swing: f64) -> usize {
-        if matches!(self.control, Control::Fixed) { 0 } else { self.clock.level_of(TAU / (STEPS_A_SWING * swing)) }
+        if matches!(self.control, LevelControl::Fixed) {
+            0
+        } else {
+            self.time_grid.level_of(TAU / (STEPS_A_SWING * swing))
+        }
     }
 
     /// Tries steps until one meets the tolerance; its level and scaled error.
@@ -301,24 +305,24 @@ impl Driver {
         let mut rejected = false;
         loop {
             let solved = match self.control {
-                Control::Fixed => TIGHT * before,
-                Control::Adaptive { rtol, floor } => {
-                    let part = if stepper.table.linear.meshed { SOLVED } else { SOLVED_WHOLE };
+                LevelControl::Fixed => TIGHT * before,
+                LevelControl::Adaptive { rtol, floor } => {
+                    let part = if stepper.cache.linear.meshed { SOLVED } else { SOLVED_WHOLE };
                     part * rtol.min(LOOSEST) * before.max(floor)
                 }
             };
             stepper.guess(level, &state.memory[1..]);
-            let end = self.at(state.count + self.clock.ticks(level));
+            let end = self.at(state.count + self.time_grid.ticks(level));
             let outcome = match stepper.step(level, (state.elapsed, end), &state.y, solved, statistics) {
                 // Loads that are only tried may close the centres further than the motion does.
-                Err(Halt::Overlap { .. }) if level < self.clock.finest => Outcome::Unsolved,
+                Err(Halt::Overlap { .. }) if level < self.time_grid.finest => Outcome::Unsolved,
                 outcome => outcome?,
             };
             let shorter = if outcome == Outcome::Solved {
                 let after = stepper.size(&stepper.after);
                 let (error, tolerance) = match self.control {
-                    Control::Fixed => (0.0, f64::INFINITY),
-                    Control::Adaptive { rtol, floor } => {
+                    LevelControl::Fixed => (0.0, f64::INFINITY),
+                    LevelControl::Adaptive { rtol, floor } => {
                         let tolerance = rtol * before.max(after).max(floor);
                         (stepper.error(level) / tolerance, tolerance)
                     }
@@ -327,7 +331,7 @@ impl Driver {
                     return Err(Halt::Diverged);
                 }
                 // Teeth that turned out to swing within a long step are followed over short ones.
-                let swing = stepper.settle(level, &mut self.settled);
+                let swing = stepper.settle(level, &mut self.unchanged);
                 let bound = self.of_swing(swing);
                 if level + 1 < bound {
                     statistics.rejected += 1;
@@ -336,7 +340,7 @@ impl Driver {
                     continue;
                 }
                 // The shortest step is taken as it is: at a kink no step is short enough.
-                if error <= 1.0 || level == self.clock.finest {
+                if error <= 1.0 || level == self.time_grid.finest {
                     self.size = after;
                     if self.wanted == level && level > 0 && !rejected {
                         let foretold = stepper.error_of_longer(level) / tolerance;
@@ -345,17 +349,17 @@ impl Driver {
                     return Ok((level, error));
                 }
                 // Were it smooth, the error of so much a shorter step would be what is asked for.
-                let smooth = error.powf(-0.5 / stepper.table.rule.stages() as f64);
-                let shorter = self.clock.level_of(self.clock.step(level) * smooth);
-                shorter.clamp(level + 1, level + HALVINGS).min(self.clock.finest)
-            } else if level == self.clock.finest {
+                let smooth = error.powf(-0.5 / stepper.cache.rule.stages() as f64);
+                let shorter = self.time_grid.level_of(self.time_grid.step(level) * smooth);
+                shorter.clamp(level + 1, level + HALVINGS).min(self.time_grid.finest)
+            } else if level == self.time_grid.finest {
                 return Err(Halt::Diverged);
             } else {
                 level + 1
             };
             statistics.rejected += 1;
             rejected = true;
-            if !matches!(self.control, Control::Fixed) {
+            if !matches!(self.control, LevelControl::Fixed) {
                 self.wanted = self.wanted.max(shorter);
             }
             level = self.fitting(state.count, shorter);

@@ -14,10 +14,10 @@ impl Stepper<'_> {
         if self.field.mesh_loads() == 0 {
             return 0.0;
         }
-        let (loads, rule) = (self.field.loads(), &self.table.rule);
+        let (loads, rule) = (self.field.loads(), &self.cache.rule);
         // π is odd or even about the middle.
         let even = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
-        let (begin, end) = (&mut self.missed, &mut self.changed);
+        let (begin, end) = (&mut self.defect, &mut self.changed);
         let meshes = begin.len();
         begin.copy_from_slice(&self.begin_load[..meshes]);
         end.copy_from_slice(&self.end_load[..meshes]);
@@ -31,31 +31,31 @@ impl Stepper<'_> {
         for (begin, end) in begin.iter_mut().zip(end) {
             (*begin, *end) = ((*end + even * *begin) / 2.0, *end - even * *begin);
         }
-        let (size, change) = (self.bare(&self.missed), self.bare(&self.changed));
-        self.pace = if change > 0.0 { change / size } else { 0.0 };
-        self.unresolved = UNRESOLVED * size.max(change / 2.0);
-        self.foretold(level, 1.0)
+        let (size, change) = (self.bare(&self.defect), self.bare(&self.changed));
+        self.defect_ratio = if change > 0.0 { change / size } else { 0.0 };
+        self.unresolved_error = UNRESOLVED * size.max(change / 2.0);
+        self.predicted_error(level, 1.0)
     }
 
     /// The error that the last one foretells for a step twice as long.
     pub(super) fn error_of_longer(&self, level: usize) -> f64 {
-        self.foretold(level - 1, 2.0)
+        self.predicted_error(level - 1, 2.0)
     }
 
     /// The error of a step of `level` that is so many times as long as the last one.
     ///
     /// Of a load that the modes do not outpace, the nodes miss what is orthogonal to all polynomials below s: next to
     /// nothing. One that changes faster than the step resolves, as at a kink, is missed by its whole size.
-    fn foretold(&self, level: usize, longer: f64) -> f64 {
-        let (step, stages) = (self.table.clock.step(level), self.table.rule.stages() as i32);
-        let unresolved = (longer * self.pace).min(1.0).powi(stages);
-        (self.table.passage(level).error(self.arch, &self.missed) + step * unresolved * self.unresolved)
+    fn predicted_error(&self, level: usize, longer: f64) -> f64 {
+        let (step, stages) = (self.cache.time_grid.step(level), self.cache.rule.stages() as i32);
+        let unresolved_error = (longer * self.defect_ratio).min(1.0).powi(stages);
+        (self.cache.propagator(level).error(self.arch, &self.defect) + step * unresolved_error * self.unresolved_error)
             * longer.powi(stages)
     }
 
     /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second;
     /// the state there is `z`; `point` is room for what it sees, the others for its loads and those of the polynomial.
-    pub(super) fn missed_at(
+    pub(super) fn defect_at(
         &mut self,
         part: f64,
         elapsed: f64,
@@ -66,14 +66,14 @@ impl Stepper<'_> {
         self.see(elapsed, z, point);
         self.load_at(elapsed, point, loads)?;
         self.loads_at(part, polynomial);
-        for ((missed, load), polynomial) in self.changed.iter_mut().zip(loads).zip(polynomial) {
-            *missed = *load - *polynomial;
+        for ((defect, load), polynomial) in self.changed.iter_mut().zip(loads).zip(polynomial) {
+            *defect = *load - *polynomial;
         }
         Ok(UNRESOLVED * self.bare(&self.changed))
     }
 
     /// Energy norm that loads add to a state in a second.
     fn bare(&self, loads: &[f64]) -> f64 {
-        kernel::form(self.arch, &self.table.gram, loads).max(0.0).sqrt()
+        kernel::form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
     }
 }

@@ -6,21 +6,21 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::field::Field;
+use super::cache::InterfaceMaps;
 use super::kernel;
-use super::output::Output;
-use super::table::Ports;
-use crate::integrate::{Halt, Span, System, Trajectory};
+use super::nonlinear_loads::NonlinearLoads;
+use super::output::OutputMap;
+use crate::integrate::{FirstOrderSystem, Halt, Span, Trajectory};
 use crate::mesh::Contact;
-use crate::modal::Linear;
+use crate::modal::ModalStateSpace;
 
 /// A field on its modes, as a system to integrate.
 #[derive(Clone, Debug)]
 pub struct InModes<'m> {
-    field: Field<'m>,
-    linear: &'m Linear,
-    ports: Ports,
-    output: Output,
+    field: NonlinearLoads<'m>,
+    linear: &'m ModalStateSpace,
+    maps: InterfaceMaps,
+    output: OutputMap,
     /// Everything, where the coordinates of an instant are asked for as a whole.
     rows: Vec<f64>,
     arch: Arch,
@@ -28,23 +28,23 @@ pub struct InModes<'m> {
     u: Vec<f64>,
     loads: Vec<f64>,
     contacts: Vec<Contact>,
-    turns: Vec<Complex64>,
+    phasors: Vec<Complex64>,
 }
 
 impl<'m> InModes<'m> {
     /// The system of a field; `output` is what will be looked at.
-    pub fn new(field: Field<'m>, linear: &'m Linear, ports: Ports, output: Output) -> Self {
+    pub fn new(field: NonlinearLoads<'m>, linear: &'m ModalStateSpace, maps: InterfaceMaps, output: OutputMap) -> Self {
         Self {
-            rows: ports.rows.concat(),
+            rows: maps.rows.concat(),
             arch: Arch::new(),
             every: (0..linear.slots).collect(),
             u: vec![0.0; field.seen()],
             loads: vec![0.0; field.loads()],
             contacts: vec![Contact::default(); field.meshes()],
-            turns: vec![Complex64::ZERO; field.sources()],
+            phasors: vec![Complex64::ZERO; field.sources()],
             field,
             linear,
-            ports,
+            maps,
             output,
         }
     }
@@ -52,26 +52,26 @@ impl<'m> InModes<'m> {
     /// Scalars and rates of a state.
     fn look(&mut self, elapsed: f64, z: &[f64]) {
         kernel::scalars(self.arch, &self.rows, z, &mut self.u);
-        self.field.turns(elapsed, &mut self.turns);
-        self.field.add_synchronous(&self.turns, &mut self.u);
+        self.field.phasors(elapsed, &mut self.phasors);
+        self.field.add_synchronous(&self.phasors, &mut self.u);
     }
 
     /// What acts.
-    pub fn field(&self) -> &Field<'m> {
+    pub fn field(&self) -> &NonlinearLoads<'m> {
         &self.field
     }
 }
 
-impl System for InModes<'_> {
+impl FirstOrderSystem for InModes<'_> {
     fn len(&self) -> usize {
         self.linear.len()
     }
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.look(elapsed, z);
-        self.field.load(elapsed, &self.turns, &self.u, &mut self.loads, &mut self.contacts)?;
+        self.field.load(elapsed, &self.phasors, &self.u, &mut self.loads, &mut self.contacts)?;
         self.linear.multiply(z, derivative);
-        for (p, column) in self.loads.iter().zip(&self.ports.columns) {
+        for (p, column) in self.loads.iter().zip(&self.maps.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {
                 *derivative += b * p;
             }
@@ -100,13 +100,13 @@ impl System for InModes<'_> {
         self.output.read(&self.field, elapsed, z, q, v);
     }
 
-    fn laws_at(&mut self, elapsed: f64, z: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+    fn contact_modes_at(&mut self, elapsed: f64, z: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
         self.look(elapsed, z);
-        self.field.laws(elapsed, &self.u, &[], laws)
+        self.field.contact_modes(elapsed, &self.u, &[], contact_modes)
     }
 
-    fn set_laws(&mut self, laws: &[i64]) {
-        self.field.motion.set_laws(laws);
+    fn set_contact_modes(&mut self, contact_modes: &[i64]) {
+        self.field.motion.set_contact_modes(contact_modes);
     }
 
     fn norm(&mut self, difference: &[f64]) -> f64 {

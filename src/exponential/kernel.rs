@@ -207,7 +207,7 @@ impl Advance<'_> {
 
 /// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, where `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`; `derivatives` are those of
 /// the loads p, order after order, as many of them as are not zero.
-pub fn drift(
+pub fn taylor_step(
     arch: Arch,
     blocks: &[Vec<f64>; 4],
     columns: &[f64],
@@ -216,10 +216,10 @@ pub fn drift(
     terms: usize,
     z: &mut [f64],
 ) {
-    arch.dispatch(Drift { blocks, columns, derivatives, rest, terms, z });
+    arch.dispatch(TaylorStep { blocks, columns, derivatives, rest, terms, z });
 }
 
-struct Drift<'a> {
+struct TaylorStep<'a> {
     blocks: &'a [Vec<f64>; 4],
     columns: &'a [f64],
     derivatives: &'a [f64],
@@ -228,7 +228,7 @@ struct Drift<'a> {
     z: &'a mut [f64],
 }
 
-impl WithSimd for Drift<'_> {
+impl WithSimd for TaylorStep<'_> {
     type Output = ();
 
     #[inline(always)]

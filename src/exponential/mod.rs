@@ -10,36 +10,36 @@
 //! Time counts in ticks, the shortest step, and a step is a power of two of them that divides the time it begins at.
 //! Coefficients are tabulated for each: a step that ends at a tooth event or at a time asked for rebuilds nothing.
 
-mod change;
-mod clock;
+mod cache;
+mod contact_change;
+mod contact_monitor;
+mod contact_tangent;
 mod dense;
 mod driver;
 mod estimate;
-mod field;
-mod follow;
 mod in_modes;
+mod jump;
 mod kernel;
-mod level;
-mod newton;
+mod nonlinear_loads;
 mod output;
 mod packed;
 mod phi;
-mod rule;
-mod sample;
-mod shift;
+mod propagator;
+mod quadrature;
+mod small_lu;
 mod solve;
 mod step;
-mod table;
-mod watch;
+mod substep;
+mod time_grid;
 
-pub use clock::Clock;
-pub use driver::{Control, run};
-pub use field::{Field, is_resonant};
+pub use cache::{InterfaceMaps, PropagatorCache};
+pub use driver::{LevelControl, run};
 pub use in_modes::InModes;
-pub use output::{Output, Selection};
-pub use rule::{MOST as MOST_STAGES, Rule};
+pub use nonlinear_loads::{NonlinearLoads, is_resonant};
+pub use output::{OutputMap, Selection};
+pub use quadrature::{MOST as MOST_STAGES, QuadratureRule};
 pub use step::Stepper;
-pub use table::{Ports, Table};
+pub use time_grid::TimeGrid;
 
 /// What became of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

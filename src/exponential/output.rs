@@ -4,12 +4,12 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::driver::Reached;
-use super::field::{Field, add_turned};
 use super::kernel;
+use super::nonlinear_loads::{NonlinearLoads, add_turned};
 use super::packed::Rows;
-use super::sample::Sample;
+use super::substep::SubstepSampler;
 use crate::integrate::{Span, Trajectory, at_each};
-use crate::modal::Linear;
+use crate::modal::ModalStateSpace;
 
 /// Coordinates that are looked at.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +22,7 @@ pub struct Selection {
 
 /// The rows of a selection.
 #[derive(Clone, Debug)]
-pub struct Output {
+pub struct OutputMap {
     selection: Selection,
     rows: Rows,
     reference: Vec<f64>,
@@ -33,13 +33,13 @@ pub struct Output {
     values: Vec<f64>,
     /// What is seen of both ends of a step.
     ends: Vec<f64>,
-    turns: Vec<Complex64>,
+    phasors: Vec<Complex64>,
     arch: Arch,
 }
 
-impl Output {
+impl OutputMap {
     /// What a selection of a field's motion needs.
-    pub fn new(field: &Field<'_>, linear: &Linear, selection: Selection) -> Self {
+    pub fn new(field: &NonlinearLoads<'_>, linear: &ModalStateSpace, selection: Selection) -> Self {
         let both = || {
             let displacements = selection.displacements.iter().map(|index| (*index, false));
             displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
@@ -53,7 +53,7 @@ impl Output {
             states: Vec::with_capacity(linear.len()),
             values: Vec::with_capacity(both().count()),
             ends: Vec::new(),
-            turns: vec![Complex64::ZERO; field.sources()],
+            phasors: vec![Complex64::ZERO; field.sources()],
             rows: Rows::new(&rows, &linear.parts),
             reference,
             amplitudes,
@@ -63,7 +63,7 @@ impl Output {
     }
 
     /// Displacements and velocities of the selection at a state, into whole vectors.
-    pub fn read(&mut self, field: &Field<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
+    pub fn read(&mut self, field: &NonlinearLoads<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
         self.gather(z);
         self.read_gathered(field, &[elapsed], q, v);
     }
@@ -74,7 +74,7 @@ impl Output {
     }
 
     /// The same at the instants of the states that were gathered, one vector after the other.
-    pub(super) fn read_gathered(&mut self, field: &Field<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+    pub(super) fn read_gathered(&mut self, field: &NonlinearLoads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
         self.see(instants.len());
         self.write(field, instants, q, v);
     }
@@ -82,7 +82,7 @@ impl Output {
     /// The same within a step whose ends are known with their rates, by the cubic through them.
     pub(super) fn interpolate(
         &mut self,
-        field: &Field<'_>,
+        field: &NonlinearLoads<'_>,
         span: &Span<'_>,
         instants: &[f64],
         q: &mut [f64],
@@ -112,14 +112,14 @@ impl Output {
     }
 
     /// Adds what is carried to the values and writes them where they belong.
-    fn write(&mut self, field: &Field<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+    fn write(&mut self, field: &NonlinearLoads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
         let count = self.rows.count.max(1);
         for (values, (elapsed, q, v)) in self.values.chunks_exact_mut(count).zip(at_each(instants, q, v)) {
-            field.turns(elapsed, &mut self.turns);
+            field.phasors(elapsed, &mut self.phasors);
             for (value, reference) in values.iter_mut().zip(&self.reference) {
                 *value += reference;
             }
-            for (turn, amplitudes) in self.turns.iter().zip(self.amplitudes.chunks_exact(count)) {
+            for (turn, amplitudes) in self.phasors.iter().zip(self.amplitudes.chunks_exact(count)) {
                 add_turned(amplitudes, *turn, values);
             }
             let (displacements, velocities) = values.split_at(self.selection.displacements.len());
@@ -134,13 +134,13 @@ impl Output {
 }
 
 /// The motion over a step, for those who look at it.
-pub(super) struct Course<'a, 'm> {
+pub(super) struct StepTrajectory<'a, 'm> {
     pub reached: Reached<'a, 'm>,
-    pub output: &'a mut Output,
-    pub sample: &'a mut Sample,
+    pub output: &'a mut OutputMap,
+    pub sample: &'a mut SubstepSampler,
 }
 
-impl Trajectory for Course<'_, '_> {
+impl Trajectory for StepTrajectory<'_, '_> {
     fn begin(&self) -> f64 {
         self.reached.begin
     }
@@ -151,7 +151,7 @@ impl Trajectory for Course<'_, '_> {
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let Reached { stepper, level, z, begin, .. } = self.reached;
-        let step = stepper.table.clock.step(level);
+        let step = stepper.cache.time_grid.step(level);
         for elapsed in instants {
             let within = elapsed - begin;
             // Times asked for on the grid of the steps are met as exactly as they can be told.

@@ -5,7 +5,7 @@
 
 use num_complex::Complex64;
 
-use crate::modal::Pair;
+use crate::modal::ModePair;
 
 /// φ_0 to φ_5: enough for four nodes and the error of their polynomial.
 pub const COUNT: usize = 6;
@@ -53,17 +53,17 @@ pub fn phi<const N: usize>(z: Complex64) -> [Complex64; N] {
 }
 
 /// φ_0 to φ_5 of the matrix of a pair times `step`.
-pub fn phi_of_pair(pair: &Pair, step: f64) -> [Block; COUNT] {
+pub fn phi_of_pair(pair: &ModePair, step: f64) -> [Block; COUNT] {
     match pair {
         // The matrix a·1 + b·J with J² = −1 is the complex number a + ib.
-        Pair::Oscillation(value) => phi(value * step).map(|f| [[f.re, f.im], [-f.im, f.re]]),
-        Pair::Real(values) => {
+        ModePair::Oscillation(value) => phi(value * step).map(|f| [[f.re, f.im], [-f.im, f.re]]),
+        ModePair::Real(values) => {
             let [a, d] = values.map(|value| phi::<COUNT>(Complex64::new(value * step, 0.0)));
             std::array::from_fn(|m| [[a[m].re, 0.0], [0.0, d[m].re]])
         }
         // A function f of a triangular block has the divided difference (f(λ) − f(0))/λ beside its diagonal, and that of
         // φ_m is φ_{m+1}.
-        Pair::Coasting(rate) => {
+        ModePair::RigidBodyPair(rate) => {
             let f = phi::<{ COUNT + 1 }>(Complex64::new(rate * step, 0.0));
             std::array::from_fn(|m| [[INVERSE_FACTORIAL[m], step * f[m + 1].re], [0.0, f[m].re]])
         }

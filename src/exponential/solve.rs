@@ -26,35 +26,35 @@ impl Stepper<'_> {
     fn respond(&mut self, level: usize, i: usize) {
         let of_node = i * self.field.seen()..(i + 1) * self.field.seen();
         let node = &mut self.nodes[of_node.clone()];
-        node.copy_from_slice(&self.free[of_node]);
-        kernel::accumulate_panel(self.arch, &self.table.sight(level).response[i], &self.loads, node);
+        node.copy_from_slice(&self.homogeneous_response[of_node]);
+        kernel::accumulate_panel(self.arch, &self.cache.stage_response(level).response[i], &self.loads, node);
     }
 
     /// What the loads that stand cause at all nodes.
     fn respond_all(&mut self, level: usize) {
-        (0..self.table.rule.stages()).for_each(|i| self.respond(level, i));
+        (0..self.cache.rule.stages()).for_each(|i| self.respond(level, i));
     }
 
     /// Lets the nodes of the last step see what its loads cause, where that has been left open.
-    pub(super) fn catch_up(&mut self, level: usize) {
-        if std::mem::take(&mut self.lags) {
+    pub(super) fn refresh(&mut self, level: usize) {
+        if std::mem::take(&mut self.stage_state_stale) {
             self.respond_all(level);
         }
     }
 
-    /// Evaluates the loads at node `i`, into `trial`.
+    /// Evaluates the loads at node `i`, into `residual`.
     fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
         let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
-        let time = elapsed + self.table.rule.nodes[i] * self.table.clock.step(level);
-        let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.trial[i * loads..(i + 1) * loads]);
-        let sources = self.turns.len();
-        let turns = &self.node_turns[i * sources..(i + 1) * sources];
-        self.field.load(time, turns, u, load, &mut self.contacts[i * meshes..(i + 1) * meshes])
+        let time = elapsed + self.cache.rule.nodes[i] * self.cache.time_grid.step(level);
+        let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.residual[i * loads..(i + 1) * loads]);
+        let sources = self.phasors.len();
+        let phasors = &self.stage_phasors[i * sources..(i + 1) * sources];
+        self.field.load(time, phasors, u, load, &mut self.contacts[i * meshes..(i + 1) * meshes])
     }
 
-    /// Evaluates the loads at all nodes, into `trial`.
+    /// Evaluates the loads at all nodes, into `residual`.
     fn sweep(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        let stages = self.table.rule.stages();
+        let stages = self.cache.rule.stages();
         for i in 0..stages {
             self.evaluate(level, elapsed, i)?;
         }
@@ -64,28 +64,28 @@ impl Stepper<'_> {
 
     /// Evaluates node after node, each under the latest loads of all.
     pub(super) fn pass(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        let (stages, loads) = (self.table.rule.stages(), self.field.loads());
+        let (stages, loads) = (self.cache.rule.stages(), self.field.loads());
         for i in 0..stages {
             self.respond(level, i);
             self.evaluate(level, elapsed, i)?;
             let of_node = i * loads..(i + 1) * loads;
-            let (stood, found) = (&mut self.loads[of_node.clone()], &mut self.trial[of_node.clone()]);
+            let (stood, found) = (&mut self.loads[of_node.clone()], &mut self.residual[of_node.clone()]);
             stood.swap_with_slice(found);
         }
         statistics.evaluations += stages as u64;
         Ok(())
     }
 
-    /// Adds what is missing of the loads at all nodes, and what follows from that; what was missing is left in `trial`.
+    /// Adds what is missing of the loads at all nodes, and what follows from that; what was missing is left in `residual`.
     /// Whether that can be solved.
     fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<bool, Halt> {
         self.respond_all(level);
         self.sweep(level, elapsed, statistics)?;
-        self.told.copy_from_slice(&self.trial);
-        for (load, found) in self.loads.iter_mut().zip(&mut self.trial) {
+        self.evaluated_loads.copy_from_slice(&self.residual);
+        for (load, found) in self.loads.iter_mut().zip(&mut self.residual) {
             (*load, *found) = (*found, *found - *load);
         }
-        Ok(self.follow(level))
+        Ok(self.correct(level))
     }
 
     /// Solves stage equations that are linear: p = P(u_free) + P′ H p. Whether that succeeded.
@@ -96,30 +96,30 @@ impl Stepper<'_> {
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
         let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
-        self.nodes.copy_from_slice(&self.free);
+        self.nodes.copy_from_slice(&self.homogeneous_response);
         self.sweep(level, elapsed, statistics)?;
-        let (sight, stages) = (self.table.sight(level), self.table.rule.stages());
-        self.loads.copy_from_slice(&self.trial);
-        self.newton.begin();
-        for (node, trial) in self.trial.chunks_exact(loads).enumerate() {
-            for (k, own) in trial[..meshes].iter().enumerate() {
+        let (stage_response, stages) = (self.cache.stage_response(level), self.cache.rule.stages());
+        self.loads.copy_from_slice(&self.residual);
+        self.small_lu.begin();
+        for (node, residual) in self.residual.chunks_exact(loads).enumerate() {
+            for (k, own) in residual[..meshes].iter().enumerate() {
                 let row = node * meshes + k;
-                let slope = -self.field.rigidity(k, &self.contacts[row])[0];
-                let response = sight.response_of(node, k);
-                self.newton.add_row(row, slope, meshes, loads, &response);
+                let slope = -self.field.residual_tangent(k, &self.contacts[row])[0];
+                let response = stage_response.response_of(node, k);
+                self.small_lu.add_row(row, slope, meshes, loads, &response);
                 // What is prescribed acts through the slope too.
                 let prescribed = (0..stages).flat_map(|node| node * loads + meshes..(node + 1) * loads);
-                let others = prescribed.map(|column| response(column) * self.trial[column]);
-                self.newton.right[row] = own + slope * others.sum::<f64>();
+                let others = prescribed.map(|column| response(column) * self.residual[column]);
+                self.small_lu.right[row] = own + slope * others.sum::<f64>();
             }
         }
-        if !self.newton.solve() {
+        if !self.small_lu.solve() {
             return Ok(false);
         }
-        for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.newton.right.chunks_exact(meshes.max(1))) {
+        for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.small_lu.right.chunks_exact(meshes.max(1))) {
             loads[..meshes].copy_from_slice(solved);
         }
-        self.lags = true;
+        self.stage_state_stale = true;
         Ok(true)
     }
 
@@ -131,9 +131,9 @@ impl Stepper<'_> {
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let step = self.table.clock.step(level);
+        let step = self.cache.time_grid.step(level);
         let mut before = f64::INFINITY;
-        if !self.anticipate(level) {
+        if !self.predict(level) {
             return Ok(false);
         }
         for iteration in 0..ITERATIONS {
@@ -151,7 +151,7 @@ impl Stepper<'_> {
             let shrinks = contraction.max(TRUSTED);
             let left = if shrinks < 1.0 { change * shrinks / (1.0 - shrinks) } else { change };
             if left <= tolerance || change <= ROUND_OFF * self.added(step) {
-                self.lags = true;
+                self.stage_state_stale = true;
                 return Ok(true);
             }
             if iteration > 1 && contraction > SLOW {
@@ -162,11 +162,11 @@ impl Stepper<'_> {
         self.newton(level, elapsed, tolerance, statistics)
     }
 
-    /// Energy norm of what the changes in `trial` add to a state over a step.
+    /// Energy norm of what the changes in `residual` add to a state over a step.
     pub(super) fn change(&self, step: f64) -> f64 {
         let mut change: f64 = 0.0;
-        for changes in self.trial.chunks_exact(self.field.loads()) {
-            let square = kernel::form(self.arch, &self.table.gram, &changes[..self.field.mesh_loads()]);
+        for changes in self.residual.chunks_exact(self.field.loads()) {
+            let square = kernel::form(self.arch, &self.cache.gram, &changes[..self.field.mesh_loads()]);
             if !square.is_finite() {
                 return f64::INFINITY;
             }
@@ -179,7 +179,7 @@ impl Stepper<'_> {
     fn added(&self, step: f64) -> f64 {
         let meshes = self.field.mesh_loads();
         let nodes = self.loads.chunks_exact(self.field.loads());
-        step * nodes.map(|loads| kernel::form(self.arch, &self.table.gram, &loads[..meshes])).fold(0.0, f64::max).sqrt()
+        step * nodes.map(|loads| kernel::form(self.arch, &self.cache.gram, &loads[..meshes])).fold(0.0, f64::max).sqrt()
     }
 
     pub(super) fn newton(
@@ -193,12 +193,12 @@ impl Stepper<'_> {
         for _ in 0..NEWTON {
             self.respond_all(level);
             self.sweep(level, elapsed, statistics)?;
-            let (sight, step) = (self.table.sight(level), self.table.clock.step(level));
-            self.newton.begin();
-            for (i, node) in self.table.rule.nodes.iter().enumerate() {
-                let turns = &self.node_turns[i * self.turns.len()..(i + 1) * self.turns.len()];
+            let (stage_response, step) = (self.cache.stage_response(level), self.cache.time_grid.step(level));
+            self.small_lu.begin();
+            for (i, node) in self.cache.rule.nodes.iter().enumerate() {
+                let phasors = &self.stage_phasors[i * self.phasors.len()..(i + 1) * self.phasors.len()];
                 let u = &mut self.nodes[i * seen..(i + 1) * seen];
-                let load = &self.trial[i * loads..(i + 1) * loads];
+                let load = &self.residual[i * loads..(i + 1) * loads];
                 let time = elapsed + node * step;
                 for k in 0..seen {
                     // A small part of it, and of what a mesh moves by: a nanometre, or so many radians.
@@ -206,30 +206,31 @@ impl Stepper<'_> {
                     let stands = u[k];
                     u[k] += small;
                     let moved = u[k] - stands;
-                    let slopes = self.newton.slopes(loads);
-                    let outcome = self.field.load(time, turns, u, slopes, &mut self.contacts_elsewhere);
+                    let slopes = self.small_lu.slopes(loads);
+                    let outcome = self.field.load(time, phasors, u, slopes, &mut self.contacts_elsewhere);
                     u[k] = stands;
                     outcome?;
                     for (slope, load) in slopes.iter_mut().zip(load) {
                         *slope = (*slope - load) / moved;
                     }
-                    self.newton.add(i * meshes, meshes, loads, sight.response_of(i, k));
+                    self.small_lu.add(i * meshes, meshes, loads, stage_response.response_of(i, k));
                 }
                 statistics.evaluations += seen as u64;
             }
             // (1 − P′H) Δp = P(u) − p for the loads of the meshes; the others are what they are.
-            for (i, (old, new)) in self.loads.chunks_exact_mut(loads).zip(self.trial.chunks_exact(loads)).enumerate() {
+            for (i, (old, new)) in self.loads.chunks_exact_mut(loads).zip(self.residual.chunks_exact(loads)).enumerate()
+            {
                 for k in 0..meshes {
-                    self.newton.right[i * meshes + k] = new[k] - old[k];
+                    self.small_lu.right[i * meshes + k] = new[k] - old[k];
                 }
                 old[meshes..].copy_from_slice(&new[meshes..]);
             }
-            if !self.newton.solve() {
+            if !self.small_lu.solve() {
                 return Ok(false);
             }
-            let solved = self.newton.right.chunks_exact(meshes.max(1));
+            let solved = self.small_lu.right.chunks_exact(meshes.max(1));
             for ((load, change), solved) in
-                self.loads.chunks_exact_mut(loads).zip(self.trial.chunks_exact_mut(loads)).zip(solved)
+                self.loads.chunks_exact_mut(loads).zip(self.residual.chunks_exact_mut(loads)).zip(solved)
             {
                 for ((load, change), solved) in load.iter_mut().zip(change).zip(solved) {
                     *load += solved;
@@ -242,7 +243,7 @@ impl Stepper<'_> {
             }
             if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * self.added(step) {
                 self.respond_all(level);
-                self.told.copy_from_slice(&self.loads);
+                self.evaluated_loads.copy_from_slice(&self.loads);
                 return Ok(true);
             }
         }

@@ -3,25 +3,25 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::field::Field;
-use super::follow::Follow;
+use super::cache::{InterfaceMaps, PropagatorCache};
+use super::contact_tangent::ContactTangentSolver;
+use super::jump::Powers;
 use super::kernel::{Aligned, aligned};
-use super::newton::Newton;
+use super::nonlinear_loads::NonlinearLoads;
 use super::packed::Rows;
-use super::rule::MOST;
-use super::shift::Powers;
-use super::table::{Ports, Table};
+use super::quadrature::MOST;
+use super::small_lu::SmallLu;
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
-use crate::modal::Linear;
+use crate::modal::ModalStateSpace;
 
 /// The method with all that a step needs.
 #[derive(Clone, Debug)]
 pub struct Stepper<'m> {
     /// What acts.
-    pub field: Field<'m>,
-    pub(super) table: Table<'m>,
+    pub field: NonlinearLoads<'m>,
+    pub(super) cache: PropagatorCache<'m>,
     pub(super) arch: Arch,
     /// How many steps were tried.
     pub(super) steps: u64,
@@ -36,9 +36,9 @@ pub struct Stepper<'m> {
     pub(super) loads: Vec<f64>,
     /// Scalars and rates at the nodes, and the loads that they have told.
     pub(super) nodes: Vec<f64>,
-    pub(super) told: Vec<f64>,
+    pub(super) evaluated_loads: Vec<f64>,
     /// Whether the nodes have yet to see what has become of the loads since.
-    pub(super) lags: bool,
+    pub(super) stage_state_stale: bool,
     /// Scalars and rates, and loads, at the beginning and at the end.
     pub(super) begin: Vec<f64>,
     pub(super) end: Vec<f64>,
@@ -46,25 +46,25 @@ pub struct Stepper<'m> {
     pub(super) end_load: Vec<f64>,
     /// The state at the end.
     pub(super) after: Vec<f64>,
-    pub(super) free: Vec<f64>,
-    pub(super) trial: Vec<f64>,
-    pub(super) turns: Vec<Complex64>,
+    pub(super) homogeneous_response: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) phasors: Vec<Complex64>,
     /// The same, real and imaginary part after each other.
-    turn_parts: Vec<f64>,
+    phasor_parts: Vec<f64>,
     /// The elapsed time of these turns.
     turned: f64,
     /// Turns at the nodes, node after node, where loads depend on them.
-    pub(super) node_turns: Vec<Complex64>,
-    pub(super) missed: Vec<f64>,
+    pub(super) stage_phasors: Vec<Complex64>,
+    pub(super) defect: Vec<f64>,
     /// How much what is missed changes over a step, and that in parts of its size.
     pub(super) changed: Vec<f64>,
-    pub(super) pace: f64,
+    pub(super) defect_ratio: f64,
     /// Energy norm that what is missed adds to a state in a second.
-    pub(super) unresolved: f64,
+    pub(super) unresolved_error: f64,
     /// How many times as long as the step before it the last one was, with the weights that foretell its loads.
-    beyond: (f64, Vec<f64>),
+    extrapolation: (f64, Vec<f64>),
     /// Twice the energy of the meshes beside that of the state that was looked at last.
-    strain: f64,
+    mesh_energy_norm: f64,
     /// Contacts of the meshes at the nodes, node after node, at the beginning and at the end.
     pub(super) contacts: Vec<Contact>,
     pub(super) contacts_at_begin: Vec<Contact>,
@@ -75,57 +75,57 @@ pub struct Stepper<'m> {
     /// Whether the flanks of a mesh may part, and whether teeth come and go at once.
     parts: bool,
     pub(super) sharp: bool,
-    pub(super) newton: Newton,
-    pub(super) follow: Follow,
+    pub(super) small_lu: SmallLu,
+    pub(super) tangent_solver: ContactTangentSolver,
     /// By how much an iteration of the loads shrinks what is missing, as far as that is known.
     pub(super) contraction: f64,
 }
 
 impl<'m> Stepper<'m> {
     /// A stepper of a field, with a table of steps.
-    pub fn new(field: Field<'m>, table: Table<'m>) -> Self {
-        let (linear, ports) = (table.linear, &table.ports);
-        let (stages, seen, loads) = (table.rule.stages(), field.seen(), field.loads());
+    pub fn new(field: NonlinearLoads<'m>, cache: PropagatorCache<'m>) -> Self {
+        let (linear, maps) = (cache.linear, &cache.maps);
+        let (stages, seen, loads) = (cache.rule.stages(), field.seen(), field.loads());
         Self {
             arch: Arch::new(),
             steps: 0,
-            bare_rows: Rows::new(&ports.rows, &ports.parts),
-            bare_columns: aligned(&ports.columns.concat()),
-            powers: Powers::new(linear, ports),
-            mobility: mobility(linear, ports, field.mesh_loads()),
+            bare_rows: Rows::new(&maps.rows, &maps.parts),
+            bare_columns: aligned(&maps.columns.concat()),
+            powers: Powers::new(linear, maps),
+            mobility: mobility(linear, maps, field.mesh_loads()),
             loads: vec![0.0; stages * loads],
             nodes: vec![0.0; stages * seen],
-            told: vec![0.0; stages * loads],
-            lags: false,
+            evaluated_loads: vec![0.0; stages * loads],
+            stage_state_stale: false,
             begin: vec![0.0; seen],
             end: vec![0.0; seen],
             begin_load: vec![0.0; loads],
             end_load: vec![0.0; loads],
             after: vec![0.0; linear.len()],
-            free: vec![0.0; stages * seen],
-            trial: vec![0.0; stages * loads],
-            turns: vec![Complex64::ZERO; field.sources()],
-            turn_parts: vec![0.0; 2 * field.sources()],
+            homogeneous_response: vec![0.0; stages * seen],
+            residual: vec![0.0; stages * loads],
+            phasors: vec![Complex64::ZERO; field.sources()],
+            phasor_parts: vec![0.0; 2 * field.sources()],
             turned: f64::NAN,
-            node_turns: vec![Complex64::ZERO; stages * field.sources()],
-            missed: vec![0.0; field.mesh_loads()],
+            stage_phasors: vec![Complex64::ZERO; stages * field.sources()],
+            defect: vec![0.0; field.mesh_loads()],
             changed: vec![0.0; field.mesh_loads()],
-            pace: 0.0,
-            unresolved: 0.0,
-            beyond: (0.0, vec![0.0; stages * (stages + 1)]),
-            newton: Newton::new(stages * field.mesh_loads()),
-            follow: Follow::new(&field, &ports.tangents, stages),
+            defect_ratio: 0.0,
+            unresolved_error: 0.0,
+            extrapolation: (0.0, vec![0.0; stages * (stages + 1)]),
+            small_lu: SmallLu::new(stages * field.mesh_loads()),
+            tangent_solver: ContactTangentSolver::new(&field, &maps.tangents, stages),
             contraction: f64::INFINITY,
             contacts: vec![Contact::default(); stages * field.meshes()],
             contacts_at_begin: vec![Contact::default(); field.meshes()],
             contacts_at_end: vec![Contact::default(); field.meshes()],
             contacts_elsewhere: vec![Contact::default(); field.meshes()],
-            strain: 0.0,
+            mesh_energy_norm: 0.0,
             affine: field.is_affine(),
             parts: field.motion.parts(),
             sharp: field.motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
             field,
-            table,
+            cache,
         }
     }
 
@@ -133,12 +133,12 @@ impl<'m> Stepper<'m> {
     pub(super) fn size(&self, z: &[f64]) -> f64 {
         let mut square = [0.0];
         kernel::scalars(self.arch, z, z, &mut square);
-        (square[0] + self.strain + self.field.synchronous_size.powi(2)).sqrt()
+        (square[0] + self.mesh_energy_norm + self.field.synchronous_size.powi(2)).sqrt()
     }
 
     /// Twice the energy of the meshes that that of a state of such scalars does not contain.
-    fn strain(&self, seen: &[f64]) -> f64 {
-        self.table.ports.tangents.iter().map(|tangent| tangent.strain(seen).powi(2)).sum()
+    fn mesh_energy_norm(&self, seen: &[f64]) -> f64 {
+        self.cache.maps.tangents.iter().map(|tangent| tangent.mesh_energy_norm(seen).powi(2)).sum()
     }
 
     /// By how much the polynomial of scalars and rates is off at a part of the last step, where the state is `z`; `point`
@@ -160,7 +160,7 @@ impl<'m> Stepper<'m> {
     /// Turns what turns to an instant: a step begins where the one before it has ended.
     fn turn(&mut self, elapsed: f64) {
         if self.turned != elapsed {
-            self.field.turns(elapsed, &mut self.turns);
+            self.field.phasors(elapsed, &mut self.phasors);
             self.turned = elapsed;
         }
     }
@@ -168,10 +168,10 @@ impl<'m> Stepper<'m> {
     /// Scalars, rates and loads of the state that a step begins with.
     pub(super) fn look(&mut self, elapsed: f64, z: &[f64], statistics: &mut Statistics) -> Result<(), Halt> {
         kernel::seen(self.arch, &self.bare_rows, z, &mut self.begin);
-        self.strain = self.strain(&self.begin);
+        self.mesh_energy_norm = self.mesh_energy_norm(&self.begin);
         self.turn(elapsed);
-        self.field.add_synchronous(&self.turns, &mut self.begin);
-        self.field.load(elapsed, &self.turns, &self.begin, &mut self.begin_load, &mut self.contacts_at_begin)?;
+        self.field.add_synchronous(&self.phasors, &mut self.begin);
+        self.field.load(elapsed, &self.phasors, &self.begin, &mut self.begin_load, &mut self.contacts_at_begin)?;
         statistics.evaluations += 1;
         Ok(())
     }
@@ -179,10 +179,10 @@ impl<'m> Stepper<'m> {
     /// Scalars, rates and loads of the state that a step ends with.
     pub(super) fn look_ahead(&mut self, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
         kernel::seen(self.arch, &self.bare_rows, &self.after, &mut self.end);
-        self.strain = self.strain(&self.end);
+        self.mesh_energy_norm = self.mesh_energy_norm(&self.end);
         self.turn(elapsed);
-        self.field.add_synchronous(&self.turns, &mut self.end);
-        self.field.load(elapsed, &self.turns, &self.end, &mut self.end_load, &mut self.contacts_at_end)?;
+        self.field.add_synchronous(&self.phasors, &mut self.end);
+        self.field.load(elapsed, &self.phasors, &self.end, &mut self.end_load, &mut self.contacts_at_end)?;
         statistics.evaluations += 1;
         Ok(())
     }
@@ -198,17 +198,17 @@ impl<'m> Stepper<'m> {
 
     /// How fast they swing at its nodes and its end, and for each mesh whether its flanks stay as they are, from one node
     /// to the next; nothing where no flanks part.
-    pub(super) fn settle(&self, level: usize, settled: &mut Vec<bool>) -> f64 {
-        settled.clear();
+    pub(super) fn settle(&self, level: usize, unchanged: &mut Vec<bool>) -> f64 {
+        unchanged.clear();
         if !self.parts {
             return 0.0;
         }
-        let gap = self.table.rule.gap() * self.table.clock.step(level);
-        settled.resize(self.field.meshes(), true);
+        let gap = self.cache.rule.gap() * self.cache.time_grid.step(level);
+        unchanged.resize(self.field.meshes(), true);
         let mut swing: f64 = 0.0;
-        for contacts in self.contacts.chunks_exact(settled.len().max(1)).chain([&self.contacts_at_end[..]]) {
-            for (settled, hold) in settled.iter_mut().zip(self.field.holds(contacts)) {
-                *settled &= hold.time >= gap;
+        for contacts in self.contacts.chunks_exact(unchanged.len().max(1)).chain([&self.contacts_at_end[..]]) {
+            for (unchanged, hold) in unchanged.iter_mut().zip(self.field.holds(contacts)) {
+                *unchanged &= hold.time >= gap;
                 swing = swing.max(hold.swing);
             }
         }
@@ -244,30 +244,30 @@ impl<'m> Stepper<'m> {
         if !self.remembers() {
             return;
         }
-        let (loads, seen, rule) = (self.field.loads(), self.field.seen(), &self.table.rule);
-        let step = self.table.clock.step(level);
+        let (loads, seen, rule) = (self.field.loads(), self.field.seen(), &self.cache.rule);
+        let step = self.cache.time_grid.step(level);
         let kept = self.loads.len() + self.nodes.len();
         // That of a run of other stages is of no use.
-        let whole = kept + self.follow.rigidity.len() + 2;
+        let whole = kept + self.tangent_solver.residual_tangent.len() + 2;
         let Some([memory @ .., length, contraction]) = (memory.len() == whole).then_some(memory) else {
             self.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&self.begin_load));
             self.nodes.chunks_exact_mut(seen).for_each(|node| node.copy_from_slice(&self.begin));
             self.contraction = f64::INFINITY;
-            self.follow.guess(&self.field, &self.contacts_at_begin, None);
+            self.tangent_solver.guess(&self.field, &self.contacts_at_begin, None);
             return;
         };
-        let (memory, rigidity) = memory.split_at(kept);
-        self.follow.guess(&self.field, &self.contacts_at_begin, Some(rigidity));
+        let (memory, residual_tangent) = memory.split_at(kept);
+        self.tangent_solver.guess(&self.field, &self.contacts_at_begin, Some(residual_tangent));
         // It grows as the square of a step under stiffness, and as the step itself under damping.
         let longer = step / length;
         self.contraction = contraction * longer.max(longer * longer);
-        if self.beyond.0 != longer {
-            rule.beyond(longer, &mut self.beyond.1);
-            self.beyond.0 = longer;
+        if self.extrapolation.0 != longer {
+            rule.extrapolation(longer, &mut self.extrapolation.1);
+            self.extrapolation.0 = longer;
         }
         let (before, seen_before) = memory.split_at(self.loads.len());
-        kernel::extrapolate(self.arch, &self.begin_load, before, &self.beyond.1, &mut self.loads);
-        kernel::extrapolate(self.arch, &self.begin, seen_before, &self.beyond.1, &mut self.nodes);
+        kernel::extrapolate(self.arch, &self.begin_load, before, &self.extrapolation.1, &mut self.loads);
+        kernel::extrapolate(self.arch, &self.begin, seen_before, &self.extrapolation.1, &mut self.nodes);
     }
 
     /// Steps from `z` at `elapsed` by a level's step to `end`, which round-off may part from their sum; the state after
@@ -284,22 +284,27 @@ impl<'m> Stepper<'m> {
         statistics: &mut Statistics,
     ) -> Result<Outcome, Halt> {
         self.steps += 1;
-        self.lags = false;
+        self.stage_state_stale = false;
         if self.field.loads() > 0 {
             self.turn(elapsed);
-            let sight = self.table.sight(level);
-            kernel::seen(self.arch, &sight.rows, z, &mut self.free);
-            for (parts, turn) in self.turn_parts.chunks_exact_mut(2).zip(&self.turns) {
+            let stage_response = self.cache.stage_response(level);
+            kernel::seen(self.arch, &stage_response.rows, z, &mut self.homogeneous_response);
+            for (parts, turn) in self.phasor_parts.chunks_exact_mut(2).zip(&self.phasors) {
                 parts.copy_from_slice(&[turn.re, turn.im]);
             }
-            kernel::accumulate_panel(self.arch, &sight.synchronous, &self.turn_parts, &mut self.free);
+            kernel::accumulate_panel(
+                self.arch,
+                &stage_response.synchronous,
+                &self.phasor_parts,
+                &mut self.homogeneous_response,
+            );
             if self.field.is_resonant() {
-                let turns = self.turns.iter().cycle().zip(&sight.turns);
-                for (at_node, (turn, by)) in self.node_turns.iter_mut().zip(turns) {
+                let phasors = self.phasors.iter().cycle().zip(&stage_response.phasors);
+                for (at_node, (turn, by)) in self.stage_phasors.iter_mut().zip(phasors) {
                     *at_node = turn * by;
                 }
             }
-            if self.table.rule.explicit {
+            if self.cache.rule.explicit {
                 self.pass(level, elapsed, statistics)?;
             } else if self.affine {
                 if !self.solve_affine(level, elapsed, statistics)? {
@@ -309,21 +314,21 @@ impl<'m> Stepper<'m> {
                 return Ok(Outcome::Unsolved);
             }
         }
-        self.table.passage(level).advance(self.arch, &self.loads, z, &mut self.after);
+        self.cache.propagator(level).advance(self.arch, &self.loads, z, &mut self.after);
         self.look_ahead(end, statistics)?;
         Ok(Outcome::Solved)
     }
 
     /// Whether a step begins with what the one before it tells.
     pub(super) fn remembers(&self) -> bool {
-        !self.affine && !self.table.rule.explicit && self.field.mesh_loads() > 0
+        !self.affine && !self.cache.rule.explicit && self.field.mesh_loads() > 0
     }
 
     /// Scalars and rates at a part of the last step, by the polynomial through its beginning, its nodes and its end.
     pub(super) fn interpolate(&self, part: f64, point: &mut [f64]) {
         let seen = point.len();
-        let weights = self.table.rule.through(part);
-        let (first, last) = (weights[0], weights[self.table.rule.stages() + 1]);
+        let weights = self.cache.rule.through(part);
+        let (first, last) = (weights[0], weights[self.cache.rule.stages() + 1]);
         for (k, point) in point.iter_mut().enumerate() {
             let inner = weights[1..].iter().zip(self.nodes.chunks_exact(seen)).map(|(weight, u)| weight * u[k]);
             *point = first * self.begin[k] + inner.sum::<f64>() + last * self.end[k];
@@ -332,12 +337,12 @@ impl<'m> Stepper<'m> {
 
     /// The loads at a part of the last step, by the polynomial through its beginning, its nodes and its end.
     pub(super) fn loads_at(&self, part: f64, out: &mut [f64]) {
-        self.weigh(&self.table.rule.through(part), out);
+        self.weigh(&self.cache.rule.through(part), out);
     }
 
     /// Loads of the last step at its beginning, its nodes and its end, weighted and added up.
     pub(super) fn weigh(&self, weights: &[f64; MOST + 2], out: &mut [f64]) {
-        let (first, last) = (weights[0], weights[self.table.rule.stages() + 1]);
+        let (first, last) = (weights[0], weights[self.cache.rule.stages() + 1]);
         for ((out, begin), end) in out.iter_mut().zip(&self.begin_load).zip(&self.end_load) {
             *out = first * begin + last * end;
         }
@@ -350,7 +355,7 @@ impl<'m> Stepper<'m> {
 
     /// Adds to scalars and rates what loads that are larger by `jump` for the time `ahead` will undo: half the square of
     /// that time, and the time itself, times the accelerations.
-    pub(super) fn depart(&self, jump: &[f64], ahead: f64, u: &mut [f64]) {
+    pub(super) fn path_correction(&self, jump: &[f64], ahead: f64, u: &mut [f64]) {
         let (scalars, rates) = u.split_at_mut(self.field.mesh_loads());
         for (k, (scalar, mobility)) in scalars.iter_mut().zip(self.mobility.chunks_exact(jump.len().max(1))).enumerate()
         {
@@ -365,18 +370,18 @@ impl<'m> Stepper<'m> {
     /// The loads at scalars and rates `u`, into `out`.
     pub(super) fn load_at(&mut self, elapsed: f64, u: &[f64], out: &mut [f64]) -> Result<(), Halt> {
         self.turn(elapsed);
-        self.field.load(elapsed, &self.turns, u, out, &mut self.contacts_elsewhere)
+        self.field.load(elapsed, &self.phasors, u, out, &mut self.contacts_elsewhere)
     }
 }
 
 /// w A b of every scalar and load: what a load accelerates it by.
-fn mobility(linear: &Linear, ports: &Ports, scalars: usize) -> Vec<f64> {
+fn mobility(linear: &ModalStateSpace, maps: &InterfaceMaps, scalars: usize) -> Vec<f64> {
     let mut rate = vec![0.0; linear.len()];
-    let mut mobility = vec![0.0; scalars * ports.columns.len()];
-    for (load, column) in ports.columns.iter().enumerate() {
+    let mut mobility = vec![0.0; scalars * maps.columns.len()];
+    for (load, column) in maps.columns.iter().enumerate() {
         linear.multiply(column, &mut rate);
-        for (scalar, row) in ports.rows.iter().take(scalars).enumerate() {
-            mobility[scalar * ports.columns.len() + load] = row.iter().zip(&rate).map(|(w, rate)| w * rate).sum();
+        for (scalar, row) in maps.rows.iter().take(scalars).enumerate() {
+            mobility[scalar * maps.columns.len() + load] = row.iter().zip(&rate).map(|(w, rate)| w * rate).sum();
         }
     }
     mobility

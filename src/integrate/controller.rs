@@ -2,7 +2,7 @@
 
 /// How a method chooses its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Control {
+pub enum StepControl {
     /// The same step throughout; step i begins at i·h, so that no time drifts.
     Fixed(f64),
     /// As long as the error allows.

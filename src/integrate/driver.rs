@@ -5,10 +5,10 @@
 //! the same, bit for bit, as a run in one.
 
 use super::controller::SHORTEST;
-use super::{Adaptive, Control, Halt, Observer, RungeKutta, Span, Statistics, System};
+use super::{Adaptive, FirstOrderSystem, Halt, Observer, RungeKutta, Span, Statistics, StepControl};
 
 /// Steps between two questions to the observer whether to go on.
-pub const PATIENCE: u64 = 64;
+pub const CHECK_INTERVAL: u64 = 64;
 
 /// Where an integration stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct State {
     /// Scaled error of the step before.
     pub previous_error: f64,
     /// The laws that hold, as numbers of the system's own; empty before the first step.
-    pub laws: Vec<i64>,
+    pub contact_modes: Vec<i64>,
     /// Displacements, then velocities; coordinates of its own where a method has them.
     pub y: Vec<f64>,
     /// What a method remembers of the step before.
@@ -41,7 +41,7 @@ impl State {
             carry: 0.0,
             next_step: 0.0,
             previous_error: 1.0,
-            laws: Vec::new(),
+            contact_modes: Vec::new(),
             y,
             memory: Vec::new(),
         }
@@ -59,16 +59,16 @@ pub struct Halted {
 
 /// Adopts the laws found for the steps to come; the derivative that stands is of the law before.
 fn adopt<const S: usize>(
-    system: &mut impl System,
+    system: &mut impl FirstOrderSystem,
     method: &mut RungeKutta<S>,
     state: &mut State,
     found: &[i64],
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Halt> {
-    state.laws.clear();
-    state.laws.extend_from_slice(found);
-    system.set_laws(found);
+    state.contact_modes.clear();
+    state.contact_modes.extend_from_slice(found);
+    system.set_contact_modes(found);
     observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), found);
     statistics.evaluations += 1;
     statistics.events += 1;
@@ -77,7 +77,7 @@ fn adopt<const S: usize>(
 
 /// Where in a step the law changes.
 #[derive(Clone, Copy, Debug)]
-enum Change {
+enum ChangeLocation {
     /// At its beginning: the law is adopted and the step taken anew.
     AtOnce,
     /// After this part of it, s: the step ends there.
@@ -91,7 +91,7 @@ enum Change {
 /// The law is frozen over a step. Where another one holds at its end, the instant of the change is found on the
 /// interpolated motion, the step is taken again up to there, and the new law is adopted as it was found: the state at
 /// the instant itself may, by round-off, still be on either side.
-struct Events {
+struct ContactEventLocator {
     found: Vec<i64>,
     trial: Vec<f64>,
 }
@@ -102,29 +102,29 @@ const WITHIN: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 const RESOLUTION: f64 = 1e-13;
 /// A change within this part of the step from its beginning or its end happens there: no step is shorter.
 const NOTHING: f64 = 1e-9;
-/// Laws adopted at one instant before a step is taken as it is: grazing contacts would change them for ever.
-const PATIENCE_AT_ONCE: u32 = 8;
+/// ContactMode adopted at one instant before a step is taken as it is: grazing contacts would change them for ever.
+const MAX_CHANGES_AT_ONCE: u32 = 8;
 
-impl Events {
-    fn new(system: &mut impl System, state: &mut State) -> Result<Option<Self>, Halt> {
+impl ContactEventLocator {
+    fn new(system: &mut impl FirstOrderSystem, state: &mut State) -> Result<Option<Self>, Halt> {
         if system.switching().is_none() {
             return Ok(None);
         }
-        if state.laws.is_empty() {
-            system.laws_at(state.elapsed, &state.y, &mut state.laws)?;
+        if state.contact_modes.is_empty() {
+            system.contact_modes_at(state.elapsed, &state.y, &mut state.contact_modes)?;
         }
-        system.set_laws(&state.laws);
-        Ok(Some(Self { found: state.laws.clone(), trial: vec![0.0; state.y.len()] }))
+        system.set_contact_modes(&state.contact_modes);
+        Ok(Some(Self { found: state.contact_modes.clone(), trial: vec![0.0; state.y.len()] }))
     }
 
     /// The first change of law within a step; the new laws are left in `found`.
     fn locate<const S: usize>(
         &mut self,
-        system: &mut impl System,
+        system: &mut impl FirstOrderSystem,
         method: &RungeKutta<S>,
         state: &State,
         taken: &Taken,
-    ) -> Result<Option<Change>, Halt> {
+    ) -> Result<Option<ChangeLocation>, Halt> {
         let derivatives = method.derivatives();
         let span = Span {
             start: state.elapsed,
@@ -150,18 +150,24 @@ impl Events {
         }
         self.changed(system, state, &span, high)?;
         Ok(Some(match high {
-            high if high <= NOTHING => Change::AtOnce,
-            high if high >= 1.0 - NOTHING => Change::AtEnd,
-            high => Change::Within(high * taken.step),
+            high if high <= NOTHING => ChangeLocation::AtOnce,
+            high if high >= 1.0 - NOTHING => ChangeLocation::AtEnd,
+            high => ChangeLocation::Within(high * taken.step),
         }))
     }
 
     /// Whether other laws hold at a part of a step; they are left in `found`.
-    fn changed(&mut self, system: &mut impl System, state: &State, span: &Span<'_>, part: f64) -> Result<bool, Halt> {
+    fn changed(
+        &mut self,
+        system: &mut impl FirstOrderSystem,
+        state: &State,
+        span: &Span<'_>,
+        part: f64,
+    ) -> Result<bool, Halt> {
         let elapsed = if part < 1.0 { span.start + part * span.step } else { span.start + span.step };
         system.within(span, elapsed, &mut self.trial);
-        system.laws_at(elapsed, &self.trial, &mut self.found)?;
-        Ok(self.found != state.laws)
+        system.contact_modes_at(elapsed, &self.trial, &mut self.found)?;
+        Ok(self.found != state.contact_modes)
     }
 }
 
@@ -181,47 +187,47 @@ struct Taken {
 /// # Errors
 /// [`Halted`]; `state` is then the last good one.
 pub fn run<const S: usize>(
-    system: &mut impl System,
+    system: &mut impl FirstOrderSystem,
     method: &mut RungeKutta<S>,
-    control: &Control,
+    control: &StepControl,
     state: &mut State,
     end: f64,
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let at = |elapsed: f64| move |halt: Halt| Halted { halt, elapsed };
-    let mut events = Events::new(system, state).map_err(at(state.elapsed))?;
-    observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), &state.laws);
+    let mut events = ContactEventLocator::new(system, state).map_err(at(state.elapsed))?;
+    observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), &state.contact_modes);
     method.begin(system, state.elapsed, &state.y).map_err(at(state.elapsed))?;
     statistics.begin(1);
     let (mut asked, mut adopted) = (0, 0);
     while state.elapsed < end || observer.next().is_some() {
         // Between two laws adopted at one instant nothing stops: the count of them is no part of the state.
         asked += u64::from(adopted == 0);
-        if adopted == 0 && asked % PATIENCE == 1 && !observer.go_on(state.elapsed) {
+        if adopted == 0 && asked % CHECK_INTERVAL == 1 && !observer.go_on(state.elapsed) {
             return Err(at(state.elapsed)(Halt::Interrupted));
         }
         let taken = match control {
-            Control::Fixed(step) => fixed(system, method, state, *step, statistics),
-            Control::Adaptive(adaptive) => attempt(system, method, state, adaptive, statistics),
+            StepControl::Fixed(step) => fixed(system, method, state, *step, statistics),
+            StepControl::Adaptive(adaptive) => attempt(system, method, state, adaptive, statistics),
         };
         let mut taken = taken.map_err(at(state.elapsed))?;
         if !method.end().iter().sum::<f64>().is_finite() {
             return Err(at(state.elapsed)(Halt::Diverged));
         }
         let change = match &mut events {
-            Some(events) if adopted < PATIENCE_AT_ONCE => {
+            Some(events) if adopted < MAX_CHANGES_AT_ONCE => {
                 events.locate(system, method, state, &taken).map_err(at(state.elapsed))?
             }
             _ => None,
         };
-        if let (Some(events), Some(Change::AtOnce)) = (&events, change) {
+        if let (Some(events), Some(ChangeLocation::AtOnce)) = (&events, change) {
             adopted += 1;
             adopt(system, method, state, &events.found, observer, statistics).map_err(at(state.elapsed))?;
             continue;
         }
         adopted = 0;
-        if let Some(Change::Within(step)) = change {
+        if let Some(ChangeLocation::Within(step)) = change {
             taken.step = step;
             taken.after = advanced(state, step);
             let span = (state.elapsed, taken.after.0);
@@ -245,7 +251,7 @@ pub fn run<const S: usize>(
         method.commit(&mut state.y);
         (state.elapsed, state.carry) = after;
         statistics.accept(taken.step, taken.at_limit);
-        if !matches!(change, Some(Change::Within(_))) {
+        if !matches!(change, Some(ChangeLocation::Within(_))) {
             // The step to try after an event is that from before it.
             state.count += 1;
             state.next_step = taken.next_step;
@@ -266,7 +272,7 @@ fn advanced(state: &State, step: f64) -> (f64, f64) {
 }
 
 fn fixed<const S: usize>(
-    system: &mut impl System,
+    system: &mut impl FirstOrderSystem,
     method: &mut RungeKutta<S>,
     state: &State,
     step: f64,
@@ -283,7 +289,7 @@ fn fixed<const S: usize>(
 
 /// Tries steps until one meets the tolerance.
 fn attempt<const S: usize>(
-    system: &mut impl System,
+    system: &mut impl FirstOrderSystem,
     method: &mut RungeKutta<S>,
     state: &State,
     control: &Adaptive,

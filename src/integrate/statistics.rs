@@ -2,7 +2,7 @@
 
 /// What set the length of most steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
+pub enum StepLimit {
     /// The step that was asked for.
     Step,
     /// The stability limit of the method.
@@ -15,7 +15,7 @@ pub enum Limit {
     Events,
 }
 
-impl Limit {
+impl StepLimit {
     /// The name that users read.
     pub fn name(self) -> &'static str {
         match self {

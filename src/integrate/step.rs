@@ -1,7 +1,7 @@
 //! One Runge–Kutta step, for any tableau.
 
 use super::tableau::Tableau;
-use super::{Halt, System};
+use super::{FirstOrderSystem, Halt};
 
 /// A tableau with the buffers that its stages need.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ impl<const S: usize> RungeKutta<S> {
     ///
     /// # Errors
     /// [`Halt`] of the system.
-    pub fn begin(&mut self, system: &mut impl System, elapsed: f64, y: &[f64]) -> Result<(), Halt> {
+    pub fn begin(&mut self, system: &mut impl FirstOrderSystem, elapsed: f64, y: &[f64]) -> Result<(), Halt> {
         system.derivative(elapsed, y, &mut self.stages[0])
     }
 
@@ -34,7 +34,7 @@ impl<const S: usize> RungeKutta<S> {
     /// [`Halt`] of the system.
     pub fn step(
         &mut self,
-        system: &mut impl System,
+        system: &mut impl FirstOrderSystem,
         (elapsed, end): (f64, f64),
         y: &[f64],
         step: f64,
@@ -50,7 +50,7 @@ impl<const S: usize> RungeKutta<S> {
     }
 
     /// The embedded error of the last step, in the system's norm.
-    pub fn error(&mut self, system: &mut impl System, step: f64) -> f64 {
+    pub fn error(&mut self, system: &mut impl FirstOrderSystem, step: f64) -> f64 {
         self.error.fill(0.0);
         accumulate(step, &self.tableau.error, &self.stages, &mut self.error);
         system.norm(&self.error)

@@ -21,7 +21,7 @@ pub enum Halt {
 
 /// A first-order system ẏ = f(t, y) of second-order origin: y holds displacements, then velocities, unless the system
 /// says otherwise.
-pub trait System {
+pub trait FirstOrderSystem {
     /// Length of y.
     fn len(&self) -> usize;
 
@@ -65,13 +65,13 @@ pub trait System {
     ///
     /// # Errors
     /// [`Halt`] where they are not defined.
-    fn laws_at(&mut self, _elapsed: f64, _y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
-        laws.clear();
+    fn contact_modes_at(&mut self, _elapsed: f64, _y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
+        contact_modes.clear();
         Ok(())
     }
 
     /// Sets the laws of the steps to come.
-    fn set_laws(&mut self, _laws: &[i64]) {}
+    fn set_contact_modes(&mut self, _laws: &[i64]) {}
 
     /// Energy norm of a difference of states: √(eᵀKe + ėᵀMė). Metres and radians have no other common measure.
     fn norm(&mut self, difference: &[f64]) -> f64;

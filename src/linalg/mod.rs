@@ -1,4 +1,4 @@
-//! Linear algebra: what a shaft's chain of nodes needs, and the dense decompositions.
+//! ModalStateSpace algebra: what a shaft's chain of nodes needs, and the dense decompositions.
 
 mod block_tridiagonal;
 mod dense;

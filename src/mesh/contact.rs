@@ -4,7 +4,7 @@ use super::Centres;
 
 /// How a shaft stands and turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Turning {
+pub struct ShaftPhase {
     /// Angle ϑ of its spin, rad.
     pub angle: f64,
     /// Spin Ω, rad/s.
@@ -38,7 +38,7 @@ impl Flank {
 
 /// The law of a mesh over a step: it changes between steps alone, so that a step never sees a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Law {
+pub struct ContactMode {
     /// The flank that carries.
     pub flank: Flank,
     /// First and last pair between the tip circles on the drive flank and on the back flank, where pairs come and go
@@ -46,7 +46,7 @@ pub struct Law {
     pub engaged: [(i64, i64); 2],
 }
 
-impl Law {
+impl ContactMode {
     /// The law of a mesh that never changes it.
     pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: [(0, 0); 2] };
 
@@ -93,12 +93,12 @@ pub struct Contact {
     /// Power that damping takes, cδ̇², W.
     pub damping_power: f64,
     /// Deflection of the back flank, m; −∞ where flanks never part.
-    pub behind: f64,
+    pub back_flank_deflection: f64,
 }
 
 impl Contact {
     /// What is left of it where the flanks do not touch.
-    pub(super) fn apart(&self) -> Self {
+    pub(super) fn relative_displacement(&self) -> Self {
         Self { deflection: self.deflection, rate: self.rate, ..Self::default() }
     }
 
@@ -115,7 +115,7 @@ impl Contact {
             moments: sum(self.moments, back.moments),
             drive_power: self.drive_power + back.drive_power,
             damping_power: self.damping_power + back.damping_power,
-            behind: back.deflection,
+            back_flank_deflection: back.deflection,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::contact::Turning;
+use super::contact::ShaftPhase;
 use super::stiffness::Cycle;
 use crate::scene::TransmissionError;
 
@@ -27,10 +27,10 @@ impl ErrorCurve {
     }
 
     /// e and its rate.
-    pub fn at(&self, turning: &[Turning; 2]) -> (f64, f64) {
+    pub fn at(&self, turning: &[ShaftPhase; 2]) -> (f64, f64) {
         let [driver, driven] = turning;
         let mut sum = (0.0, 0.0);
-        let mut add = |cycle: &Cycle, order: f64, turning: &Turning| {
+        let mut add = |cycle: &Cycle, order: f64, turning: &ShaftPhase| {
             let (value, slope) = cycle.at(order * turning.angle / (2.0 * PI));
             sum.0 += value;
             sum.1 += slope * order * turning.spin / (2.0 * PI);

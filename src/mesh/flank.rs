@@ -1,26 +1,26 @@
 //! One flank of a mesh: how far it is pressed in, what its tooth pairs store, and the law that follows from both flanks.
 
-use super::contact::{Contact, Flank, Law};
-use super::coupling::{Coupling, Geometry, Pose, Relative, dot};
-use super::involute::{Lie, LineOfAction, Overlap};
-use super::stiffness::{Path, Stored};
+use super::contact::{Contact, ContactMode, Flank};
+use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
+use super::involute::{CentreGeometry, LineOfAction, Overlap};
+use super::stiffness::{ContactPath, Stored};
 use crate::scene::Phase;
 
 /// How the gears approach each other: what both flanks have in common.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Approach<'a> {
-    pose: Pose<'a>,
-    pub position: Relative,
-    velocity: Relative,
+pub(super) struct GearKinematics<'a> {
+    pose: MeshPose<'a>,
+    pub position: RelativeMotion,
+    velocity: RelativeMotion,
     /// Where the base circles stand off their shafts, m, and the velocity that the spins give them, m/s.
     eccentric: Option<[[f64; 2]; 2]>,
     carried: [f64; 2],
-    pub lie: Option<Lie>,
+    pub centre_geometry: Option<CentreGeometry>,
 }
 
 /// How the teeth of one flank meet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(super) struct FlankKinematics {
     back: bool,
     sigma: f64,
     line: LineOfAction,
@@ -30,60 +30,75 @@ pub(super) struct Meeting {
     error_rate: f64,
 }
 
-impl Coupling {
+impl GearMesh {
     /// How the gears approach each other.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub(super) fn approach<'a>(&self, pose: &Pose<'a>) -> Result<Approach<'a>, Overlap> {
-        let &Pose { geometry, turning, mut position, mut velocity, .. } = pose;
+    pub(super) fn approach<'a>(&self, pose: &MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
+        let &MeshPose { geometry, turning, mut position, mut velocity, .. } = pose;
         let eccentric = self.eccentric(turning, position.twist);
         let mut carried = [0.0; 2];
         if let Some([ea, eb]) = eccentric {
             let [a, b] = velocity.twist;
             let (rate_a, rate_b) = (turning[0].spin + a, turning[1].spin + b);
-            position.apart = [position.apart[0] + eb[0] - ea[0], position.apart[1] + eb[1] - ea[1]];
-            velocity.apart[0] += rate_a * ea[1] - rate_b * eb[1];
-            velocity.apart[1] += rate_b * eb[0] - rate_a * ea[0];
+            position.relative_displacement =
+                [position.relative_displacement[0] + eb[0] - ea[0], position.relative_displacement[1] + eb[1] - ea[1]];
+            velocity.relative_displacement[0] += rate_a * ea[1] - rate_b * eb[1];
+            velocity.relative_displacement[1] += rate_b * eb[0] - rate_a * ea[0];
             let (spin_a, spin_b) = (turning[0].spin, turning[1].spin);
             carried = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
         }
-        let lie = self.lie(geometry, position.apart)?;
-        Ok(Approach { pose: *pose, position, velocity, eccentric, carried, lie })
+        let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
+        Ok(GearKinematics { pose: *pose, position, velocity, eccentric, carried, centre_geometry })
     }
 
     /// How the teeth of the drive flank meet, or those of the back flank.
     #[inline(always)]
-    pub(super) fn meet(&self, approach: &Approach<'_>, back: bool) -> Meeting {
-        let Approach { pose, position, velocity, lie, .. } = approach;
+    pub(super) fn meet(&self, approach: &GearKinematics<'_>, back: bool) -> FlankKinematics {
+        let GearKinematics { pose, position, velocity, centre_geometry, .. } = approach;
         let sigma = if back { -pose.sigma } else { pose.sigma };
-        let line = self.line(sigma, lie, position.apart);
+        let line = self.line(sigma, centre_geometry, position.relative_displacement);
         let (error, error_rate) = match &self.error {
             Some(error) if !back => error.at(pose.turning),
             _ => (0.0, 0.0),
         };
         let clearance = if back { self.backlash.unwrap_or(0.0) } else { error };
-        let deflection = sigma * position.rolled + line.deflection - clearance;
-        let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart) - error_rate;
-        Meeting { back, sigma, line, deflection, rate, error_rate }
+        let deflection = sigma * position.rolling_displacement + line.deflection - clearance;
+        let rate =
+            sigma * velocity.rolling_displacement - dot(line.normal, velocity.relative_displacement) - error_rate;
+        FlankKinematics { back, sigma, line, deflection, rate, error_rate }
     }
 
     /// Deflection of the back flank, m; −∞ where flanks never part.
     #[inline(always)]
-    pub(super) fn behind(&self, sigma: f64, lie: &Option<Lie>, position: &Relative) -> f64 {
-        let clear =
-            |backlash: f64| -sigma * position.rolled + self.line(-sigma, lie, position.apart).deflection - backlash;
+    pub(super) fn back_flank_deflection(
+        &self,
+        sigma: f64,
+        centre_geometry: &Option<CentreGeometry>,
+        position: &RelativeMotion,
+    ) -> f64 {
+        let clear = |backlash: f64| {
+            -sigma * position.rolling_displacement
+                + self.line(-sigma, centre_geometry, position.relative_displacement).deflection
+                - backlash
+        };
         self.backlash.map_or(f64::NEG_INFINITY, clear)
     }
 
     /// The contact of one flank: tooth pairs, error and run-out.
-    pub(super) fn press(&self, approach: &Approach<'_>, meeting: &Meeting, law: &Law) -> Contact {
-        let Approach { pose: Pose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
-        let Meeting { back, sigma, line, deflection, rate, error_rate } = *meeting;
+    pub(super) fn press(
+        &self,
+        approach: &GearKinematics<'_>,
+        meeting: &FlankKinematics,
+        contact_mode: &ContactMode,
+    ) -> Contact {
+        let GearKinematics { pose: MeshPose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
+        let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *meeting;
         let path = || self.path_of(&approach.pose, meeting);
         let Stored { energy, force: elastic, stiffness, travel, shortening } =
-            self.teeth.stored(path, law.engaged[usize::from(back)], deflection);
+            self.teeth.stored(path, contact_mode.engaged[usize::from(back)], deflection);
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);
@@ -95,14 +110,21 @@ impl Coupling {
             Phase::Twist => {
                 moments[0] -= travel * ra * sigma;
                 if *geometry == Geometry::Live {
-                    for ((push, normal), across) in push.iter_mut().zip(line.normal).zip(line.across) {
-                        *push -= travel * ra * across / line.tangent + shortening * (normal + across * steeper);
+                    for ((push, normal), tangent_direction) in
+                        push.iter_mut().zip(line.normal).zip(line.tangent_direction)
+                    {
+                        *push -= travel * ra * tangent_direction / line.tangent
+                            + shortening * (normal + tangent_direction * steeper);
                     }
                 }
             }
             Phase::Prescribed if *geometry == Geometry::Live => {
-                let (along, across) = (dot(line.normal, velocity.apart), dot(line.across, velocity.apart));
-                drive_power += travel * ra * across / line.tangent + shortening * (along + across * steeper);
+                let (along, tangent_direction) = (
+                    dot(line.normal, velocity.relative_displacement),
+                    dot(line.tangent_direction, velocity.relative_displacement),
+                );
+                drive_power +=
+                    travel * ra * tangent_direction / line.tangent + shortening * (along + tangent_direction * steeper);
             }
             Phase::Prescribed => {}
         }
@@ -112,12 +134,23 @@ impl Coupling {
             drive_power -= dot(push, *carried);
         }
         let damping_power = self.damping * rate * rate;
-        let behind = f64::NEG_INFINITY;
-        Contact { deflection, rate, force, stiffness, energy, push, moments, drive_power, damping_power, behind }
+        let back_flank_deflection = f64::NEG_INFINITY;
+        Contact {
+            deflection,
+            rate,
+            force,
+            stiffness,
+            energy,
+            push,
+            moments,
+            drive_power,
+            damping_power,
+            back_flank_deflection,
+        }
     }
 
     /// Where the tooth pairs of a flank are on the path of contact.
-    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, twist: f64) -> Path {
+    pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, twist: f64) -> ContactPath {
         let turned = match self.phase {
             Phase::Twist => angle + twist,
             Phase::Prescribed => angle,
@@ -126,14 +159,14 @@ impl Coupling {
         let centres = self.involute.angle_at_rest() + line.turned;
         let pitch = self.involute.base_pitch;
         // What thinner teeth leave for the backlash is a hundredth of the pitch, and not known of either gear alone.
-        let behind = if back { self.involute.base_thickness } else { 0.0 };
+        let back_flank_deflection = if back { self.involute.base_thickness } else { 0.0 };
         let [low, high] = self.involute.path(line.tangent);
-        let position = self.involute.position(sigma, turned, centres, pressure_angle) + behind;
-        Path { position, low, high, pitch }
+        let position = self.involute.position(sigma, turned, centres, pressure_angle) + back_flank_deflection;
+        ContactPath { position, low, high, pitch }
     }
 
     /// The same of teeth that meet so.
-    fn path_of(&self, pose: &Pose<'_>, meeting: &Meeting) -> Path {
+    fn path_of(&self, pose: &MeshPose<'_>, meeting: &FlankKinematics) -> ContactPath {
         self.path(meeting.sigma, meeting.back, &meeting.line, pose.turning[0].angle, pose.position.twist[0])
     }
 
@@ -141,7 +174,7 @@ impl Coupling {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn engagement(&self, pose: &Pose<'_>, back: bool) -> Result<Path, Overlap> {
+    pub fn engagement(&self, pose: &MeshPose<'_>, back: bool) -> Result<ContactPath, Overlap> {
         let approach = self.approach(pose)?;
         Ok(self.path_of(pose, &self.meet(&approach, back)))
     }
@@ -150,24 +183,26 @@ impl Coupling {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn law(&self, pose: &Pose<'_>) -> Result<Law, Overlap> {
+    pub fn contact_mode(&self, pose: &MeshPose<'_>) -> Result<ContactMode, Overlap> {
         let approach = self.approach(pose)?;
-        let engaged = |meeting: &Meeting| {
+        let engaged = |meeting: &FlankKinematics| {
             if self.teeth.is_sharp() { self.path_of(pose, meeting).engaged() } else { (0, 0) }
         };
         let drive = self.meet(&approach, false);
         if self.backlash.is_none() {
-            return Ok(Law { flank: Flank::Drive, engaged: [engaged(&drive), (0, 0)] });
+            return Ok(ContactMode { flank: Flank::Drive, engaged: [engaged(&drive), (0, 0)] });
         }
         let back = self.meet(&approach, true);
-        let law = Law { flank: Flank::Both, engaged: [engaged(&drive), engaged(&back)] };
-        let presses = |meeting: &Meeting| meeting.deflection > 0.0 && self.press(&approach, meeting, &law).force > 0.0;
+        let contact_mode = ContactMode { flank: Flank::Both, engaged: [engaged(&drive), engaged(&back)] };
+        let presses = |meeting: &FlankKinematics| {
+            meeting.deflection > 0.0 && self.press(&approach, meeting, &contact_mode).force > 0.0
+        };
         let flank = match (presses(&drive), presses(&back)) {
             (true, true) => Flank::Both,
             (true, false) => Flank::Drive,
             (false, true) => Flank::Back,
             (false, false) => Flank::Apart,
         };
-        Ok(Law { flank, ..law })
+        Ok(ContactMode { flank, ..contact_mode })
     }
 }

@@ -54,7 +54,7 @@ pub struct Centres {
 
 /// How the centres lie: what the lines of action of both flanks have in common.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lie {
+pub(super) struct CentreGeometry {
     /// Unit vector along the line of centres.
     direction: [f64; 2],
     /// C, m.
@@ -77,7 +77,7 @@ pub struct LineOfAction {
     /// Unit vector n over (y, z).
     pub normal: [f64; 2],
     /// Unit vector m across it; ∂n/∂(u_b − u_a) = m mᵀ / `tangent`.
-    pub across: [f64; 2],
+    pub tangent_direction: [f64; 2],
     /// C sin α, m.
     pub tangent: f64,
     /// γ − ψ, rad.
@@ -117,25 +117,30 @@ impl Involute {
         }
     }
 
-    /// `apart`, the displacement u_b − u_a, along and across the line of centres at rest.
+    /// `relative_displacement`, the displacement u_b − u_a, along and across the line of centres at rest.
     #[inline(always)]
-    fn along_and_across(&self, apart: [f64; 2]) -> (f64, f64) {
+    fn along_and_across(&self, relative_displacement: [f64; 2]) -> (f64, f64) {
         let [cos, sin] = self.direction;
-        (cos * apart[0] + sin * apart[1], cos * apart[1] - sin * apart[0])
+        (
+            cos * relative_displacement[0] + sin * relative_displacement[1],
+            cos * relative_displacement[1] - sin * relative_displacement[0],
+        )
     }
 
     /// The line of action of the centres at rest.
     pub fn line_at_rest(&self, sigma: f64) -> LineOfAction {
         let Self { direction, distance, tangent, .. } = *self;
-        self.line(sigma, &Lie { direction, distance, tangent, turned: 0.0, steeper: 0.0, longer: 0.0 })
+        self.line(sigma, &CentreGeometry { direction, distance, tangent, turned: 0.0, steeper: 0.0, longer: 0.0 })
     }
 
     /// Distance of the centres, and the tangent length with its change from rest.
     #[inline(always)]
-    fn lengths(&self, apart: [f64; 2]) -> Result<(f64, f64, f64), Overlap> {
-        let (along, _) = self.along_and_across(apart);
+    fn lengths(&self, relative_displacement: [f64; 2]) -> Result<(f64, f64, f64), Overlap> {
+        let (along, _) = self.along_and_across(relative_displacement);
         // C² − C₀²
-        let growth = 2.0 * self.distance * along + apart[0] * apart[0] + apart[1] * apart[1];
+        let growth = 2.0 * self.distance * along
+            + relative_displacement[0] * relative_displacement[0]
+            + relative_displacement[1] * relative_displacement[1];
         let square = self.tangent * self.tangent + growth;
         // A comparison that NaN passes: a run that diverged is not one whose base circles overlap.
         if square <= 0.0 {
@@ -146,56 +151,58 @@ impl Involute {
         Ok(((self.distance * self.distance + growth).sqrt(), tangent, growth / (tangent + self.tangent)))
     }
 
-    /// The line of action for centres that have moved `apart` = u_b − u_a; `sigma` is the sign of the driver's spin.
+    /// The line of action for centres that have moved `relative_displacement` = u_b − u_a; `sigma` is the sign of the driver's spin.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn line_of_action(&self, sigma: f64, apart: [f64; 2]) -> Result<LineOfAction, Overlap> {
-        Ok(self.line(sigma, &self.lie(apart)?))
+    pub fn line_of_action(&self, sigma: f64, relative_displacement: [f64; 2]) -> Result<LineOfAction, Overlap> {
+        Ok(self.line(sigma, &self.centre_geometry(relative_displacement)?))
     }
 
-    /// How the centres lie that have moved `apart`.
+    /// How the centres lie that have moved `relative_displacement`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub(super) fn lie(&self, apart: [f64; 2]) -> Result<Lie, Overlap> {
-        let (along, across) = self.along_and_across(apart);
-        let (distance, tangent, stretched) = self.lengths(apart)?;
-        let turned = angle(across, self.distance + along);
+    pub(super) fn centre_geometry(&self, relative_displacement: [f64; 2]) -> Result<CentreGeometry, Overlap> {
+        let (along, tangent_direction) = self.along_and_across(relative_displacement);
+        let (distance, tangent, stretched) = self.lengths(relative_displacement)?;
+        let turned = angle(tangent_direction, self.distance + along);
         // inv α − inv α₀ = (t − t₀)/S − [atan(t/S) − atan(t₀/S)]
         let steeper = angle(self.sum * stretched, self.sum * self.sum + tangent * self.tangent);
         let [cos, sin] = self.direction;
-        let direction = [self.distance * cos + apart[0], self.distance * sin + apart[1]].map(|c| c / distance);
-        Ok(Lie { direction, distance, tangent, turned, steeper, longer: stretched - self.sum * steeper })
+        let direction =
+            [self.distance * cos + relative_displacement[0], self.distance * sin + relative_displacement[1]]
+                .map(|c| c / distance);
+        Ok(CentreGeometry { direction, distance, tangent, turned, steeper, longer: stretched - self.sum * steeper })
     }
 
     /// The line of action of centres that lie so.
     #[inline(always)]
-    pub(super) fn line(&self, sigma: f64, lie: &Lie) -> LineOfAction {
-        let Lie { direction: [y, z], distance, tangent, turned, steeper, longer } = *lie;
+    pub(super) fn line(&self, sigma: f64, centre_geometry: &CentreGeometry) -> LineOfAction {
+        let CentreGeometry { direction: [y, z], distance, tangent, turned, steeper, longer } = *centre_geometry;
         let (cos_alpha, sin_alpha) = (self.sum / distance, tangent / distance);
         LineOfAction {
             deflection: -sigma * self.sum * turned - longer,
             normal: [sin_alpha * y - sigma * cos_alpha * z, sin_alpha * z + sigma * cos_alpha * y],
-            across: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
+            tangent_direction: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
             tangent,
             turned,
             steeper,
         }
     }
 
-    /// Pressure angle, distance, angle and contact ratio for centres that have moved `apart`.
+    /// Pressure angle, distance, angle and contact ratio for centres that have moved `relative_displacement`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn centres(&self, apart: [f64; 2]) -> Result<Centres, Overlap> {
-        let (along, across) = self.along_and_across(apart);
-        let (distance, tangent, _) = self.lengths(apart)?;
+    pub fn centres(&self, relative_displacement: [f64; 2]) -> Result<Centres, Overlap> {
+        let (along, tangent_direction) = self.along_and_across(relative_displacement);
+        let (distance, tangent, _) = self.lengths(relative_displacement)?;
         Ok(Centres {
             pressure_angle: tangent.atan2(self.sum),
             distance,
-            angle: self.angle + across.atan2(self.distance + along),
+            angle: self.angle + tangent_direction.atan2(self.distance + along),
             contact_ratio: (self.tip_reach[0] + self.tip_reach[1] - tangent) / self.base_pitch,
         })
     }

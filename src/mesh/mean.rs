@@ -1,15 +1,15 @@
 //! The mesh under its mean stiffness: what modes, equilibrium and everything linear see of it.
 
 use super::contact::{Flank, MeshState};
-use super::coupling::{Coupling, Geometry, dot};
+use super::gear_mesh::{GearMesh, Geometry, dot};
 use super::involute::Overlap;
 
-impl Coupling {
+impl GearMesh {
     /// δ of small displacements `q`, along the line of action at rest.
     pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
         let relative = self.relative(q);
         let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
-        sigma * relative.rolled - dot(normal, relative.apart)
+        sigma * relative.rolling_displacement - dot(normal, relative.relative_displacement)
     }
 
     /// n of the centres at rest.
@@ -36,8 +36,12 @@ impl Coupling {
             Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
             _ => (sigma, 0.0),
         };
-        let line = self.line(sigma, &self.lie(geometry, relative.apart)?, relative.apart);
-        let force = self.stiffness * (sigma * relative.rolled + line.deflection - clearance);
+        let line = self.line(
+            sigma,
+            &self.centre_geometry(geometry, relative.relative_displacement)?,
+            relative.relative_displacement,
+        );
+        let force = self.stiffness * (sigma * relative.rolling_displacement + line.deflection - clearance);
         self.gradient(sigma, line.normal, |row, left| {
             self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
         });
@@ -48,7 +52,8 @@ impl Coupling {
                 for (column, other) in [(a, -1.0), (b, 1.0)] {
                     for i in 0..2 {
                         for j in 0..2 {
-                            let value = curvature * line.across[i] * line.across[j] * sign * other;
+                            let value =
+                                curvature * line.tangent_direction[i] * line.tangent_direction[j] * sign * other;
                             visit(row + i, column + j, value);
                         }
                     }
@@ -71,8 +76,12 @@ impl Coupling {
             Some(_) if drive >= 0.0 => drive,
             Some(_) => -back.max(0.0),
         };
-        let centres = self.involute.centres(relative.apart)?;
-        let line = self.line(sigma, &self.lie(geometry, relative.apart)?, relative.apart);
+        let centres = self.involute.centres(relative.relative_displacement)?;
+        let line = self.line(
+            sigma,
+            &self.centre_geometry(geometry, relative.relative_displacement)?,
+            relative.relative_displacement,
+        );
         let (first, last) = self.path(sigma, false, &line, 0.0, relative.twist[0]).engaged();
         Ok(MeshState {
             deflection: drive / self.stiffness,

@@ -1,15 +1,15 @@
 //! Modes: undamped, the basis of everything linear, and damped at speed, with the names of their whirl.
 
-mod complex;
-mod linear;
+mod damped;
 mod pairs;
 mod quadratic;
 mod real;
+mod state_space;
 mod whirl;
 
-pub use complex::{Mode, modes, whirl};
-pub use linear::{Form, LANES, Linear, WORST};
-pub use pairs::Pair;
+pub use damped::{Mode, modes, whirl};
+pub use pairs::ModePair;
 pub use quadratic::{OnLine, Quadratic};
-pub use real::{Basis, RealModes};
+pub use real::{CachedModel, RealModes};
+pub use state_space::{Form, LANES, ModalStateSpace, WORST};
 pub use whirl::Whirl;

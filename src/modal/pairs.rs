@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::RealModes;
-use super::complex::FirstOrder;
+use super::damped::FirstOrder;
 use crate::linalg::{DecompositionError, eigen, solve};
 
 /// Null motions that swing more slowly than this part of the lowest frequency are round-off.
@@ -14,22 +14,22 @@ const RIGHT: f64 = 1e-11;
 
 /// How a pair of coordinates moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pair {
+pub enum ModePair {
     /// λ = a + ib: [[a, b], [−b, a]].
     Oscillation(Complex64),
     /// Two real eigenvalues.
     Real([f64; 2]),
     /// Position and velocity of a motion that nothing restores and that λ ≤ 0 damps, if anything: [[0, 1], [0, λ]].
-    Coasting(f64),
+    RigidBodyPair(f64),
 }
 
-impl Pair {
+impl ModePair {
     /// Its 2×2 matrix.
     pub fn block(&self) -> [[f64; 2]; 2] {
         match self {
             Self::Oscillation(value) => [[value.re, value.im], [-value.im, value.re]],
             Self::Real([a, d]) => [[*a, 0.0], [0.0, *d]],
-            Self::Coasting(rate) => [[0.0, 1.0], [0.0, *rate]],
+            Self::RigidBodyPair(rate) => [[0.0, 1.0], [0.0, *rate]],
         }
     }
 
@@ -38,7 +38,7 @@ impl Pair {
         match self {
             Self::Oscillation(value) => value.norm(),
             Self::Real(values) => values[0].abs().max(values[1].abs()),
-            Self::Coasting(rate) => rate.abs(),
+            Self::RigidBodyPair(rate) => rate.abs(),
         }
     }
 
@@ -47,14 +47,14 @@ impl Pair {
         match self {
             Self::Real(values) => values[0].abs().min(values[1].abs()),
             Self::Oscillation(_) => self.radius(),
-            Self::Coasting(_) => 0.0,
+            Self::RigidBodyPair(_) => 0.0,
         }
     }
 }
 
 /// The pairs with the matrices y = right·z and z = left·y; z is split into first and second coordinates.
 pub(super) struct Pairs {
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<ModePair>,
     pub right: DMatrix<f64>,
     pub left: DMatrix<f64>,
     pub condition: f64,
@@ -108,7 +108,7 @@ impl Pairs {
         let inverse =
             if order.undamped { vectors.transpose() } else { solve(&vectors, &DMatrix::identity(block, block)) };
         let rates = vectors.select_rows(&held.iter().map(|row| e + row).collect::<Vec<_>>());
-        let coasting = Coasting::new(&rates, &oscillations, &single, if lowest > 0.0 { lowest } else { 1.0 });
+        let coasting = RigidBodyPair::new(&rates, &oscillations, &single, if lowest > 0.0 { lowest } else { 1.0 });
         let condition = if residual(order, &oscillations, &single, &vectors) > RIGHT * order.matrix.norm() {
             f64::INFINITY
         } else {
@@ -124,13 +124,13 @@ impl Pairs {
         let mut places = vec![0; block];
         for (index, (value, ..)) in oscillations.iter().enumerate() {
             (places[2 * index], places[2 * index + 1]) = (at(pairs.len(), 0), at(pairs.len(), 1));
-            pairs.push(Pair::Oscillation(*value));
+            pairs.push(ModePair::Oscillation(*value));
         }
         let mut homes = vec![0; held.len()];
         for (carrier, home) in coasting.carriers.iter().zip(&mut homes) {
             if let Some(column) = carrier {
                 (*home, places[*column]) = (at(pairs.len(), 0), at(pairs.len(), 1));
-                pairs.push(Pair::Coasting(single[column - 2 * oscillations.len()].0));
+                pairs.push(ModePair::RigidBodyPair(single[column - 2 * oscillations.len()].0));
             }
         }
         // Real eigenvalues that carry nothing, and positions that nothing carries.
@@ -145,7 +145,7 @@ impl Pairs {
         );
         for two in rest.chunks_exact_mut(2) {
             (*two[0].1, *two[1].1) = (at(pairs.len(), 0), at(pairs.len(), 1));
-            pairs.push(Pair::Real([two[0].0, two[1].0]));
+            pairs.push(ModePair::Real([two[0].0, two[1].0]));
         }
         for (column, place) in places.iter().enumerate() {
             for row in 0..block {
@@ -171,7 +171,7 @@ impl Pairs {
         let alone = null.iter().enumerate().filter(|(_, mode)| !order.moving.contains(mode));
         for (rate, (index, _)) in alone.enumerate() {
             let slot = pairs.len();
-            pairs.push(Pair::Coasting(0.0));
+            pairs.push(ModePair::RigidBodyPair(0.0));
             for (row, place) in [(block + index, at(slot, 0)), (block + null.len() + rate, at(slot, 1))] {
                 right[(row, place)] = 1.0;
                 left[(place, row)] = 1.0;
@@ -186,7 +186,7 @@ impl Pairs {
 /// Such a position moves by its velocity, which every eigenvector has a part of: η̇ = W z. A motion that swings or decays
 /// leaves η = W A⁻¹ z, and a p that stays where it is. Of one that hardly decays this would be a difference of large
 /// numbers, so there ṗ = z: its eigenvector carries p.
-struct Coasting {
+struct RigidBodyPair {
     /// The eigenvector that carries each p, if any does.
     carriers: Vec<Option<usize>>,
     /// R, and its inverse.
@@ -196,7 +196,7 @@ struct Coasting {
     follows: DMatrix<f64>,
 }
 
-impl Coasting {
+impl RigidBodyPair {
     /// From W; what decays more slowly than `slow` carries rather than leaves.
     fn new(
         rates: &DMatrix<f64>,

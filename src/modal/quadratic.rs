@@ -8,13 +8,13 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::Basis;
-use super::complex::project;
+use super::CachedModel;
+use super::damped::project;
 use crate::linalg::{DecompositionError, hermitian_eigen, solve, solve_complex};
 
 /// Newton converges quadratically: more iterations mean that it does not.
 const ITERATIONS: usize = 20;
-/// Relative change of λ and Ω at which they stand.
+/// RelativeMotion change of λ and Ω at which they stand.
 const CONVERGED: f64 = 1e-13;
 
 /// P(λ, Ω) of one basis, for one sign of Ω.
@@ -43,15 +43,15 @@ impl Quadratic {
     ///
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be found.
-    pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
-        let real = basis.real_modes(speed)?;
-        let supports = basis.model.support_stiffness_matrix();
+    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
+        let real = cached.real_modes(speed)?;
+        let supports = cached.model.support_stiffness_matrix();
         Ok(Self {
             frequencies: real.frequencies.clone(),
             null: real.null,
             skew: project(real, &((&supports - supports.transpose()) / 2.0)),
-            damping: project(real, &basis.damping_matrix(speed)?),
-            gyroscopic: project(real, &basis.model.gyroscopic_matrix()),
+            damping: project(real, &cached.damping_matrix(speed)?),
+            gyroscopic: project(real, &cached.model.gyroscopic_matrix()),
         })
     }
 

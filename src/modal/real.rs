@@ -14,9 +14,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use super::Linear;
+use super::ModalStateSpace;
 use crate::linalg::{DecompositionError, symmetric_pencil};
-use crate::model::{Kind, Model};
+use crate::model::{DofKind, Model};
 use crate::scene::Node;
 
 /// Rigid motions that springs of unit stiffness resist by less than this are not resisted: round-off leaves 1e-15.
@@ -40,7 +40,8 @@ impl RealModes {
         let mass = model.mass_matrix();
         let null = null_motions(&rigid_motions(model), &deflections(model, Some(speed)), &mass)?;
         // What a bearing does beside restoring, as by cross-coupling, belongs to the damped problem.
-        let stiffness = model.shaft_stiffness_matrix() + model.restoring_matrix() + model.mesh_stiffness_matrix(speed);
+        let stiffness =
+            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.mesh_stiffness_matrix(speed);
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
         let form = |shape: &[f64]| model.elastic_form(shape, |mesh| model.sigma(mesh, speed));
         Ok(Self::ascending(model, vectors, null.ncols(), form))
@@ -50,7 +51,7 @@ impl RealModes {
     /// vectors of a part are zero in all others.
     pub(super) fn of_parts(model: &Model) -> Result<Vec<Self>, DecompositionError> {
         let mass = model.mass_matrix();
-        let stiffness = model.shaft_stiffness_matrix() + model.restoring_matrix();
+        let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
         let (rigid, deflections) = (rigid_motions(model), deflections(model, None));
         let of_part = |part: Range<usize>| {
             let moves: Vec<usize> =
@@ -100,12 +101,12 @@ impl RealModes {
 
 /// A model with its undamped modes, made when first asked for.
 #[derive(Debug)]
-pub struct Basis {
+pub struct CachedModel {
     /// The model.
     pub model: Model,
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 2],
     /// The linear motions that were asked for last, at a speed, with the meshes or without.
-    linear: Mutex<Vec<(Key, Option<Arc<Linear>>)>>,
+    linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
 }
 
 type Key = (f64, bool);
@@ -113,7 +114,7 @@ type Key = (f64, bool);
 /// A study asks for a handful of speeds again and again.
 const REMEMBERED: usize = 8;
 
-impl Basis {
+impl CachedModel {
     /// The basis of a model.
     pub fn new(model: Model) -> Self {
         Self { model, modes: [const { OnceLock::new() }; 2], linear: Mutex::new(Vec::new()) }
@@ -132,11 +133,11 @@ impl Basis {
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn linear(&self, speed: f64) -> Result<Arc<Linear>, DecompositionError> {
+    pub fn linear(&self, speed: f64) -> Result<Arc<ModalStateSpace>, DecompositionError> {
         if let Some(Some(linear)) = self.known((speed, true)) {
             return Ok(linear);
         }
-        let linear = Arc::new(Linear::new(self, speed)?);
+        let linear = Arc::new(ModalStateSpace::new(self, speed)?);
         self.remember((speed, true), Some(Arc::clone(&linear)));
         Ok(linear)
     }
@@ -145,22 +146,22 @@ impl Basis {
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn linear_of_parts(&self, speed: f64) -> Result<Option<Arc<Linear>>, DecompositionError> {
+    pub fn linear_of_parts(&self, speed: f64) -> Result<Option<Arc<ModalStateSpace>>, DecompositionError> {
         if let Some(linear) = self.known((speed, false)) {
             return Ok(linear);
         }
-        let linear = Linear::of_parts(self, speed)?.map(Arc::new);
+        let linear = ModalStateSpace::of_parts(self, speed)?.map(Arc::new);
         self.remember((speed, false), linear.clone());
         Ok(linear)
     }
 
-    fn known(&self, key: Key) -> Option<Option<Arc<Linear>>> {
+    fn known(&self, key: Key) -> Option<Option<Arc<ModalStateSpace>>> {
         // A panic elsewhere leaves the list as it was.
         let list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
         list.iter().find(|(known, _)| *known == key).map(|(_, linear)| linear.clone())
     }
 
-    fn remember(&self, key: Key, linear: Option<Arc<Linear>>) {
+    fn remember(&self, key: Key, linear: Option<Arc<ModalStateSpace>>) {
         let mut list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
         if list.len() >= REMEMBERED {
             list.remove(0);
@@ -200,7 +201,7 @@ fn aligned(model: &Model, mut vectors: DMatrix<f64>, known: usize, square: impl 
     // Every shaft and plane has a weight of its own.
     let mut weights = DVector::zeros(model.len());
     for dof in model.numbering.dofs() {
-        let plane = if matches!(dof.kind, Kind::V | Kind::Gamma) { 0.0 } else { 0.37 };
+        let plane = if matches!(dof.kind, DofKind::V | DofKind::Gamma) { 0.0 } else { 0.37 };
         weights[dof.index] = 1.0 + dof.node.shaft as f64 + plane;
     }
     let mut first = known;
@@ -301,7 +302,7 @@ fn rigid_motions(model: &Model) -> DMatrix<f64> {
 pub(super) fn lateral_mask(model: &Model) -> Vec<bool> {
     let mut mask = vec![false; model.len()];
     for dof in model.numbering.dofs() {
-        mask[dof.index] = matches!(dof.kind, Kind::V | Kind::W | Kind::B | Kind::Gamma);
+        mask[dof.index] = matches!(dof.kind, DofKind::V | DofKind::W | DofKind::B | DofKind::Gamma);
     }
     mask
 }

@@ -4,8 +4,8 @@ use std::fmt;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::complex::kinetic;
-use crate::model::{Kind, Model};
+use super::damped::kinetic;
+use crate::model::{DofKind, Model};
 
 /// The kind of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,7 @@ pub(super) fn classify(
         return Whirl::Coupled;
     }
     let (mut forward, mut backward) = (0.0, 0.0);
-    for dof in model.numbering.dofs().iter().filter(|dof| dof.kind == Kind::V) {
+    for dof in model.numbering.dofs().iter().filter(|dof| dof.kind == DofKind::V) {
         let (v, w) = (shape[dof.index], shape[dof.index + 1]);
         let turned = w * Complex::i();
         let (with, against) = ((v + turned).norm_sqr(), (v - turned).norm_sqr());

@@ -37,19 +37,19 @@ impl Model {
     }
 
     /// The restoring part of it.
-    pub fn restoring_matrix(&self) -> DMatrix<f64> {
+    pub fn symmetric_part_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for support in &self.supports {
-            add_support(&mut matrix, support.index, &support.restoring);
+            add_support(&mut matrix, support.index, &support.symmetric_part);
         }
         matrix
     }
 
     /// What is left without it.
-    pub fn circulating_matrix(&self) -> DMatrix<f64> {
+    pub fn skew_part_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for support in &self.supports {
-            add_support(&mut matrix, support.index, &support.circulating());
+            add_support(&mut matrix, support.index, &support.skew_part());
         }
         matrix
     }

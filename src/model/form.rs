@@ -44,7 +44,7 @@ impl Model {
 
     /// qᵀKq of shafts and bearings; of bearings the restoring part.
     pub fn unmeshed_elastic_form(&self, q: &[f64]) -> f64 {
-        self.shaft_form(q) + self.form_of_supports(q, |support| &support.restoring)
+        self.shaft_form(q) + self.form_of_supports(q, |support| &support.symmetric_part)
     }
 
     /// qᵀKq of the shafts alone.

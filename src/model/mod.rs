@@ -15,12 +15,12 @@ mod shaft;
 
 use nalgebra::{DMatrix, DVector};
 
-pub use numbering::{Dof, Kind, Numbering};
+pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
-use crate::mesh::{Coordinates, Coupling};
+use crate::mesh::{GearMesh, MeshCoordinates};
 use crate::scene::{Bearing, Node, Scene, SceneError};
 
 /// A bearing on its coordinates.
@@ -32,7 +32,7 @@ pub struct Support {
     pub stiffness: [[f64; 2]; 2],
     /// The symmetric stiffness that stands for it in undamped modes and in the energy norm: it resists what K resists,
     /// and pushes nothing away.
-    pub restoring: [[f64; 2]; 2],
+    pub symmetric_part: [[f64; 2]; 2],
     /// Damping over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
 }
@@ -41,12 +41,12 @@ impl Support {
     /// A bearing on the coordinates from `index` on.
     fn new(index: usize, bearing: &Bearing) -> Self {
         let (stiffness, damping) = (bearing.stiffness, bearing.damping);
-        Self { index, stiffness, restoring: restoring(&stiffness), damping }
+        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
     }
 
     /// The directions that it resists, orthogonal and of unit length.
     pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
-        let [[a, b], [_, d]] = self.restoring;
+        let [[a, b], [_, d]] = self.symmetric_part;
         let (mean, half) = (a / 2.0 + d / 2.0, ((a - d) / 2.0).hypot(b));
         let (sine, cosine) = (b.atan2((a - d) / 2.0) / 2.0).sin_cos();
         let both = [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])];
@@ -56,8 +56,8 @@ impl Support {
     }
 
     /// What the stiffness has beside its restoring part.
-    pub fn circulating(&self) -> [[f64; 2]; 2] {
-        std::array::from_fn(|i| std::array::from_fn(|j| self.stiffness[i][j] - self.restoring[i][j]))
+    pub fn skew_part(&self) -> [[f64; 2]; 2] {
+        std::array::from_fn(|i| std::array::from_fn(|j| self.stiffness[i][j] - self.symmetric_part[i][j]))
     }
 }
 
@@ -68,7 +68,7 @@ const WEAK: f64 = 1e-3;
 
 /// The symmetric part of K where that is positive definite; else the factor (KᵀK)^½ of its polar decomposition, which
 /// has the null space of K (Higham 2008, chapter 8).
-fn restoring(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let norm = k.as_flattened().iter().fold(0.0_f64, |norm, value| norm.hypot(*value));
     let cross = k[0][1] / 2.0 + k[1][0] / 2.0;
     let lowest = k[0][0] / 2.0 + k[1][1] / 2.0 - ((k[0][0] - k[1][1]) / 2.0).hypot(cross);
@@ -96,7 +96,7 @@ pub struct Model {
     /// Bearings; empty in a scene without bending.
     pub supports: Vec<Support>,
     /// Meshes.
-    pub meshes: Vec<Coupling>,
+    pub meshes: Vec<GearMesh>,
     /// Torque and gravity: the constant load.
     pub constant_load: DVector<f64>,
 }
@@ -128,7 +128,7 @@ impl Model {
                 let translation = a.zip(b).map(|(a, b)| [a, b]);
                 // A scene with a mesh has twist: `Scene::required_motion` has seen to that.
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
-                Coupling::new(mesh, &scene.gears, Coordinates { translation, twist })
+                GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, twist })
             })
             .collect();
         check_stiffness(&meshes)?;
@@ -163,7 +163,7 @@ impl Model {
 
     /// Indices of v and w of all nodes.
     pub fn translations(&self) -> impl Iterator<Item = usize> + '_ {
-        self.numbering.dofs().iter().filter(|dof| matches!(dof.kind, Kind::V | Kind::W)).map(|dof| dof.index)
+        self.numbering.dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W)).map(|dof| dof.index)
     }
 
     /// Names of the driving and the driven gear of a mesh.
@@ -189,8 +189,8 @@ impl Model {
     }
 
     /// The same among the meshes that are `chosen`.
-    pub fn fastest_teeth_of(&self, chosen: impl Fn(&Coupling) -> bool) -> f64 {
-        let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, coupling)| chosen(coupling));
+    pub fn fastest_teeth_of(&self, chosen: impl Fn(&GearMesh) -> bool) -> f64 {
+        let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, gear_mesh)| chosen(gear_mesh));
         let teeth = meshes.map(|(mesh, _)| {
             let gear = &self.scene.gears[mesh.driver];
             f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
@@ -209,8 +209,8 @@ impl Model {
             let mut acceleration = DVector::zeros(self.len());
             for dof in self.numbering.dofs() {
                 match dof.kind {
-                    Kind::V => acceleration[dof.index] = self.scene.gravity[0],
-                    Kind::W => acceleration[dof.index] = self.scene.gravity[1],
+                    DofKind::V => acceleration[dof.index] = self.scene.gravity[0],
+                    DofKind::W => acceleration[dof.index] = self.scene.gravity[1],
                     _ => {}
                 }
             }
@@ -258,7 +258,7 @@ impl Model {
 }
 
 /// A stiffness that varies must not fall below zero: it would push the flanks together.
-fn check_stiffness(meshes: &[Coupling]) -> Result<(), SceneError> {
+fn check_stiffness(meshes: &[GearMesh]) -> Result<(), SceneError> {
     for (index, mesh) in meshes.iter().enumerate() {
         if let Stiffness::Cycle(cycle) = &mesh.teeth {
             let smallest = cycle.smallest();

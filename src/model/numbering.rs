@@ -9,7 +9,7 @@ use crate::scene::{Node, Scene};
 
 /// What a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DofKind {
     /// Translation along y.
     V,
     /// Translation along z.
@@ -22,7 +22,7 @@ pub enum Kind {
     Twist,
 }
 
-impl Kind {
+impl DofKind {
     /// The name that users read.
     pub fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ pub struct Dof {
     /// Node.
     pub node: Node,
     /// What it measures.
-    pub kind: Kind,
+    pub kind: DofKind,
     /// Its index inside.
     pub index: usize,
     /// ±1: the inside coordinate is −B.
@@ -86,13 +86,13 @@ impl Numbering {
                 let mut push = |kind, index, sign| dofs.push(Dof { node: Node { shaft, node }, kind, index, sign });
                 if let Some(start) = block.lateral {
                     let first = start + 4 * node;
-                    push(Kind::V, first, 1.0);
-                    push(Kind::W, first + 1, 1.0);
-                    push(Kind::B, first + 3, -1.0);
-                    push(Kind::Gamma, first + 2, 1.0);
+                    push(DofKind::V, first, 1.0);
+                    push(DofKind::W, first + 1, 1.0);
+                    push(DofKind::B, first + 3, -1.0);
+                    push(DofKind::Gamma, first + 2, 1.0);
                 }
                 if let Some(start) = block.torsion {
-                    push(Kind::Twist, start + node, 1.0);
+                    push(DofKind::Twist, start + node, 1.0);
                 }
             }
             blocks.push(block);
@@ -125,7 +125,7 @@ impl Numbering {
         self.blocks[shaft].torsion
     }
 
-    /// Coordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so
+    /// MeshCoordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so
     /// that what a mesh sees of its shafts stands side by side.
     pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let part = |start: usize, each: usize, nodes: usize| start..start + each * nodes;

@@ -1,6 +1,6 @@
 //! Where the energy of the motion is, and what changes it.
 
-use super::Motion;
+use super::EquationOfMotion;
 use crate::mesh::{MeshState, Overlap};
 use crate::model::Model;
 
@@ -27,7 +27,7 @@ impl Energies {
 /// What changes the energy, in this order: its names.
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
 
-impl<'m> Motion<'m> {
+impl<'m> EquationOfMotion<'m> {
     /// Kinetic and elastic energy.
     ///
     /// # Errors
@@ -53,7 +53,8 @@ impl<'m> Motion<'m> {
     pub fn mesh_energy(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<f64, (usize, Overlap)> {
         let mut sum = 0.0;
         for (index, mesh) in self.model.meshes.iter().enumerate() {
-            let contact = mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index]);
+            let contact =
+                mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index]);
             sum += contact.map_err(|overlap| (index, overlap))?.energy;
         }
         Ok(sum)
@@ -102,7 +103,8 @@ impl<'m> Motion<'m> {
         }
         let mut teeth = 0.0;
         for (index, mesh) in model.meshes.iter().enumerate() {
-            let contact = mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index]);
+            let contact =
+                mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index]);
             let contact = contact.map_err(|overlap| (index, overlap))?;
             teeth += contact.drive_power;
             damping += contact.damping_power;
@@ -131,7 +133,7 @@ impl<'m> Motion<'m> {
     /// [`Overlap`] of the base circles.
     pub fn mesh_state(&self, mesh: usize, elapsed: f64, q: &[f64], v: &[f64]) -> Result<MeshState, Overlap> {
         let turning = self.turning(mesh, elapsed);
-        self.model.meshes[mesh].state(&self.pose(mesh, &turning, q, v), &self.laws[mesh])
+        self.model.meshes[mesh].state(&self.pose(mesh, &turning, q, v), &self.contact_modes[mesh])
     }
 
     /// The model that moves.

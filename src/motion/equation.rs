@@ -10,10 +10,10 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::course::{Changing, Course};
-use crate::integrate::{Halt, System};
-use crate::mesh::{Coupling, Geometry, Law, Pose, Turning};
-use crate::modal::Basis;
+use super::shaft_rotation::{Changing, ShaftRotation};
+use crate::integrate::{FirstOrderSystem, Halt};
+use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
+use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
 
 /// A force on a coordinate pair that turns with its shaft.
@@ -34,7 +34,7 @@ struct Excited {
 
 /// The equation of motion of a model at a given speed.
 #[derive(Clone, Debug)]
-pub struct Motion<'m> {
+pub struct EquationOfMotion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
@@ -47,7 +47,7 @@ pub struct Motion<'m> {
     /// arg of that.
     angles: Vec<f64>,
     /// The law of each mesh over the step.
-    pub(super) laws: Vec<Law>,
+    pub(super) contact_modes: Vec<ContactMode>,
     /// The coordinates of the meshes that change their law.
     switching: Vec<usize>,
     excited: Vec<Excited>,
@@ -59,29 +59,29 @@ pub struct Motion<'m> {
     pub(super) scratch: Vec<f64>,
 }
 
-impl<'m> Motion<'m> {
+impl<'m> EquationOfMotion<'m> {
     /// The motion at a constant `speed` of the reference shaft, from the time `origin`; tolerances are relative to the
     /// deviation from `equilibrium`.
     pub fn new(
-        basis: &'m Basis,
+        cached: &'m CachedModel,
         geometry: Geometry,
         speed: f64,
         origin: f64,
         equilibrium: DVector<f64>,
     ) -> Result<Self, crate::linalg::DecompositionError> {
-        Self::along(basis, geometry, &Course::constant(speed, origin), equilibrium)
+        Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
     }
 
     /// The motion while the reference shaft turns as `course` says.
     pub fn along(
-        basis: &'m Basis,
+        cached: &'m CachedModel,
         geometry: Geometry,
-        course: &Course,
+        course: &ShaftRotation,
         equilibrium: DVector<f64>,
     ) -> Result<Self, crate::linalg::DecompositionError> {
-        let (model, speed) = (&basis.model, course.fastest);
+        let (model, speed) = (&cached.model, course.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
-        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| course.turn_at_origin(shaft.ratio)).collect();
+        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
         let excited = |(index, shaft): (usize, &ShaftModel)| Excited {
             shaft: index,
             spin: spins[index],
@@ -97,7 +97,7 @@ impl<'m> Motion<'m> {
         };
         let excited = model.shafts.iter().enumerate().map(excited);
         let excited: Vec<_> = excited.filter(|excited| course.is_constant() && !excited.forces.is_empty()).collect();
-        let modal_damping = basis.modal_damping_matrix(speed)?;
+        let modal_damping = cached.modal_damping_matrix(speed)?;
         let angles: Vec<f64> = at_origin.iter().map(|turn| turn.arg()).collect();
         Ok(Self {
             model,
@@ -107,8 +107,8 @@ impl<'m> Motion<'m> {
             changing: course.changing(),
             angles,
             at_origin,
-            laws: vec![Law::ALWAYS; model.meshes.len()],
-            switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(Coupling::indices).collect(),
+            contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
+            switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             excited,
             modal_damping,
             equilibrium,
@@ -160,14 +160,14 @@ impl<'m> Motion<'m> {
     }
 
     /// Whether the instants at which laws change depend on the motion.
-    pub fn moves_laws(&self) -> bool {
-        let moves = |mesh: &Coupling| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();
+    pub fn motion_changes_contact_modes(&self) -> bool {
+        let moves = |mesh: &GearMesh| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();
         self.model.meshes.iter().any(|mesh| mesh.switches() && moves(mesh))
     }
 
     /// The fastest that teeth swing on their stiffness, the gears being all that moves, rad/s.
     pub fn fastest_swing(&self) -> f64 {
-        let square = |(mesh, coupling): (usize, &Coupling)| coupling.stiffest * self.mobility(mesh);
+        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.stiffest * self.mobility(mesh);
         self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
     }
 
@@ -210,16 +210,16 @@ impl<'m> Motion<'m> {
 
     /// How the shafts of a mesh stand.
     #[inline(always)]
-    pub fn turning(&self, mesh: usize, elapsed: f64) -> [Turning; 2] {
+    pub fn turning(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
         self.model.meshes[mesh].shafts.map(|shaft| {
             let (turned, spin) = self.turned(shaft, elapsed);
-            Turning { angle: self.angles[shaft] + turned, spin }
+            ShaftPhase { angle: self.angles[shaft] + turned, spin }
         })
     }
 
     /// How a mesh stands.
     #[inline(always)]
-    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [Turning; 2], q: &[f64], v: &[f64]) -> Pose<'a> {
+    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], turning, q, v)
     }
 
@@ -257,7 +257,7 @@ impl<'m> Motion<'m> {
         }
         for (index, mesh) in self.model.meshes.iter().enumerate() {
             let contact = mesh
-                .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.laws[index])
+                .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index])
                 .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
             mesh.apply(&contact, force);
         }
@@ -304,7 +304,7 @@ fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [
     }
 }
 
-impl System for Motion<'_> {
+impl FirstOrderSystem for EquationOfMotion<'_> {
     fn len(&self) -> usize {
         2 * self.model.len()
     }
@@ -327,27 +327,27 @@ impl System for Motion<'_> {
         (self.changing.is_some() || !self.switching.is_empty()).then_some(&self.switching)
     }
 
-    fn laws_at(&mut self, elapsed: f64, y: &[f64], laws: &mut Vec<i64>) -> Result<(), Halt> {
+    fn contact_modes_at(&mut self, elapsed: f64, y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
         let (q, v) = y.split_at(self.model.len());
-        laws.clear();
+        contact_modes.clear();
         for (index, mesh) in self.model.meshes.iter().enumerate() {
-            let law = if mesh.switches() {
-                mesh.law(&self.pose(index, &self.turning(index, elapsed), q, v))
+            let contact_mode = if mesh.switches() {
+                mesh.contact_mode(&self.pose(index, &self.turning(index, elapsed), q, v))
                     .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?
             } else {
-                Law::ALWAYS
+                ContactMode::ALWAYS
             };
-            laws.extend(law.code());
+            contact_modes.extend(contact_mode.code());
         }
-        laws.extend(self.changing.as_ref().map(|changing| changing.piece_at(elapsed)));
+        contact_modes.extend(self.changing.as_ref().map(|changing| changing.piece_at(elapsed)));
         Ok(())
     }
 
-    fn set_laws(&mut self, laws: &[i64]) {
-        for (law, code) in self.laws.iter_mut().zip(laws.chunks_exact(Law::CODE)) {
-            *law = Law::from_code(code);
+    fn set_contact_modes(&mut self, contact_modes: &[i64]) {
+        for (contact_mode, code) in self.contact_modes.iter_mut().zip(contact_modes.chunks_exact(ContactMode::CODE)) {
+            *contact_mode = ContactMode::from_code(code);
         }
-        if let (Some(changing), Some(piece)) = (&mut self.changing, laws.last()) {
+        if let (Some(changing), Some(piece)) = (&mut self.changing, contact_modes.last()) {
             changing.hold(*piece);
         }
     }

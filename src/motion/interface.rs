@@ -7,9 +7,11 @@
 
 use nalgebra::DVector;
 
-use super::Motion;
+use super::EquationOfMotion;
 use crate::integrate::Halt;
-use crate::mesh::{Contact, Coordinates, Coupling, Flank, Geometry, Law, Overlap, Pose, Relative, Turning};
+use crate::mesh::{
+    Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
+};
 use crate::scene::Phase;
 
 /// Through which scalars a mesh sees the motion.
@@ -25,7 +27,7 @@ enum Scalars {
 
 /// How long the flanks of a mesh stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hold {
+pub struct GuaranteedInterval {
     /// So long at least, s, whatever swings as the contact shows.
     pub time: f64,
     /// How fast the teeth swing, or may swing, if that is not for ever, the gears being all that moves, rad/s.
@@ -40,15 +42,15 @@ const MOST: usize = 4;
 pub struct Interface {
     /// Index of the mesh.
     pub mesh: usize,
-    coupling: Coupling,
+    gear_mesh: GearMesh,
     scalars: Scalars,
     geometry: Geometry,
     sigma: f64,
     /// Its scalars, and its generalised forces, at the displacements that deviations are measured from.
     at: [f64; MOST],
-    held: [f64; MOST],
+    reference_force: [f64; MOST],
     /// The force there, below zero on the back flank, N, and how fast its teeth swing, rad/s.
-    carried: f64,
+    static_force: f64,
     swing: f64,
     /// Of its gears, along the line of action, 1/kg.
     mobility: f64,
@@ -64,35 +66,40 @@ impl Interface {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
-    pub fn new(motion: &Motion, mesh: usize, reference: &DVector<f64>, meshed: bool) -> Result<Self, Overlap> {
-        let coupling = motion.model.meshes[mesh].clone();
+    pub fn new(
+        motion: &EquationOfMotion,
+        mesh: usize,
+        reference: &DVector<f64>,
+        meshed: bool,
+    ) -> Result<Self, Overlap> {
+        let gear_mesh = motion.model.meshes[mesh].clone();
         let (geometry, sigma) = (motion.geometry, motion.sigma[mesh]);
-        let follows_twist = coupling.phase == Phase::Twist && !coupling.teeth.is_constant();
+        let follows_twist = gear_mesh.phase == Phase::Twist && !gear_mesh.teeth.is_constant();
         // The line of action of the back flank is another one, unless there is no bending.
-        let frozen = geometry == Geometry::Frozen && coupling.backlash.is_none();
-        let flat = frozen || coupling.coordinates.translation.is_none();
-        let scalars = match (follows_twist || coupling.has_run_out(), flat) {
+        let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
+        let flat = frozen || gear_mesh.coordinates.translation.is_none();
+        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat) {
             (true, _) => Scalars::Each,
             (false, true) => Scalars::Along,
             (false, false) => Scalars::Plane,
         };
-        let [ra, rb] = coupling.involute.base_radius;
-        let [y, z] = coupling.normal_at_rest(sigma);
+        let [ra, rb] = gear_mesh.involute.base_radius;
+        let [y, z] = gear_mesh.normal_at_rest(sigma);
         let gradient = match scalars {
             Scalars::Along => [1.0, 0.0, 0.0, 0.0],
             Scalars::Plane => [-y, -z, sigma, 0.0],
             Scalars::Each => [-y, -z, sigma * ra, sigma * rb],
         };
-        let contained = if meshed { [coupling.stiffness, coupling.damping] } else { [0.0; 2] };
+        let contained = if meshed { [gear_mesh.stiffness, gear_mesh.damping] } else { [0.0; 2] };
         let mut interface = Self {
             mesh,
-            coupling,
+            gear_mesh,
             scalars,
             geometry,
             sigma,
             at: [0.0; MOST],
-            held: [0.0; MOST],
-            carried: 0.0,
+            reference_force: [0.0; MOST],
+            static_force: 0.0,
             swing: motion.fastest_swing(),
             mobility: motion.mobility(mesh),
             gradient,
@@ -102,7 +109,7 @@ impl Interface {
         for (at, row) in interface.at.iter_mut().zip(rows) {
             *at = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
         }
-        (interface.held, interface.carried) = interface.mean_force(reference.as_slice())?;
+        (interface.reference_force, interface.static_force) = interface.mean_force(reference.as_slice())?;
         Ok(interface)
     }
 
@@ -117,44 +124,49 @@ impl Interface {
 
     /// Whether its load depends on the rates of the scalars as well.
     pub fn has_rates(&self) -> bool {
-        let contained = self.contained[1] > 0.0 && self.coupling.backlash.is_none() && self.scalars == Scalars::Along;
-        self.coupling.damping > 0.0 && !contained || self.coupling.has_run_out()
+        let contained = self.contained[1] > 0.0 && self.gear_mesh.backlash.is_none() && self.scalars == Scalars::Along;
+        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_run_out()
     }
 
     /// Whether its load is a straight line over its one scalar, for a given law and time.
     pub fn is_affine(&self) -> bool {
         self.scalars == Scalars::Along
-            && self.coupling.backlash.is_none()
-            && !self.coupling.teeth.is_relieved()
+            && self.gear_mesh.backlash.is_none()
+            && !self.gear_mesh.teeth.is_relieved()
             && !self.has_rates()
     }
 
     /// Every scalar as entries (index, coefficient) over the displacements of the model; a load on it acts on the same
     /// coordinates with the same coefficients.
     pub fn rows(&self) -> Vec<Vec<(usize, f64)>> {
-        let (coupling, sigma) = (&self.coupling, self.sigma);
-        let [ra, rb] = coupling.involute.base_radius;
-        let Coordinates { translation, twist: [a, b] } = coupling.coordinates;
-        let apart = |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
+        let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
+        let [ra, rb] = gear_mesh.involute.base_radius;
+        let MeshCoordinates { translation, twist: [a, b] } = gear_mesh.coordinates;
+        let relative_displacement =
+            |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
         match self.scalars {
             Scalars::Along => {
                 let mut row = Vec::new();
-                coupling.gradient(sigma, coupling.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
+                gear_mesh.gradient(sigma, gear_mesh.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
-            Scalars::Plane => vec![apart(0), apart(1), vec![(a, ra), (b, rb)]],
-            Scalars::Each => vec![apart(0), apart(1), vec![(a, 1.0)], vec![(b, 1.0)]],
+            Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), vec![(a, ra), (b, rb)]],
+            Scalars::Each => vec![relative_displacement(0), relative_displacement(1), vec![(a, 1.0)], vec![(b, 1.0)]],
         }
     }
 
     /// What the mesh sees of these scalars, or of their rates.
     #[inline(always)]
-    fn relative(&self, [a, b, c, d]: [f64; MOST]) -> Relative {
-        let [ra, rb] = self.coupling.involute.base_radius;
+    fn relative(&self, [a, b, c, d]: [f64; MOST]) -> RelativeMotion {
+        let [ra, rb] = self.gear_mesh.involute.base_radius;
         match self.scalars {
-            Scalars::Along => Relative { rolled: self.sigma * a, ..Relative::default() },
-            Scalars::Plane => Relative { apart: [a, b], rolled: c, ..Relative::default() },
-            Scalars::Each => Relative { apart: [a, b], rolled: ra * c + rb * d, twist: [c, d] },
+            Scalars::Along => RelativeMotion { rolling_displacement: self.sigma * a, ..RelativeMotion::default() },
+            Scalars::Plane => {
+                RelativeMotion { relative_displacement: [a, b], rolling_displacement: c, ..RelativeMotion::default() }
+            }
+            Scalars::Each => {
+                RelativeMotion { relative_displacement: [a, b], rolling_displacement: ra * c + rb * d, twist: [c, d] }
+            }
         }
     }
 
@@ -164,36 +176,36 @@ impl Interface {
         let [y, z] = contact.push;
         match self.scalars {
             Scalars::Along => [-contact.force, 0.0, 0.0, 0.0],
-            Scalars::Plane => [y, z, contact.moments[0] / self.coupling.involute.base_radius[0], 0.0],
+            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0],
             Scalars::Each => [y, z, contact.moments[0], contact.moments[1]],
         }
     }
 
     /// The generalised forces of the mean stiffness at the reference, on the flank that carries there, and its force.
     fn mean_force(&self, reference: &[f64]) -> Result<([f64; MOST], f64), Overlap> {
-        let pressed = |flank| self.coupling.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
+        let pressed = |flank| self.gear_mesh.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
         let drive = pressed(Flank::Drive)?;
-        let ((force, [y, z]), sigma) = match self.coupling.backlash {
+        let ((force, [y, z]), sigma) = match self.gear_mesh.backlash {
             Some(_) if drive.0 < 0.0 => (pressed(Flank::Back)?, -self.sigma),
             _ => (drive, self.sigma),
         };
-        let [ra, rb] = self.coupling.involute.base_radius;
-        let held = match self.scalars {
+        let [ra, rb] = self.gear_mesh.involute.base_radius;
+        let reference_force = match self.scalars {
             Scalars::Along => [-force * sigma * self.sigma, 0.0, 0.0, 0.0],
             Scalars::Plane => [force * y, force * z, -force * sigma, 0.0],
             Scalars::Each => [force * y, force * z, -force * sigma * ra, -force * sigma * rb],
         };
-        Ok((held, force * sigma * self.sigma))
+        Ok((reference_force, force * sigma * self.sigma))
     }
 
     /// The generalised forces that it holds at the reference.
-    pub fn held(&self) -> &[f64] {
-        &self.held[..self.scalars()]
+    pub fn reference_force(&self) -> &[f64] {
+        &self.reference_force[..self.scalars()]
     }
 
     /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness along it, N/m.
     pub fn tangent(&self) -> (&[f64], f64) {
-        (&self.gradient[..self.scalars()], self.coupling.stiffness)
+        (&self.gradient[..self.scalars()], self.gear_mesh.stiffness)
     }
 
     /// The load at deviations `u` of the scalars and their `rates` (empty where they do not matter), under the law that
@@ -204,38 +216,38 @@ impl Interface {
     #[inline(always)]
     pub fn load(
         &self,
-        motion: &Motion,
+        motion: &EquationOfMotion,
         elapsed: f64,
         u: &[f64],
         rates: &[f64],
         load: &mut [f64],
     ) -> Result<Contact, Halt> {
         let turning = motion.turning(self.mesh, elapsed);
-        let law = &motion.laws[self.mesh];
-        let contact = self.coupling.contact(&self.pose(&turning, u, rates), law);
+        let contact_mode = &motion.contact_modes[self.mesh];
+        let contact = self.gear_mesh.contact(&self.pose(&turning, u, rates), contact_mode);
         let contact = contact.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?;
         let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
         let linear = self.contained[0] * along(u) + self.contained[1] * along(rates);
         let forces = self.forces(&contact);
         for (k, load) in load.iter_mut().enumerate() {
-            *load = (forces[k] - self.held[k]) + linear * self.gradient[k];
+            *load = (forces[k] - self.reference_force[k]) + linear * self.gradient[k];
         }
         Ok(contact)
     }
 
     /// Stiffness and damping along δ in a contact that the linear motion does not contain, N/m and N·s/m.
     #[inline(always)]
-    pub fn rigidity(&self, motion: &Motion, contact: &Contact) -> [f64; 2] {
-        let flank = motion.laws[self.mesh].flank;
+    pub fn residual_tangent(&self, motion: &EquationOfMotion, contact: &Contact) -> [f64; 2] {
+        let flank = motion.contact_modes[self.mesh].flank;
         let flanks = f64::from(u8::from(flank.drives()) + u8::from(flank.holds_back()));
-        [contact.stiffness - self.contained[0], flanks * self.coupling.damping - self.contained[1]]
+        [contact.stiffness - self.contained[0], flanks * self.gear_mesh.damping - self.contained[1]]
     }
 
     /// How long the flanks stay as they are in a contact under the law that holds.
-    pub fn hold(&self, motion: &Motion, contact: &Contact) -> Hold {
-        let flank = motion.laws[self.mesh].flank;
-        if self.coupling.backlash.is_none() || self.is_firm(flank, contact) {
-            return Hold { time: f64::INFINITY, swing: 0.0 };
+    pub fn hold(&self, motion: &EquationOfMotion, contact: &Contact) -> GuaranteedInterval {
+        let flank = motion.contact_modes[self.mesh].flank;
+        if self.gear_mesh.backlash.is_none() || self.is_firm(flank, contact) {
+            return GuaranteedInterval { time: f64::INFINITY, swing: 0.0 };
         }
         // Flanks that are apart are looked for as closely as teeth may swing once they meet.
         let swing = if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.swing };
@@ -243,28 +255,28 @@ impl Interface {
         let presses = matches!(flank, Flank::Drive | Flank::Back);
         // Without rates there is no telling what swings.
         if !self.has_rates() || !presses || drive <= 0.0 || back <= 0.0 {
-            return Hold { time: 0.0, swing };
+            return GuaranteedInterval { time: 0.0, swing };
         }
         // What is left of x after t is at least x − |ẋ|t − aω²t²/2, a the amplitude.
         let rate = contact.rate.abs();
-        let amplitude = ((contact.force - self.carried) / contact.stiffness).hypot(rate / swing);
+        let amplitude = ((contact.force - self.static_force) / contact.stiffness).hypot(rate / swing);
         let time = |left: f64| 2.0 * left / (rate + (rate * rate + 2.0 * amplitude * swing * swing * left).sqrt());
-        Hold { time: time(drive).min(time(back)), swing }
+        GuaranteedInterval { time: time(drive).min(time(back)), swing }
     }
 
     /// How far the drive flank and the back flank are from a change of law, as the one that holds shows them in a
     /// contact, m: pressed in by so much, or clear by so much.
-    pub fn margins(&self, motion: &Motion, contact: &Contact) -> [f64; 2] {
+    pub fn margins(&self, motion: &EquationOfMotion, contact: &Contact) -> [f64; 2] {
         // What damping holds together has not parted yet.
         let pressed = |force: f64, deflection: f64| {
             if contact.stiffness > 0.0 { force / contact.stiffness } else { deflection }
         };
-        let Contact { force, deflection, behind, .. } = *contact;
-        match motion.laws[self.mesh].flank {
-            Flank::Drive => [pressed(force, deflection), -behind],
-            Flank::Back => [-deflection, pressed(-force, behind)],
-            Flank::Apart => [-deflection, -behind],
-            Flank::Both => [deflection, behind],
+        let Contact { force, deflection, back_flank_deflection, .. } = *contact;
+        match motion.contact_modes[self.mesh].flank {
+            Flank::Drive => [pressed(force, deflection), -back_flank_deflection],
+            Flank::Back => [-deflection, pressed(-force, back_flank_deflection)],
+            Flank::Apart => [-deflection, -back_flank_deflection],
+            Flank::Both => [deflection, back_flank_deflection],
         }
     }
 
@@ -272,34 +284,41 @@ impl Interface {
     /// shows: about the force at rest by no more than half of it, as force and rate tell of what swings on the teeth or
     /// faster, and half of the backlash is left.
     fn is_firm(&self, flank: Flank, contact: &Contact) -> bool {
-        let (carried, clear) = match flank {
-            Flank::Drive => (self.carried, contact.behind),
-            Flank::Back => (-self.carried, contact.deflection),
+        let (static_force, clear) = match flank {
+            Flank::Drive => (self.static_force, contact.back_flank_deflection),
+            Flank::Back => (-self.static_force, contact.deflection),
             Flank::Apart | Flank::Both => return false,
         };
         // In parts of the force at rest, so that no square overflows.
-        let part = |force: f64| force / carried;
-        let swung =
-            part(contact.force - self.carried).powi(2) + part(contact.stiffness * contact.rate / self.swing).powi(2);
+        let part = |force: f64| force / static_force;
+        let swung = part(contact.force - self.static_force).powi(2)
+            + part(contact.stiffness * contact.rate / self.swing).powi(2);
         self.has_rates()
-            && carried > 0.0
+            && static_force > 0.0
             && swung <= 0.25
-            && clear <= -self.coupling.backlash.unwrap_or(f64::INFINITY) / 2.0
+            && clear <= -self.gear_mesh.backlash.unwrap_or(f64::INFINITY) / 2.0
     }
 
-    /// The law that holds at deviations `u` and their `rates`; flanks that are `settled` stay as they are.
+    /// The law that holds at deviations `u` and their `rates`; flanks that are `unchanged` stay as they are.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn law(&self, motion: &Motion, elapsed: f64, u: &[f64], rates: &[f64], settled: bool) -> Result<Law, Halt> {
-        if !self.coupling.switches() {
-            return Ok(Law::ALWAYS);
+    pub fn contact_mode(
+        &self,
+        motion: &EquationOfMotion,
+        elapsed: f64,
+        u: &[f64],
+        rates: &[f64],
+        unchanged: bool,
+    ) -> Result<ContactMode, Halt> {
+        if !self.gear_mesh.switches() {
+            return Ok(ContactMode::ALWAYS);
         }
-        if settled && !self.coupling.teeth.is_sharp() {
-            return Ok(motion.laws[self.mesh]);
+        if unchanged && !self.gear_mesh.teeth.is_sharp() {
+            return Ok(motion.contact_modes[self.mesh]);
         }
-        let law = self.coupling.law(&self.pose(&motion.turning(self.mesh, elapsed), u, rates));
-        law.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
+        let contact_mode = self.gear_mesh.contact_mode(&self.pose(&motion.turning(self.mesh, elapsed), u, rates));
+        contact_mode.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })
     }
 
     /// Where the ends of the path of contact stand among the pairs of teeth that come and go at once, each with the pair
@@ -307,16 +326,22 @@ impl Interface {
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn ends(&self, motion: &Motion, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
-        if !self.coupling.teeth.is_sharp() {
+    pub fn ends(
+        &self,
+        motion: &EquationOfMotion,
+        elapsed: f64,
+        u: &[f64],
+        ends: &mut Vec<(f64, i64)>,
+    ) -> Result<(), Halt> {
+        if !self.gear_mesh.teeth.is_sharp() {
             return Ok(());
         }
         let turning = motion.turning(self.mesh, elapsed);
         for back in [false, true] {
-            if !back || self.coupling.backlash.is_some() {
-                let path = self.coupling.engagement(&self.pose(&turning, u, &[]), back);
+            if !back || self.gear_mesh.backlash.is_some() {
+                let path = self.gear_mesh.engagement(&self.pose(&turning, u, &[]), back);
                 let [low, high] = path.map_err(|overlap| Halt::Overlap { mesh: self.mesh, overlap })?.ends();
-                let (first, last) = motion.laws[self.mesh].engaged[usize::from(back)];
+                let (first, last) = motion.contact_modes[self.mesh].engaged[usize::from(back)];
                 ends.extend([(low, first), (high, last)]);
             }
         }
@@ -324,7 +349,7 @@ impl Interface {
     }
 
     #[inline(always)]
-    fn pose<'a>(&self, turning: &'a [Turning; 2], u: &[f64], rates: &[f64]) -> Pose<'a> {
+    fn pose<'a>(&self, turning: &'a [ShaftPhase; 2], u: &[f64], rates: &[f64]) -> MeshPose<'a> {
         let (mut scalars, mut speeds) = (self.at, [0.0; MOST]);
         for (scalar, u) in scalars.iter_mut().zip(u) {
             *scalar += u;
@@ -333,6 +358,6 @@ impl Interface {
             *speed = *rate;
         }
         let (position, velocity) = (self.relative(scalars), self.relative(speeds));
-        Pose { geometry: self.geometry, sigma: self.sigma, turning, position, velocity }
+        MeshPose { geometry: self.geometry, sigma: self.sigma, turning, position, velocity }
     }
 }

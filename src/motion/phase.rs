@@ -4,14 +4,14 @@ use num_complex::Complex64;
 
 /// A number of twice the digits, the unevaluated sum of two (Dekker 1971).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Twofold {
+pub struct DoubleDouble {
     /// The number, rounded.
     pub high: f64,
     /// What rounding took.
     pub low: f64,
 }
 
-impl Twofold {
+impl DoubleDouble {
     /// a·b, exact.
     pub fn product(a: f64, b: f64) -> Self {
         let high = a * b;
@@ -52,7 +52,7 @@ impl Twofold {
     }
 }
 
-impl From<f64> for Twofold {
+impl From<f64> for DoubleDouble {
     fn from(high: f64) -> Self {
         Self { high, low: 0.0 }
     }
@@ -64,7 +64,7 @@ pub fn phase(spin: f64, time: f64) -> Complex64 {
     if !(spin * time).is_finite() {
         return Complex64::new(f64::NAN, f64::NAN);
     }
-    Twofold::product(spin, time).turn()
+    DoubleDouble::product(spin, time).turn()
 }
 
 /// The upper and the lower half of the digits of a number (Veltkamp).

@@ -2,8 +2,8 @@
 //!
 //! Pieces are polynomials, so the angle ϑ = ∫Ω dt and the acceleration Ω̇ are exact.
 
-use super::phase::Twofold;
-use crate::scene::{Path, SceneError};
+use super::phase::DoubleDouble;
+use crate::scene::{EntryPath, SceneError};
 
 /// A speed below this part of the largest is none: round-off, and what the sampling of a function leaves, turn no shaft
 /// backwards and make no jump.
@@ -49,9 +49,9 @@ impl Speed {
     }
 
     /// The angle ∫Ω dt between two times, rad.
-    pub fn turned(&self, from: f64, to: f64) -> Twofold {
+    pub fn turned(&self, from: f64, to: f64) -> DoubleDouble {
         match self {
-            Self::Constant(speed) => Twofold::from(*speed).times(Twofold::sum(to, -from)),
+            Self::Constant(speed) => DoubleDouble::from(*speed).times(DoubleDouble::sum(to, -from)),
             Self::Changing(profile) => profile.turned(from, to),
         }
     }
@@ -62,7 +62,7 @@ impl Speed {
     /// [`SceneError`] that names the time.
     pub fn check(&self, start: f64, end: f64) -> Result<(), SceneError> {
         match self {
-            Self::Constant(speed) => Path::root("speed").finite(*speed).map(|_| ()),
+            Self::Constant(speed) => EntryPath::root("speed").finite(*speed).map(|_| ()),
             Self::Changing(profile) => profile.keeps_its_sign(start, end),
         }
     }
@@ -100,9 +100,10 @@ impl Profile {
         }
         let piece = |(about, cubic): (&f64, &[f64; 4])| Piece { begin: *about, about: *about, cubic: *cubic };
         let mut pieces: Vec<_> = breaks.iter().zip(coefficients).map(piece).collect();
-        let held = |about: f64, speed: f64| Piece { begin: about, about, cubic: [speed, 0.0, 0.0, 0.0] };
+        let reference_force = |about: f64, speed: f64| Piece { begin: about, about, cubic: [speed, 0.0, 0.0, 0.0] };
         let (first, last) = (breaks[0], breaks[coefficients.len()]);
-        let (before, after) = (held(first, pieces[0].at(first)), held(last, pieces[pieces.len() - 1].at(last)));
+        let (before, after) =
+            (reference_force(first, pieces[0].at(first)), reference_force(last, pieces[pieces.len() - 1].at(last)));
         pieces.insert(0, Piece { begin: f64::NEG_INFINITY, ..before });
         pieces.push(after);
         let profile = Self { breaks, pieces };
@@ -134,13 +135,13 @@ impl Profile {
         &self.pieces[self.breaks.partition_point(|begin| *begin <= time)]
     }
 
-    pub(super) fn turned(&self, from: f64, to: f64) -> Twofold {
+    pub(super) fn turned(&self, from: f64, to: f64) -> DoubleDouble {
         if from > to {
-            return self.turned(to, from).times(Twofold::from(-1.0));
+            return self.turned(to, from).times(DoubleDouble::from(-1.0));
         }
         let within = self.pieces().filter(|(piece, end)| piece.begin < to && *end > from);
         let angle = |(piece, end): (&Piece, f64)| piece.turned(from.max(piece.begin), to.min(end));
-        within.map(angle).fold(Twofold::default(), Twofold::plus)
+        within.map(angle).fold(DoubleDouble::default(), DoubleDouble::plus)
     }
 
     /// Ω at both ends, at every break and at every extreme between two times, in order.
@@ -204,14 +205,14 @@ impl Piece {
     }
 
     /// ∫Ω dt.
-    fn turned(&self, from: f64, to: f64) -> Twofold {
+    fn turned(&self, from: f64, to: f64) -> DoubleDouble {
         let [a, b, c, d] = self.cubic;
         let since = |time: f64| {
-            let t = Twofold::sum(time, -self.about);
-            let cubic = t.times((d / 4.0).into()).plus(Twofold::quotient(c, 3.0));
+            let t = DoubleDouble::sum(time, -self.about);
+            let cubic = t.times((d / 4.0).into()).plus(DoubleDouble::quotient(c, 3.0));
             t.times(t.times(t.times(cubic).plus((b / 2.0).into())).plus(a.into()))
         };
-        since(to).plus(since(from).times(Twofold::from(-1.0)))
+        since(to).plus(since(from).times(DoubleDouble::from(-1.0)))
     }
 
     /// Times at which Ω̇ = 0, where there are any.

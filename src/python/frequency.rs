@@ -9,15 +9,15 @@ use super::convert::{stack, table};
 use super::errors::warn;
 use super::model::PyModel;
 use super::simulate;
-use crate::analysis::{self, Part, Source};
-use crate::scene::{Path, SceneError};
+use crate::analysis::{self, ExcitationPart, ExcitationSource};
+use crate::scene::{EntryPath, SceneError};
 
 /// The part of the excitation of this name.
-fn part(name: &str) -> Result<Part, SceneError> {
+fn part(name: &str) -> Result<ExcitationPart, SceneError> {
     match name {
-        "both" => Ok(Part::Both),
-        "bow" => Ok(Part::Bow),
-        "unbalance" => Ok(Part::Unbalance),
+        "both" => Ok(ExcitationPart::Both),
+        "bow" => Ok(ExcitationPart::Bow),
+        "unbalance" => Ok(ExcitationPart::Unbalance),
         _ => Err(SceneError::new("excitation", format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
     }
 }
@@ -26,7 +26,7 @@ fn part(name: &str) -> Result<Part, SceneError> {
 fn finite(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
     let speeds = speeds.as_array().to_vec();
     for (index, speed) in speeds.iter().enumerate() {
-        Path::entry("speeds", index).finite(*speed)?;
+        EntryPath::entry("speeds", index).finite(*speed)?;
     }
     Ok(speeds)
 }
@@ -40,33 +40,38 @@ pub fn campbell<'py>(
     harmonics: u32,
 ) -> PyResult<Bound<'py, PyDict>> {
     let speeds = speeds.as_array().to_vec();
-    let found = py.detach(|| analysis::campbell(&model.basis, &speeds, count, harmonics))?;
+    let found = py.detach(|| analysis::campbell(&model.cached, &speeds, count, harmonics))?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let line = |line: &analysis::Line| match line.source {
-        Source::Shaft(shaft) => ("shaft", vec![model.basis.model.scene.shafts[shaft].name.as_str()], line.harmonic),
-        Source::Mesh(mesh) => ("mesh", model.basis.model.gear_names(mesh).to_vec(), line.harmonic),
+    let line = |line: &analysis::ExcitationLine| match line.source {
+        ExcitationSource::Shaft(shaft) => {
+            ("shaft", vec![model.cached.model.scene.shafts[shaft].name.as_str()], line.harmonic)
+        }
+        ExcitationSource::Mesh(mesh) => ("mesh", model.cached.model.gear_names(mesh).to_vec(), line.harmonic),
     };
-    let meetings = &found.meetings;
-    let list = |of: fn(&analysis::Meeting) -> usize| meetings.iter().map(of).collect::<Vec<_>>();
+    let intersections = &found.intersections;
+    let list = |of: fn(&analysis::Intersection) -> usize| intersections.iter().map(of).collect::<Vec<_>>();
     let dict = PyDict::new(py);
     dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), speeds.len(), modes)?)?;
     dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
     dict.set_item("lines", found.lines.iter().map(line).collect::<Vec<_>>())?;
     dict.set_item("orders", found.lines.iter().map(|line| line.order).collect::<Vec<_>>().into_pyarray(py))?;
-    dict.set_item("meeting_modes", list(|meeting| meeting.mode))?;
-    dict.set_item("meeting_lines", list(|meeting| meeting.line))?;
-    let at: Vec<_> = meetings.iter().map(|meeting| meeting.speed).collect();
-    let eigenvalues: Vec<_> = meetings.iter().map(|meeting| meeting.eigenvalue).collect();
-    dict.set_item("meeting_speeds", at.into_pyarray(py))?;
-    dict.set_item("meeting_eigenvalues", eigenvalues.into_pyarray(py))?;
-    dict.set_item("meeting_whirl", meetings.iter().map(|meeting| meeting.whirl.to_string()).collect::<Vec<_>>())?;
+    dict.set_item("intersection_modes", list(|intersection| intersection.mode))?;
+    dict.set_item("intersection_lines", list(|intersection| intersection.line))?;
+    let at: Vec<_> = intersections.iter().map(|intersection| intersection.speed).collect();
+    let eigenvalues: Vec<_> = intersections.iter().map(|intersection| intersection.eigenvalue).collect();
+    dict.set_item("intersection_speeds", at.into_pyarray(py))?;
+    dict.set_item("intersection_eigenvalues", eigenvalues.into_pyarray(py))?;
+    dict.set_item(
+        "intersection_whirl",
+        intersections.iter().map(|intersection| intersection.whirl.to_string()).collect::<Vec<_>>(),
+    )?;
     Ok(dict)
 }
 
 /// Undamped critical speeds with their whirl.
 pub fn critical_speeds(model: &PyModel, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
-    let found = py.detach(|| analysis::critical_speeds(&model.basis, excitation))?;
+    let found = py.detach(|| analysis::critical_speeds(&model.cached, excitation))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
@@ -78,16 +83,16 @@ pub fn synchronous<'py>(
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
-    let at = |speed: &f64| analysis::synchronous(&model.basis, *speed, part);
-    model.warn_of_conditioning(py, 0.0)?;
+    let at = |speed: &f64| analysis::synchronous(&model.cached, *speed, part);
+    model.warn_of_ill_conditioning(py, 0.0)?;
     let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
-    let assembled = &model.basis.model;
+    let assembled = &model.cached.model;
     for (index, amplitudes) in amplitudes.iter().enumerate() {
         let largest = assembled
             .translations()
             .map(|i| amplitudes.row(i).iter().map(|value| value.norm()).fold(0.0, f64::max))
             .fold(0.0, f64::max);
-        if let Some(text) = analysis::beyond(assembled, largest) {
+        if let Some(text) = analysis::small_displacement_check(assembled, largest) {
             warn(py, format!("speeds[{index}]: {text}"))?;
         }
     }
@@ -121,9 +126,9 @@ pub fn peaks(
     slow_roll: Option<f64>,
 ) -> PyResult<Vec<(f64, f64, f64, f64)>> {
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
-    let index = model.basis.model.numbering.dofs()[index].index;
+    let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    let found = py.detach(|| analysis::peaks(&model.basis, probe, &speeds))?;
+    let found = py.detach(|| analysis::peaks(&model.cached, probe, &speeds))?;
     let open = f64::NAN;
     let row =
         |peak: &analysis::Peak| (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open));

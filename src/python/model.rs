@@ -13,15 +13,15 @@ use super::errors::warn;
 use super::{frequency, simulate};
 use crate::analysis::{self, AnalysisError};
 use crate::mesh::Geometry;
-use crate::modal::{self, Basis};
+use crate::modal::{self, CachedModel};
 use crate::model::Model;
-use crate::scene::{Node, Path, Scene, SceneError, System};
+use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError};
 
 /// A checked and assembled system.
 #[pyclass(name = "Model", module = "gearbow._core", frozen)]
 pub struct PyModel {
-    system: System,
-    pub(super) basis: Basis,
+    system: SceneDescription,
+    pub(super) cached: CachedModel,
     /// Whether it was said that round-off takes digits.
     warned: AtomicBool,
 }
@@ -34,18 +34,18 @@ enum At {
 }
 
 impl PyModel {
-    fn build(system: System) -> Result<Self, SceneError> {
+    fn build(system: SceneDescription) -> Result<Self, SceneError> {
         let model = Model::new(Scene::new(&system)?)?;
-        Ok(Self { system, basis: Basis::new(model), warned: AtomicBool::new(false) })
+        Ok(Self { system, cached: CachedModel::new(model), warned: AtomicBool::new(false) })
     }
 
     fn model(&self) -> &Model {
-        &self.basis.model
+        &self.cached.model
     }
 
     /// Warns once of digits that round-off takes.
-    pub(super) fn warn_of_conditioning(&self, py: Python<'_>, speed: f64) -> PyResult<()> {
-        let found = py.detach(|| analysis::conditioning(&self.basis, speed))?;
+    pub(super) fn warn_of_ill_conditioning(&self, py: Python<'_>, speed: f64) -> PyResult<()> {
+        let found = py.detach(|| analysis::ill_conditioning(&self.cached, speed))?;
         match found {
             Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
             _ => Ok(()),
@@ -71,13 +71,13 @@ pub(super) fn geometry(name: &str) -> Result<Geometry, SceneError> {
 impl PyModel {
     #[new]
     fn new(description: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let system = System::deserialize(&mut Depythonizer::from_object(description))?;
+        let system = SceneDescription::deserialize(&mut Depythonizer::from_object(description))?;
         Ok(Self::build(system)?)
     }
 
     #[staticmethod]
     fn from_toml(text: &str) -> PyResult<Self> {
-        Ok(Self::build(System::from_toml(text)?)?)
+        Ok(Self::build(SceneDescription::from_toml(text)?)?)
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -116,7 +116,7 @@ impl PyModel {
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn indices(&self, at: At) -> PyResult<(Option<usize>, Option<usize>, Option<usize>)> {
         let model = self.model();
-        let place = Path::root("at");
+        let place = EntryPath::root("at");
         let node = match &at {
             At::Body(name) => model
                 .scene
@@ -141,7 +141,7 @@ impl PyModel {
         let matrices = [
             ("mass", model.mass_matrix()),
             ("stiffness", model.stiffness_matrix(0.0)),
-            ("damping", self.basis.damping_matrix(0.0)?),
+            ("damping", self.cached.damping_matrix(0.0)?),
             ("gyroscopic", model.gyroscopic_matrix()),
         ];
         let dict = PyDict::new(py);
@@ -153,9 +153,9 @@ impl PyModel {
 
     #[pyo3(signature = (speed, count=None))]
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
-        Path::root("speed").finite(speed)?;
-        self.warn_of_conditioning(py, speed)?;
-        let mut modes = py.detach(|| modal::modes(&self.basis, speed))?;
+        EntryPath::root("speed").finite(speed)?;
+        self.warn_of_ill_conditioning(py, speed)?;
+        let mut modes = py.detach(|| modal::modes(&self.cached, speed))?;
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
@@ -215,11 +215,11 @@ impl PyModel {
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str) -> PyResult<Bound<'py, PyDict>> {
         let geometry = self::geometry(geometry)?;
         let model = self.model();
-        self.warn_of_conditioning(py, 0.0)?;
-        let found = py.detach(|| analysis::equilibrium(&self.basis, geometry, 0.0))?;
+        self.warn_of_ill_conditioning(py, 0.0)?;
+        let found = py.detach(|| analysis::equilibrium(&self.cached, geometry, 0.0))?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
-        if let Some(text) = analysis::beyond(model, largest) {
+        if let Some(text) = analysis::small_displacement_check(model, largest) {
             warn(py, text)?;
         }
         let rest = vec![0.0; model.len()];
@@ -249,7 +249,7 @@ impl PyModel {
         Ok(simulate::default_output_step(self.model(), duration, fastest))
     }
 
-    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress, pause))]
+    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress, checkpoint))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn simulate<'py>(
         &self,
@@ -268,7 +268,7 @@ impl PyModel {
         geometry: &str,
         start: f64,
         progress: Option<Py<PyAny>>,
-        pause: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        checkpoint: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let options = analysis::simulate::Options {
             duration,
@@ -282,9 +282,9 @@ impl PyModel {
             times: times.as_array().to_vec(),
             geometry: self::geometry(geometry)?,
             start,
-            pause: pause.map_or(Ok(None), simulate::pause)?,
+            checkpoint: checkpoint.map_or(Ok(None), simulate::checkpoint)?,
         };
-        self.warn_of_conditioning(py, 0.0)?;
+        self.warn_of_ill_conditioning(py, 0.0)?;
         simulate::simulate(self, py, &options, record, progress)
     }
 }

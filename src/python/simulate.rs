@@ -9,13 +9,14 @@ use super::errors::warn;
 use super::model::{self, PyModel};
 use super::speed;
 use crate::analysis::simulate::{
-    self, Final, Initial, MESH_FIELDS, Method, Options, Pause, Plan, Request, Response, Seen, round_below, sample_step,
+    self, Checkpoint, Final, Initial, MESH_FIELDS, Method, Options, RecordPlan, RecorderState, Request, Response,
+    round_below, sample_step,
 };
-use crate::analysis::{AnalysisError, beyond};
+use crate::analysis::{AnalysisError, small_displacement_check};
 use crate::integrate::{State, Statistics};
 use crate::mesh::Geometry;
 use crate::model::Model;
-use crate::motion::{Anchor, Energies, SOURCES, Twofold};
+use crate::motion::{Anchor, DoubleDouble, Energies, SOURCES};
 use crate::scene::{Node, SceneError};
 
 /// The method of a name; "rk4" may leave the linear part to the modes.
@@ -78,7 +79,7 @@ pub fn simulate<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
-    let plan = Plan::new(&owner.basis.model, &requests.collect::<Result<Vec<_>, _>>()?)?;
+    let plan = RecordPlan::new(&owner.cached.model, &requests.collect::<Result<Vec<_>, _>>()?)?;
     let mut raised: Option<PyErr> = None;
     let mut watch = |done: f64| {
         let asked = Python::attach(|py| {
@@ -88,12 +89,12 @@ pub fn simulate<'py>(
         raised = asked.err();
         raised.is_none()
     };
-    let outcome = py.detach(|| simulate::simulate(&owner.basis, options, &plan, &mut watch));
+    let outcome = py.detach(|| simulate::simulate(&owner.cached, options, &plan, &mut watch));
     match outcome {
         Ok(response) => {
             let largest = response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let response = response_dict(owner, py, &plan, response)?;
-            let mut told = beyond(&owner.basis.model, largest).map_or(Ok(()), |text| warn(py, text));
+            let mut told = small_displacement_check(&owner.cached.model, largest).map_or(Ok(()), |text| warn(py, text));
             if let Some(progress) = progress.filter(|_| told.is_ok()) {
                 told = progress.call1(py, (1.0,)).map(|_| ());
             }
@@ -119,10 +120,10 @@ pub fn simulate<'py>(
 fn response_dict<'py>(
     owner: &PyModel,
     py: Python<'py>,
-    plan: &Plan,
+    plan: &RecordPlan,
     response: Response,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let model = &owner.basis.model;
+    let model = &owner.cached.model;
     let record = response.record;
     let (times, points, bearings) = (record.time.len(), plan.points.len(), plan.bearings.len());
     let dict = PyDict::new(py);
@@ -146,7 +147,7 @@ fn response_dict<'py>(
     };
     dict.set_item("events", record.events.iter().map(event).collect::<Vec<_>>())?;
     dict.set_item("final", final_dict(py, &response.last)?)?;
-    dict.set_item("pause", pause_dict(py, &response.statistics, &response.seen)?)?;
+    dict.set_item("checkpoint", checkpoint_dict(py, &response.statistics, &response.recorder_state)?)?;
 
     let count = response.statistics;
     let statistics = PyDict::new(py);
@@ -195,42 +196,47 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("carry", last.state.carry)?;
     dict.set_item("next_step", last.state.next_step)?;
     dict.set_item("previous_error", last.state.previous_error)?;
-    dict.set_item("laws", PyArray1::from_slice(py, &last.state.laws))?;
+    dict.set_item("contact_modes", PyArray1::from_slice(py, &last.state.contact_modes))?;
     dict.set_item("memory", PyArray1::from_slice(py, &last.state.memory))?;
     dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
     Ok(dict)
 }
 
 /// What is needed beside the final state for the same run to go on; floats, whole numbers and lists of them.
-fn pause_dict<'py>(py: Python<'py>, count: &Statistics, seen: &Seen) -> PyResult<Bound<'py, PyDict>> {
+fn checkpoint_dict<'py>(
+    py: Python<'py>,
+    count: &Statistics,
+    recorder_state: &RecorderState,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("counts", [count.steps, count.rejected, count.evaluations, count.events, count.at_limit])?;
     dict.set_item("steps", [count.shortest, count.longest])?;
-    dict.set_item("events", seen.events)?;
-    let margins = seen.margins.iter().map(|margins| margins.map(|(at, [ratio, clearance])| [at, ratio, clearance]));
+    dict.set_item("events", recorder_state.events)?;
+    let margins =
+        recorder_state.margins.iter().map(|margins| margins.map(|(at, [ratio, clearance])| [at, ratio, clearance]));
     dict.set_item("margins", margins.collect::<Vec<_>>())?;
-    dict.set_item("works", seen.works)?;
-    dict.set_item("until", seen.until)?;
+    dict.set_item("works", recorder_state.works)?;
+    dict.set_item("until", recorder_state.until)?;
     Ok(dict)
 }
 
-/// Where a run was stopped: the `final` and the `pause` of what it had computed.
-pub fn pause((last, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Option<Box<Pause>>> {
+/// Where a run was stopped: the `final` and the `checkpoint` of what it had computed.
+pub fn checkpoint((last, recorder_state): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Option<Box<Checkpoint>>> {
     let Initial::Continue(last) = initial(&last)? else {
-        return Err(SceneError::new("pause", "must hold the final state of a run").into());
+        return Err(SceneError::new("checkpoint", "must hold the final state of a run").into());
     };
-    let item = |key: &str| seen.get_item(key);
+    let item = |key: &str| recorder_state.get_item(key);
     let [steps, rejected, evaluations, events, at_limit] = item("counts")?.extract()?;
     let [shortest, longest] = item("steps")?.extract()?;
     let margins: Vec<Option<[f64; 3]>> = item("margins")?.extract()?;
-    Ok(Some(Box::new(Pause {
+    Ok(Some(Box::new(Checkpoint {
         state: last.state,
         statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
-        seen: Seen {
+        recorder_state: RecorderState {
             events: item("events")?.extract()?,
             margins: margins
                 .into_iter()
-                .map(|seen| seen.map(|[at, ratio, clearance]| (at, [ratio, clearance])))
+                .map(|recorder_state| recorder_state.map(|[at, ratio, clearance]| (at, [ratio, clearance])))
                 .collect(),
             works: item("works")?.extract()?,
             until: item("until")?.extract()?,
@@ -271,7 +277,7 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
         time: number("time")?,
         origin: number("origin")?,
         speed: speed::speed(&item("speed")?)?,
-        anchor: Anchor { time, angle: Twofold { high, low } },
+        anchor: Anchor { time, angle: DoubleDouble { high, low } },
         geometry: model::geometry(&item("geometry")?.extract::<String>()?)?,
         setting: number("setting")?,
         state: State {
@@ -280,7 +286,7 @@ pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
             carry: number("carry")?,
             next_step: number("next_step")?,
             previous_error: number("previous_error")?,
-            laws: item("laws")?.cast::<PyArray1<i64>>()?.to_vec()?,
+            contact_modes: item("contact_modes")?.cast::<PyArray1<i64>>()?.to_vec()?,
             y,
             // What a method remembers; without it the run begins anew from the state.
             memory: match given.get_item("memory") {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 
 use super::description::{self, BowShape};
-use super::{Path, SceneError};
+use super::{EntryPath, SceneError};
 
 /// A checked residual bow.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub enum Bow {
 }
 
 impl Bow {
-    pub(super) fn new(given: &description::Bow, length: f64, at: &Path) -> Result<Self, SceneError> {
+    pub(super) fn new(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Self, SceneError> {
         let lists = [
             ("positions", given.positions.is_some()),
             ("amplitudes", given.amplitudes.is_some()),
@@ -62,7 +62,7 @@ impl Bow {
     }
 }
 
-fn points(given: &description::Bow, length: f64, at: &Path) -> Result<Spline, SceneError> {
+fn points(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Spline, SceneError> {
     let positions = given.positions.as_ref().ok_or_else(|| at.error("needs positions"))?;
     let amplitudes = given.amplitudes.as_ref().ok_or_else(|| at.error("needs amplitudes"))?;
     let zeros = vec![0.0; positions.len()];

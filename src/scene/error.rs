@@ -23,9 +23,9 @@ impl SceneError {
 
 /// The path of an entry, written as a user writes it.
 #[derive(Clone, Debug)]
-pub(crate) struct Path(String);
+pub(crate) struct EntryPath(String);
 
-impl Path {
+impl EntryPath {
     /// An entry of the description itself.
     pub fn root(field: &str) -> Self {
         Self(field.to_owned())
@@ -76,7 +76,7 @@ fn lower(value: f64) -> String {
     value.to_string().to_lowercase()
 }
 
-impl fmt::Display for Path {
+impl fmt::Display for EntryPath {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.0)
     }

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::description::{self, STEEL, System};
+use super::description::{self, STEEL, SceneDescription};
 use super::place::Names;
-use super::{Body, Path, SceneError, Shaft, Teeth, complex};
+use super::{Body, EntryPath, SceneError, Shaft, Teeth, complex};
 
 /// Base pitches of a pair that differ by more than this part cannot mesh; published data round their radii.
 const BASE_PITCH_TOLERANCE: f64 = 0.05;
@@ -88,16 +88,16 @@ pub struct Mesh {
     pub centre_distance: f64,
 }
 
-pub(super) fn gears(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Gear>, SceneError> {
+pub(super) fn gears(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Gear>, SceneError> {
     system
         .gears
         .iter()
         .enumerate()
-        .map(|(index, given)| gear(given, names, shafts, &Path::entry("gears", index)))
+        .map(|(index, given)| gear(given, names, shafts, &EntryPath::entry("gears", index)))
         .collect()
 }
 
-fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -> Result<Gear, SceneError> {
+fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPath) -> Result<Gear, SceneError> {
     if given.teeth < 3 {
         return Err(at.field("teeth").error(format!("must be at least 3, got {}", given.teeth)));
     }
@@ -176,14 +176,14 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &Path) -
 }
 
 pub(super) fn meshes(
-    system: &System,
+    system: &SceneDescription,
     shafts: &[Shaft],
     gears: &[Gear],
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Mesh>, SceneError> {
     let mut meshes: Vec<Mesh> = Vec::with_capacity(system.meshes.len());
     for (index, given) in system.meshes.iter().enumerate() {
-        let at = Path::entry("meshes", index);
+        let at = EntryPath::entry("meshes", index);
         let mesh = mesh(given, shafts, gears, &at, warnings)?;
         let pair = |mesh: &Mesh| (mesh.driver.min(mesh.driven), mesh.driver.max(mesh.driven));
         if let Some(first) = meshes.iter().position(|other| pair(other) == pair(&mesh)) {
@@ -198,7 +198,7 @@ fn mesh(
     given: &description::Mesh,
     shafts: &[Shaft],
     gears: &[Gear],
-    at: &Path,
+    at: &EntryPath,
     warnings: &mut Vec<String>,
 ) -> Result<Mesh, SceneError> {
     let find = |field: &str, name: &str| {
@@ -237,7 +237,7 @@ fn mesh(
 }
 
 /// Gears mesh when their base pitches agree; gears of different racks cannot, whatever their base pitches.
-fn check_racks(a: &Gear, b: &Gear, at: &Path, warnings: &mut Vec<String>) -> Result<(), SceneError> {
+fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -> Result<(), SceneError> {
     let differ = |first: f64, second: f64| (first - second).abs() > SAME * first.abs().max(second.abs());
     let names = || (a.body.name.as_str(), b.body.name.as_str());
     if let (Some((module_a, angle_a)), Some((module_b, angle_b))) = (a.rack, b.rack) {

@@ -1,6 +1,6 @@
 //! Elastic constants of a shaft.
 
-use super::{Path, SceneError, description};
+use super::{EntryPath, SceneError, description};
 
 /// A checked isotropic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Material {
 }
 
 impl Material {
-    pub(super) fn new(given: &description::Material, at: &Path) -> Result<Self, SceneError> {
+    pub(super) fn new(given: &description::Material, at: &EntryPath) -> Result<Self, SceneError> {
         let youngs_modulus = at.field("youngs_modulus").positive(given.youngs_modulus)?;
         let density = at.field("density").positive(given.density)?;
         let (shear_modulus, poisson_ratio) = match (given.shear_modulus, given.poisson_ratio) {

@@ -16,14 +16,14 @@ mod train;
 use num_complex::Complex64;
 
 pub use bow::Bow;
-pub use description::{Motion, System};
+pub use description::{MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::{Damping, Gear, Mesh};
 pub use material::Material;
 pub use shaft::{Element, Shaft};
 pub use teeth::{Engagement, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
 
-pub(crate) use error::Path;
+pub(crate) use error::EntryPath;
 use place::Names;
 
 /// More elements than this are refused: dense modes of them would not fit any machine's memory.
@@ -111,7 +111,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] naming the first entry that cannot be.
-    pub fn new(system: &System) -> Result<Self, SceneError> {
+    pub fn new(system: &SceneDescription) -> Result<Self, SceneError> {
         if system.shafts.is_empty() {
             return Err(SceneError::new("shafts", "at least one shaft is needed"));
         }
@@ -181,32 +181,32 @@ impl Scene {
 
     /// Which degrees of freedom the scene requires: bending where something holds, bends or shakes a shaft sideways,
     /// twist where something turns one, both where nothing says which.
-    fn required_motion(&self, asked: Option<Motion>) -> Result<(bool, bool), SceneError> {
+    fn required_motion(&self, asked: Option<MotionKind>) -> Result<(bool, bool), SceneError> {
         let twisted = !self.meshes.is_empty() || !self.torques.is_empty();
         let bent = self.shafts.iter().any(|shaft| shaft.bow.is_some())
             || self.bodies().any(|body| body.unbalance.norm() > 0.0)
             || self.gravity != [0.0; 2];
         let held = !self.bearings.is_empty();
-        let motion = Path::root("motion");
+        let motion = EntryPath::root("motion");
         match asked {
-            Some(Motion::Lateral) if twisted => {
+            Some(MotionKind::Lateral) if twisted => {
                 Err(motion.error("\"lateral\" leaves out the twist that meshes and torques act on"))
             }
-            Some(Motion::Torsion) if bent => {
+            Some(MotionKind::Torsion) if bent => {
                 Err(motion.error("\"torsion\" leaves out the bending that bow, unbalance and gravity act on"))
             }
-            Some(Motion::Lateral) => Ok((true, false)),
-            Some(Motion::Torsion) => Ok((false, true)),
-            Some(Motion::Coupled) => Ok((true, true)),
+            Some(MotionKind::Lateral) => Ok((true, false)),
+            Some(MotionKind::Torsion) => Ok((false, true)),
+            Some(MotionKind::Coupled) => Ok((true, true)),
             None if held || bent => Ok((true, twisted)),
             None => Ok((!twisted, true)),
         }
     }
 }
 
-fn disks(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Body>, SceneError> {
+fn disks(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Body>, SceneError> {
     let body = |(index, disk): (usize, &description::Disk)| {
-        let at = Path::entry("disks", index);
+        let at = EntryPath::entry("disks", index);
         Ok(Body {
             name: disk.name.clone(),
             node: names.node(shafts, &disk.shaft, disk.position, &at)?,
@@ -219,9 +219,9 @@ fn disks(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Body>, 
     system.disks.iter().enumerate().map(body).collect()
 }
 
-fn bearings(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bearing>, SceneError> {
+fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bearing>, SceneError> {
     let bearing = |(index, bearing): (usize, &description::Bearing)| {
-        let at = Path::entry("bearings", index);
+        let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
             stiffness: coefficient(Some(bearing.stiffness), &at.field("stiffness"))?,
@@ -232,7 +232,7 @@ fn bearings(system: &System, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bear
 }
 
 /// A finite 2×2 coefficient without a negative diagonal, which would push the shaft away from where it runs.
-fn coefficient(given: Option<description::Coefficient>, at: &Path) -> Result<[[f64; 2]; 2], SceneError> {
+fn coefficient(given: Option<description::Coefficient>, at: &EntryPath) -> Result<[[f64; 2]; 2], SceneError> {
     let rows = given.unwrap_or(description::Coefficient::Isotropic(0.0)).rows();
     for (i, row) in rows.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
@@ -251,25 +251,25 @@ fn coefficient(given: Option<description::Coefficient>, at: &Path) -> Result<[[f
     Ok(rows)
 }
 
-fn complex(given: Option<description::Complex>, at: &Path) -> Result<Complex64, SceneError> {
+fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {
     let value = given.map_or(Complex64::ZERO, Complex64::from);
     at.finite(value.re)?;
     at.finite(value.im)?;
     Ok(value)
 }
 
-fn modal_damping(system: &System) -> Result<f64, SceneError> {
-    Path::root("modal_damping").non_negative(system.modal_damping.unwrap_or(0.0))
+fn modal_damping(system: &SceneDescription) -> Result<f64, SceneError> {
+    EntryPath::root("modal_damping").non_negative(system.modal_damping.unwrap_or(0.0))
 }
 
-fn rayleigh(system: &System) -> Result<[f64; 2], SceneError> {
+fn rayleigh(system: &SceneDescription) -> Result<[f64; 2], SceneError> {
     let [alpha, beta] = system.rayleigh.unwrap_or([0.0; 2]);
-    let at = Path::root("rayleigh");
+    let at = EntryPath::root("rayleigh");
     Ok([at.index(0).non_negative(alpha)?, at.index(1).non_negative(beta)?])
 }
 
-fn gravity(system: &System) -> Result<[f64; 2], SceneError> {
-    let at = Path::root("gravity");
+fn gravity(system: &SceneDescription) -> Result<[f64; 2], SceneError> {
+    let at = EntryPath::root("gravity");
     match system.gravity {
         None => Ok([0.0; 2]),
         Some(description::Gravity::Down(g)) => Ok([0.0, -at.finite(g)?]),

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::description::{Place, System};
-use super::{Node, Path, SceneError, Shaft};
+use super::description::{Place, SceneDescription};
+use super::{EntryPath, Node, SceneError, Shaft};
 
 /// The names of a description, each used once.
 pub(super) struct Names<'a> {
@@ -12,7 +12,7 @@ pub(super) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    pub(super) fn new(system: &'a System) -> Result<Self, SceneError> {
+    pub(super) fn new(system: &'a SceneDescription) -> Result<Self, SceneError> {
         let shafts = system.shafts.iter().map(|shaft| shaft.name.as_str());
         let gears = system.gears.iter().map(|gear| gear.name.as_str());
         let disks = system.disks.iter().map(|disk| disk.name.as_str());
@@ -21,9 +21,9 @@ impl<'a> Names<'a> {
             .map(|entry| ("shafts", entry))
             .chain(gears.enumerate().map(|entry| ("gears", entry)))
             .chain(disks.enumerate().map(|entry| ("disks", entry)));
-        let mut used: HashMap<&str, Path> = HashMap::new();
+        let mut used: HashMap<&str, EntryPath> = HashMap::new();
         for (list, (index, name)) in lists {
-            let at = Path::entry(list, index);
+            let at = EntryPath::entry(list, index);
             if name.is_empty() {
                 return Err(at.field("name").error("must not be empty"));
             }
@@ -41,12 +41,18 @@ impl<'a> Names<'a> {
     }
 
     /// The shaft of this name, which the entry `at` gave.
-    pub(super) fn shaft(&self, name: &str, at: &Path) -> Result<usize, SceneError> {
+    pub(super) fn shaft(&self, name: &str, at: &EntryPath) -> Result<usize, SceneError> {
         self.shafts.get(name).copied().ok_or_else(|| at.error(format!("no shaft is called \"{name}\"")))
     }
 
     /// The node at a position that [`Self::stations`] made one.
-    pub(super) fn node(&self, shafts: &[Shaft], shaft: &str, position: f64, at: &Path) -> Result<Node, SceneError> {
+    pub(super) fn node(
+        &self,
+        shafts: &[Shaft],
+        shaft: &str,
+        position: f64,
+        at: &EntryPath,
+    ) -> Result<Node, SceneError> {
         let shaft = self.shaft(shaft, &at.field("shaft"))?;
         let node = shafts[shaft]
             .node_at(position)
@@ -55,12 +61,12 @@ impl<'a> Names<'a> {
     }
 
     /// The node of a place.
-    pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &Path) -> Result<Node, SceneError> {
+    pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &EntryPath) -> Result<Node, SceneError> {
         let (shaft, position) = self.shaft_and_position(place, at)?;
         self.node(shafts, shaft, position, at)
     }
 
-    fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &Path) -> Result<(&'b str, f64), SceneError> {
+    fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &EntryPath) -> Result<(&'b str, f64), SceneError> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
             Place::Body(name) => self
@@ -72,7 +78,7 @@ impl<'a> Names<'a> {
     }
 
     /// For every shaft, the positions that must be nodes, with the entry that asks for each.
-    pub(super) fn stations(&self, system: &System) -> Result<Vec<Vec<(f64, Path)>>, SceneError> {
+    pub(super) fn stations(&self, system: &SceneDescription) -> Result<Vec<Vec<(f64, EntryPath)>>, SceneError> {
         let mut stations = vec![Vec::new(); system.shafts.len()];
         let gears = system.gears.iter().map(|gear| (gear.shaft.as_str(), gear.position));
         let disks = system.disks.iter().map(|disk| (disk.shaft.as_str(), disk.position));
@@ -83,12 +89,12 @@ impl<'a> Names<'a> {
             .chain(disks.enumerate().map(|entry| ("disks", entry)))
             .chain(bearings.enumerate().map(|entry| ("bearings", entry)));
         for (list, (index, (shaft, position))) in lists {
-            let at = Path::entry(list, index);
+            let at = EntryPath::entry(list, index);
             let shaft = self.shaft(shaft, &at.field("shaft"))?;
             stations[shaft].push((position, at.field("position")));
         }
         for (index, torque) in system.torques.iter().enumerate() {
-            let at = Path::entry("torques", index);
+            let at = EntryPath::entry("torques", index);
             let (shaft, position) = self.shaft_and_position(&torque.at, &at)?;
             stations[self.shaft(shaft, &at.field("at"))?].push((position, at.field("at")));
         }

@@ -1,7 +1,7 @@
 //! Shafts as nodes and elements.
 
-use super::description::{self, STEEL, System};
-use super::{Bow, MAX_ELEMENTS, Material, Path, SceneError};
+use super::description::{self, STEEL, SceneDescription};
+use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 
 /// Positions nearer than this part of the shaft's length are one node.
 const SAME_POSITION: f64 = 1e-9;
@@ -54,11 +54,11 @@ impl Shaft {
 }
 
 /// Builds all shafts, with a node at every station.
-pub(super) fn build(system: &System, stations: &[Vec<(f64, Path)>]) -> Result<Vec<Shaft>, SceneError> {
+pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>]) -> Result<Vec<Shaft>, SceneError> {
     let mut elements = 0;
     let mut shafts = Vec::with_capacity(system.shafts.len());
     for (index, given) in system.shafts.iter().enumerate() {
-        let at = Path::entry("shafts", index);
+        let at = EntryPath::entry("shafts", index);
         let segments = segments(given, &at)?;
         for segment in &segments {
             elements = segment.elements.saturating_add(elements);
@@ -75,14 +75,14 @@ pub(super) fn build(system: &System, stations: &[Vec<(f64, Path)>]) -> Result<Ve
 }
 
 /// The segments of a shaft, a uniform one being a single segment.
-fn segments(given: &description::Shaft, at: &Path) -> Result<Vec<description::Segment>, SceneError> {
+fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<description::Segment>, SceneError> {
     let uniform = [
         ("length", given.length.is_some()),
         ("outer_diameter", given.outer_diameter.is_some()),
         ("inner_diameter", given.inner_diameter.is_some()),
         ("elements", given.elements.is_some()),
     ];
-    let (segments, path): (_, Box<dyn Fn(usize) -> Path>) = match &given.segments {
+    let (segments, path): (_, Box<dyn Fn(usize) -> EntryPath>) = match &given.segments {
         Some(segments) => {
             if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
                 return Err(at.field(name).error("stands beside segments, which say it"));
@@ -125,8 +125,8 @@ fn segments(given: &description::Shaft, at: &Path) -> Result<Vec<description::Se
 fn shaft(
     given: &description::Shaft,
     segments: &[description::Segment],
-    stations: &[(f64, Path)],
-    at: &Path,
+    stations: &[(f64, EntryPath)],
+    at: &EntryPath,
 ) -> Result<Shaft, SceneError> {
     let length: f64 = segments.iter().map(|segment| segment.length).sum();
     let tolerance = SAME_POSITION * length;

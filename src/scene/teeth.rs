@@ -1,7 +1,7 @@
 //! What the teeth of a mesh do: stiffness, engagement, relief, backlash and unloaded error, checked.
 
 use super::description::{self, StiffnessKind};
-use super::{Gear, Path, SceneError};
+use super::{EntryPath, Gear, SceneError};
 
 /// How a pair of teeth enters and leaves the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +101,7 @@ impl Teeth {
         given: &description::Mesh,
         pair: [&Gear; 2],
         shaft_radii: [f64; 2],
-        at: &Path,
+        at: &EntryPath,
     ) -> Result<Self, SceneError> {
         let place = at.field("stiffness");
         let model = match &given.stiffness {
@@ -155,7 +155,7 @@ impl Teeth {
 }
 
 /// Parameters that the model does not have are errors, not ignored.
-fn unused(model: &description::StiffnessModel, at: &Path) -> Result<(), SceneError> {
+fn unused(model: &description::StiffnessModel, at: &EntryPath) -> Result<(), SceneError> {
     use StiffnessKind::{Constant, Fourier, Parabolic, PotentialEnergy, Square, Table};
     let pairs = [Square, Parabolic, PotentialEnergy];
     let varies = [Square, Parabolic, PotentialEnergy, Table, Fourier];
@@ -182,7 +182,7 @@ fn stiffness(
     model: &description::StiffnessModel,
     pair: [&Gear; 2],
     shaft_radii: [f64; 2],
-    at: &Path,
+    at: &EntryPath,
 ) -> Result<StiffnessModel, SceneError> {
     let needed = |value: Option<f64>, name: &str| {
         at.field(name).positive(value.ok_or_else(|| at.error(format!("needs {name}")))?)
@@ -258,7 +258,7 @@ fn stiffness(
     })
 }
 
-fn relief(given: &description::TipRelief, pairs: bool, at: &Path) -> Result<Relief, SceneError> {
+fn relief(given: &description::TipRelief, pairs: bool, at: &EntryPath) -> Result<Relief, SceneError> {
     if !pairs {
         return Err(at.error("needs a stiffness model of tooth pairs: square, parabolic or potential_energy"));
     }
@@ -273,7 +273,7 @@ fn relief(given: &description::TipRelief, pairs: bool, at: &Path) -> Result<Reli
     Ok(Relief { amount, length: at.field("length").positive(given.length)?, exponent })
 }
 
-fn transmission_error(given: &description::TransmissionError, at: &Path) -> Result<TransmissionError, SceneError> {
+fn transmission_error(given: &description::TransmissionError, at: &EntryPath) -> Result<TransmissionError, SceneError> {
     let harmonics = |list: &Option<Vec<[f64; 2]>>, name: &str| {
         let list = list.clone().unwrap_or_default();
         for (index, harmonic) in list.iter().enumerate() {

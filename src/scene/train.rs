@@ -1,15 +1,15 @@
 //! The train: how fast every shaft turns, and what torque keeps it in balance.
 
-use super::description::System;
+use super::description::SceneDescription;
 use super::place::Names;
-use super::{Gear, Mesh, Path, SceneError, Shaft, Torque};
+use super::{EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
 
 /// Ratios around a loop that agree to this part are the same number.
 const SAME: f64 = 1e-9;
 
 /// Signed spin of each shaft over the reference shaft's: every external mesh multiplies by −z_a/z_b.
 pub(super) fn speed_ratios(
-    system: &System,
+    system: &SceneDescription,
     names: &Names,
     gears: &[Gear],
     meshes: &[Mesh],
@@ -25,7 +25,7 @@ pub(super) fn speed_ratios(
                 name(shaft),
                 name(reference)
             );
-            Path::entry("shafts", shaft).error(message)
+            EntryPath::entry("shafts", shaft).error(message)
         })
     };
     let ratios = (0..system.shafts.len()).map(of).collect::<Result<Vec<_>, _>>()?;
@@ -37,7 +37,7 @@ pub(super) fn speed_ratios(
                 "closes a loop that cannot turn: it asks shaft \"{}\" for a speed ratio of {asked}, the other meshes for {}",
                 system.shafts[b].name, ratios[b]
             );
-            return Err(Path::entry("meshes", index).error(message));
+            return Err(EntryPath::entry("meshes", index).error(message));
         }
     }
     Ok(ratios)
@@ -48,7 +48,7 @@ pub(super) fn speed_ratios(
 /// Balance is that of the rolling motion, which leaves every mesh undeflected: it follows the base radii, which
 /// published data may round differently from the tooth numbers.
 pub(super) fn torques(
-    system: &System,
+    system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
     gears: &[Gear],
@@ -60,7 +60,7 @@ pub(super) fn torques(
     let mut balance: Option<usize> = None;
     let mut power = 0.0;
     for (index, given) in system.torques.iter().enumerate() {
-        let at = Path::entry("torques", index);
+        let at = EntryPath::entry("torques", index);
         let node = names.place(shafts, &given.at, &at)?;
         let value = match (given.value, given.balance) {
             (Some(value), false) => at.field("value").finite(value)?,
@@ -82,8 +82,8 @@ pub(super) fn torques(
     Ok(torques)
 }
 
-fn reference(system: &System, names: &Names) -> Result<usize, SceneError> {
-    system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &Path::root("reference")))
+fn reference(system: &SceneDescription, names: &Names) -> Result<usize, SceneError> {
+    system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &EntryPath::root("reference")))
 }
 
 /// Follows the meshes from shaft `start`, whose ratio is 1; `size` of a gear is its teeth or its radius.

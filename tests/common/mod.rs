@@ -3,12 +3,12 @@
 
 pub mod particles;
 
-use gearbow::mesh::{Coordinates, Coupling, Geometry};
-use gearbow::modal::Basis;
+use gearbow::mesh::{GearMesh, Geometry, MeshCoordinates};
+use gearbow::modal::CachedModel;
 use gearbow::model::Model;
-use gearbow::motion::Motion;
+use gearbow::motion::EquationOfMotion;
 use gearbow::scene::description::{Bow, BowShape, Coefficient, Complex, Gravity};
-use gearbow::scene::{Scene, System};
+use gearbow::scene::{Scene, SceneDescription};
 use nalgebra::DVector;
 use num_complex::Complex64;
 use proptest::test_runner::{Config, RngSeed};
@@ -51,7 +51,7 @@ torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
 "#;
 
 /// (v_a, w_a, v_b, w_b, θ_a, θ_b) of a mesh on its own.
-pub const COORDINATES: Coordinates = Coordinates { translation: Some([0, 2]), twist: [4, 5] };
+pub const COORDINATES: MeshCoordinates = MeshCoordinates { translation: Some([0, 2]), twist: [4, 5] };
 
 /// The scene of one mesh: `gears` say what the gears ga and gb are, `mesh` what their teeth are.
 pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
@@ -69,22 +69,22 @@ pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
         meshes = [{{ driver = "ga", driven = "gb", {mesh} }}]
         "#
     );
-    Scene::new(&System::from_toml(&text).unwrap()).unwrap()
+    Scene::new(&SceneDescription::from_toml(&text).unwrap()).unwrap()
 }
 
 /// That mesh on coordinates of its own.
-pub fn mesh(gears: [&str; 2], mesh: &str) -> Coupling {
+pub fn mesh(gears: [&str; 2], mesh: &str) -> GearMesh {
     let scene = scene_of_mesh(gears, mesh);
-    Coupling::new(&scene.meshes[0], &scene.gears, COORDINATES)
+    GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES)
 }
 
 /// The description of the train.
-pub fn train() -> System {
-    System::from_toml(TRAIN).unwrap()
+pub fn train() -> SceneDescription {
+    SceneDescription::from_toml(TRAIN).unwrap()
 }
 
 /// The train with nothing that bends, drives or damps it: what is left conserves its energy.
-pub fn free_train() -> System {
+pub fn free_train() -> SceneDescription {
     let mut system = train();
     system.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
     system.gears.iter_mut().for_each(|gear| gear.unbalance = None);
@@ -95,17 +95,17 @@ pub fn free_train() -> System {
 }
 
 /// The model of a description.
-pub fn model(system: &System) -> Model {
+pub fn model(system: &SceneDescription) -> Model {
     Model::new(Scene::new(system).unwrap()).unwrap()
 }
 
 /// The basis of a description.
-pub fn basis(system: &System) -> Basis {
-    Basis::new(model(system))
+pub fn cached(system: &SceneDescription) -> CachedModel {
+    CachedModel::new(model(system))
 }
 
 /// A train with everything that a scene can have: cross-coupled bearings, gravity, both dampings, a tilted bow.
-pub fn everything() -> System {
+pub fn everything() -> SceneDescription {
     let mut system = train();
     system.bearings[1].stiffness = Coefficient::Full([[1e8, 3e6], [-2e6, 7e7]]);
     system.bearings[1].damping = Some(Coefficient::Full([[500.0, -80.0], [60.0, 300.0]]));
@@ -132,8 +132,8 @@ pub fn points(positions: Vec<f64>, curve: impl Fn(f64) -> Complex64) -> Bow {
 }
 
 /// The motion of a basis; tolerances are relative to the distance from rest.
-pub fn motion(basis: &Basis, geometry: Geometry, speed: f64, origin: f64) -> Motion<'_> {
-    Motion::new(basis, geometry, speed, origin, DVector::zeros(basis.model.len())).unwrap()
+pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64, origin: f64) -> EquationOfMotion<'_> {
+    EquationOfMotion::new(cached, geometry, speed, origin, DVector::zeros(cached.model.len())).unwrap()
 }
 
 /// Numbers between −1 and 1 without a pattern, the same every time (Steele, Lea and Flood's SplitMix64).

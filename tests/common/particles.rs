@@ -5,7 +5,9 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use gearbow::integrate::tableau::Tableau;
-use gearbow::integrate::{Adaptive, Control, Halt, Observer, RungeKutta, State, Statistics, System, Trajectory, run};
+use gearbow::integrate::{
+    Adaptive, FirstOrderSystem, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
+};
 
 /// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
 #[derive(Clone, Debug)]
@@ -33,7 +35,7 @@ impl Particles {
     }
 }
 
-impl System for Particles {
+impl FirstOrderSystem for Particles {
     fn len(&self) -> usize {
         2 * self.square.len()
     }
@@ -104,7 +106,7 @@ impl Observer for Witness {
 pub fn integrate<const S: usize>(
     system: &mut Particles,
     tableau: Tableau<S>,
-    control: Control,
+    control: StepControl,
     state: &mut State,
     end: f64,
 ) -> Statistics {
@@ -114,6 +116,6 @@ pub fn integrate<const S: usize>(
 }
 
 /// Error control from a floor of 1e-9.
-pub fn adaptive(rtol: f64, longest: f64) -> Control {
-    Control::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
+pub fn adaptive(rtol: f64, longest: f64) -> StepControl {
+    StepControl::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
 }

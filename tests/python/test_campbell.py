@@ -13,18 +13,18 @@ from reference import published, scenes
 RPM = 2 * np.pi / 60
 
 
-def same_as_modes(system: gb.RotorSystem, meeting: gb.Intersection) -> None:
-    """A meeting is a mode of the system at its speed, and lies on its line."""
-    modes = system.modes(speed=meeting.speed)
-    apart = np.abs(modes.frequencies_hz - meeting.frequency_hz)
+def same_as_modes(system: gb.RotorSystem, intersection: gb.Intersection) -> None:
+    """A intersection is a mode of the system at its speed, and lies on its line."""
+    modes = system.modes(speed=intersection.speed)
+    apart = np.abs(modes.frequencies_hz - intersection.frequency_hz)
     # both are right to eps times the ratio of the fastest frequency to this one
-    assert apart.min() < 1e-9 * meeting.frequency_hz
-    assert modes.whirl[int(apart.argmin())] == meeting.whirl
+    assert apart.min() < 1e-9 * intersection.frequency_hz
+    assert modes.whirl[int(apart.argmin())] == intersection.whirl
     assert modes.damping_ratios[int(apart.argmin())] == pytest.approx(
-        meeting.damping_ratio, abs=1e-9
+        intersection.damping_ratio, abs=1e-9
     )
-    line = meeting.line.order * meeting.speed / (2 * np.pi)
-    assert line == pytest.approx(meeting.frequency_hz, rel=1e-12)
+    line = intersection.line.order * intersection.speed / (2 * np.pi)
+    assert line == pytest.approx(intersection.frequency_hz, rel=1e-12)
 
 
 def test_criticals_of_nelson_and_mcvaugh():
@@ -36,8 +36,8 @@ def test_criticals_of_nelson_and_mcvaugh():
     assert [m.speed / RPM for m in found] == pytest.approx(
         [rpm for rpm, _ in published.V2_CRITICALS_RPM], rel=1e-2
     )
-    for meeting in found:
-        same_as_modes(system, meeting)
+    for intersection in found:
+        same_as_modes(system, intersection)
 
 
 @pytest.mark.parametrize("excitation", [1.0, 0.5, 4.0])
@@ -106,16 +106,16 @@ def published_whirl(campbell: gb.Campbell) -> list[str]:
     return [names[i] for i in order]
 
 
-def test_every_meeting_of_a_geared_pair_is_a_mode_there():
+def test_every_intersection_of_a_geared_pair_is_a_mode_there():
     system = scenes.v1()
     campbell = system.campbell(np.linspace(10.0, 400.0, 9), count=13, harmonics=1)
-    names = {meeting.line.name for meeting in campbell.criticals}
+    names = {intersection.line.name for intersection in campbell.criticals}
     assert names <= {"1× rotor1", "1× rotor2"}
     assert campbell.lines[1].order == pytest.approx(328 / 23, rel=1e-15)
     assert campbell.lines[2].order == 328
     assert len(campbell.intersections) >= 13
-    for meeting in campbell.intersections:
-        same_as_modes(system, meeting)
+    for intersection in campbell.intersections:
+        same_as_modes(system, intersection)
     # the frequencies printed at 1500 rpm lie on the diagram's lines there
     at = system.campbell([100.0, published.V1_SPEED], count=13)
     assert np.sort(at.frequencies_hz[-1]) == pytest.approx(published.V1_HZ, rel=1e-4)
@@ -166,7 +166,7 @@ def test_a_veering_is_followed_and_its_modes_never_meet():
     assert gaps.min() > 0.0
 
 
-def test_meetings_do_not_depend_on_the_speeds_that_were_asked():
+def test_intersections_do_not_depend_on_the_speeds_that_were_asked():
     system = scenes.Geared().package()
     coarse = system.campbell(np.linspace(0.0, 2000.0, 5), count=6)
     fine = system.campbell(np.linspace(0.0, 2000.0, 14), count=6)
@@ -177,7 +177,7 @@ def test_meetings_do_not_depend_on_the_speeds_that_were_asked():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_meetings_are_modes_on_bearings_of_every_kind(seed: int):
+def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
     # unlike and cross-coupled bearings, a third of critical damping in all modes for some
     noise = np.random.default_rng(seed)
     cross = 1e6 * noise.uniform(-1.0, 1.0, (2, 2)) * (1.0 - np.eye(2))
@@ -193,15 +193,19 @@ def test_meetings_are_modes_on_bearings_of_every_kind(seed: int):
     coarse, fine = (system.campbell(np.linspace(0.0, 3000.0, count), count=8) for count in (6, 41))
     assert len(coarse.intersections) > 5
     # a mode that is followed, whatever the steps, meets its lines where it does
-    meetings = [sorted((m.line.name, m.speed) for m in c.intersections) for c in (coarse, fine)]
-    assert [name for name, _ in meetings[0]] == [name for name, _ in meetings[1]]
-    assert [x for _, x in meetings[0]] == pytest.approx([x for _, x in meetings[1]], rel=1e-8)
-    for meeting in coarse.intersections:
-        frequency = 2 * np.pi * meeting.frequency_hz
-        ratio = meeting.damping_ratio
+    intersections = [
+        sorted((m.line.name, m.speed) for m in c.intersections) for c in (coarse, fine)
+    ]
+    assert [name for name, _ in intersections[0]] == [name for name, _ in intersections[1]]
+    assert [x for _, x in intersections[0]] == pytest.approx(
+        [x for _, x in intersections[1]], rel=1e-8
+    )
+    for intersection in coarse.intersections:
+        frequency = 2 * np.pi * intersection.frequency_hz
+        ratio = intersection.damping_ratio
         value = frequency * (1j - ratio / np.sqrt(1.0 - ratio**2))
         # damped eigenvalues are less well conditioned than those of `same_as_modes`
-        assert np.abs(system.modes(meeting.speed).eigenvalues - value).min() < 1e-7 * frequency
+        assert np.abs(system.modes(intersection.speed).eigenvalues - value).min() < 1e-7 * frequency
 
 
 def test_a_free_disk_starts_to_wobble_from_nothing():

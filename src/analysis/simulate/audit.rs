@@ -5,10 +5,10 @@
 
 use std::ops::Range;
 
-use super::Seen;
-use crate::integrate::{Halt, System, Trajectory, at_each};
-use crate::mesh::Law;
-use crate::motion::Motion;
+use super::RecorderState;
+use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
+use crate::mesh::ContactMode;
+use crate::motion::EquationOfMotion;
 
 /// Abscissae on [0, 1], and the weights of each rule.
 const RULES: [(f64, [f64; 3]); 15] = [
@@ -58,7 +58,7 @@ pub(super) struct Audit {
     q: Vec<f64>,
     v: Vec<f64>,
     /// The laws of the steps that are counted; none before the first.
-    laws: Option<Vec<i64>>,
+    contact_modes: Option<Vec<i64>>,
 }
 
 impl Audit {
@@ -70,12 +70,12 @@ impl Audit {
             coordinates: (0..len).collect(),
             q: vec![0.0; RULES.len() * len],
             v: vec![0.0; RULES.len() * len],
-            laws: None,
+            contact_modes: None,
         }
     }
 
     /// Goes on from what the same run has counted.
-    pub fn take_up(&mut self, seen: &Seen) {
+    pub fn take_up(&mut self, seen: &RecorderState) {
         (self.works, self.until) = (seen.works, seen.until);
     }
 
@@ -85,7 +85,12 @@ impl Audit {
     }
 
     /// Counts what is done within a step, up to `end`; returns the works until then.
-    pub fn count(&mut self, motion: &mut Motion, step: &mut impl Trajectory, end: f64) -> Result<[f64; 6], Halt> {
+    pub fn count(
+        &mut self,
+        motion: &mut EquationOfMotion,
+        step: &mut impl Trajectory,
+        end: f64,
+    ) -> Result<[f64; 6], Halt> {
         let begin = self.until.max(step.begin());
         if end > begin {
             if step.is_resolved() {
@@ -103,7 +108,7 @@ impl Audit {
     /// Counts what is done within a part of a step, which is halved so often at most.
     fn count_part(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut EquationOfMotion,
         step: &mut impl Trajectory,
         (begin, length): (f64, f64),
         halvings: usize,
@@ -133,7 +138,7 @@ impl Audit {
     /// Adds what these points tell of a part of a step to its works.
     fn work(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut EquationOfMotion,
         step: &mut impl Trajectory,
         (begin, length): (f64, f64),
         points: Range<usize>,
@@ -161,21 +166,23 @@ impl Audit {
     /// of the teeth; flanks that part while their damping still holds them drop what they store, which is damping.
     pub fn switch(
         &mut self,
-        motion: &mut Motion,
+        motion: &mut EquationOfMotion,
         elapsed: f64,
         read: &mut dyn FnMut(&mut [f64], &mut [f64]),
-        laws: &[i64],
+        contact_modes: &[i64],
     ) {
         let len = self.coordinates.len();
         let (q, v) = (&mut self.q[..len], &mut self.v[..len]);
         read(q, v);
         let before = motion.mesh_energy(elapsed, q, v);
-        motion.set_laws(laws);
-        let Some(old) = self.laws.replace(laws.to_vec()) else {
+        motion.set_contact_modes(contact_modes);
+        let Some(old) = self.contact_modes.replace(contact_modes.to_vec()) else {
             return;
         };
-        let flanks = |laws: &[i64]| laws.chunks_exact(Law::CODE).map(|code| code[0]).collect::<Vec<_>>();
-        let source = if flanks(&old) == flanks(laws) { TEETH } else { DAMPING };
+        let flanks = |contact_modes: &[i64]| {
+            contact_modes.chunks_exact(ContactMode::CODE).map(|code| code[0]).collect::<Vec<_>>()
+        };
+        let source = if flanks(&old) == flanks(contact_modes) { TEETH } else { DAMPING };
         // Base circles that overlap stop the run elsewhere.
         if let (Ok(before), Ok(after)) = (before, motion.mesh_energy(elapsed, q, v)) {
             self.works[source] += after - before;

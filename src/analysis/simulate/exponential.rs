@@ -4,12 +4,14 @@ use std::f64::consts::TAU;
 
 use super::super::AnalysisError;
 use super::Options;
-use super::coordinates::{Coordinates, enter, leave};
 use super::initial::Start;
-use crate::exponential::{Clock, Control, Field, Rule, Stepper, Table, run as integrate};
+use super::modal_setup::{ModalSetup, enter, leave};
+use crate::exponential::{
+    LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
+};
 use crate::integrate::{Halted, Observer, State, Statistics};
-use crate::mesh::Coupling;
-use crate::modal::{Basis, Form, Linear, WORST};
+use crate::mesh::GearMesh;
+use crate::modal::{CachedModel, Form, ModalStateSpace, WORST};
 use crate::model::Model;
 use crate::scene::SceneError;
 
@@ -42,15 +44,15 @@ const STAGES: usize = 3;
 
 /// Runs from `start` to `end` (elapsed time); the state that it leaves, and why it stopped early, if it did.
 pub(super) fn run(
-    basis: &Basis,
+    cached: &CachedModel,
     options: &Options,
-    coordinates: Coordinates<'_>,
+    coordinates: ModalSetup<'_>,
     start: &Start,
     end: f64,
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
-    let Coordinates { linear, field, ports, mut output } = coordinates;
+    let ModalSetup { linear, field, maps, mut output } = coordinates;
     if options.is_explicit() && linear.condition > WORST {
         let message = format!(
             "\"exact\" needs modes that are not parallel, and their condition number is {:.1e}; take method=\"exponential\"",
@@ -58,38 +60,47 @@ pub(super) fn run(
         );
         return Err(SceneError::new("linear", message).into());
     }
-    let clock = clock(basis, options, &linear, &field)?;
-    if end / clock.tick() > MOST_TICKS {
-        let longest = clock.longest;
+    let time_grid = time_grid(cached, options, &linear, &field)?;
+    if end / time_grid.tick() > MOST_TICKS {
+        let longest = time_grid.longest;
         let message =
             format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
         return Err(SceneError::new("duration", message).into());
     }
-    let rule = if options.is_explicit() { Rule::explicit() } else { Rule::gauss(options.stages.unwrap_or(STAGES)) };
-    let table = Table::new(&linear, rule, ports, clock, field.spins());
-    let mut state = enter(basis, &linear, &field, start);
+    let rule = if options.is_explicit() {
+        QuadratureRule::explicit()
+    } else {
+        QuadratureRule::gauss(options.stages.unwrap_or(STAGES))
+    };
+    let table = PropagatorCache::new(&linear, rule, maps, time_grid, field.spins());
+    let mut state = enter(cached, &linear, &field, start);
     let mut stepper = Stepper::new(field, table);
     let control = match options.step {
-        None if !options.is_explicit() => Control::Adaptive { rtol: options.rtol, floor: start.floor },
-        _ => Control::Fixed,
+        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.rtol, floor: start.floor },
+        _ => LevelControl::Fixed,
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
     Ok((leave(state, &linear, &stepper.field), outcome))
 }
 
 /// The clock of a run: the step that was asked for, or a round number that resolves what is prescribed.
-fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -> Result<Clock, AnalysisError> {
+fn time_grid(
+    cached: &CachedModel,
+    options: &Options,
+    linear: &ModalStateSpace,
+    field: &NonlinearLoads<'_>,
+) -> Result<TimeGrid, AnalysisError> {
     let swing = field.motion.fastest_swing();
     let longest = match options.step {
         Some(step) => step,
         None => {
-            let model = &basis.model;
-            let slowest = basis.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
+            let model = &cached.model;
+            let slowest = cached.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
             let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
             let speed = options.fastest().abs();
             let turning = model.fastest_turn() * speed * resonant;
-            let travelling = model.fastest_teeth_of(Coupling::travels) * speed;
-            let engaging = model.fastest_teeth_of(Coupling::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
+            let travelling = model.fastest_teeth_of(GearMesh::travels) * speed;
+            let engaging = model.fastest_teeth_of(GearMesh::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
             let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
             let mut most = TAU / (STEPS_A_CYCLE * fastest);
             if options.is_explicit() {
@@ -114,7 +125,7 @@ fn clock(basis: &Basis, options: &Options, linear: &Linear, field: &Field<'_>) -
     let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
     // A step that is a matrix takes long to make.
     let further = if matches!(linear.form, Form::Dense(_)) { FURTHER_DENSE } else { FURTHER };
-    Ok(Clock { longest, finest: event + further, event })
+    Ok(TimeGrid { longest, finest: event + further, event })
 }
 
 /// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.

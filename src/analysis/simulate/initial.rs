@@ -6,11 +6,13 @@ use super::super::synchronous::{motion, with_flanks};
 use super::super::{AnalysisError, Spectrum, equilibrium};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
-use crate::integrate::{Control, Halt, Observer, RungeKutta, State, Statistics, System as _, Trajectory, run};
+use crate::integrate::{
+    FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
+};
 use crate::mesh::Geometry;
-use crate::modal::Basis;
-use crate::model::Kind;
-use crate::motion::{Anchor, Course, Motion};
+use crate::modal::CachedModel;
+use crate::model::DofKind;
+use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft};
 
 /// A tolerance is relative to no less than this part of the energy norm of the equilibrium: what round-off leaves of it.
@@ -20,7 +22,7 @@ const FLOOR: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     /// How the reference shaft turns; elapsed time counts from its origin.
-    pub course: Course,
+    pub course: ShaftRotation,
     /// The equilibrium that deviations are measured from.
     pub equilibrium: DVector<f64>,
     /// The smallest energy norm that a tolerance is relative to.
@@ -33,16 +35,16 @@ pub(super) struct Start {
 
 /// The beginning that the options ask for.
 pub(super) fn start(
-    basis: &Basis,
+    cached: &CachedModel,
     options: &Options,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Start, AnalysisError> {
-    let model = &basis.model;
+    let model = &cached.model;
     let n = model.len();
     let fastest = options.fastest();
-    let found = equilibrium(basis, options.geometry, fastest);
+    let found = equilibrium(cached, options.geometry, fastest);
     let zero = || DVector::zeros(n);
-    let course = |origin: f64, anchor: Anchor| Course { speed: options.speed.clone(), anchor, origin, fastest };
+    let course = |origin: f64, anchor: Anchor| ShaftRotation { speed: options.speed.clone(), anchor, origin, fastest };
     let absolute = course(options.start, Anchor::default());
     let (displacement, state, course) = match &options.initial {
         // From rest a scene may move that has no equilibrium; tolerances are then relative to the motion itself.
@@ -55,7 +57,7 @@ pub(super) fn start(
             let displacement = found.unwrap_or_else(|_| zero());
             if options.speed != last.speed {
                 let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
-                (displacement, State::new(arrive(basis, last, watch)?), course(last.time, anchor))
+                (displacement, State::new(arrive(cached, last, watch)?), course(last.time, anchor))
             } else if options.resumes(last) {
                 (displacement, last.state.clone(), course(last.origin, last.anchor))
             } else {
@@ -71,34 +73,34 @@ pub(super) fn start(
         Initial::Synchronous => {
             let found = found?;
             let speed = options.speed.at(options.start);
-            let amplitudes = with_flanks(basis, speed, fastest)?;
-            check_size(basis, &amplitudes)?;
-            let turns: Vec<_> = model.shafts.iter().map(|shaft| absolute.turn_at_origin(shaft.ratio)).collect();
-            let (q, v) = motion(basis, speed, &amplitudes, &turns);
+            let amplitudes = with_flanks(cached, speed, fastest)?;
+            check_size(cached, &amplitudes)?;
+            let turns: Vec<_> = model.shafts.iter().map(|shaft| absolute.phasor_at_origin(shaft.ratio)).collect();
+            let (q, v) = motion(cached, speed, &amplitudes, &turns);
             let y = [(&found + q).as_slice(), v.as_slice()].concat();
             (found, State::new(y), absolute)
         }
     };
-    let mut norm = Motion::along(basis, Geometry::Frozen, &course, zero())?;
+    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &course, zero())?;
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
     let floor = FLOOR * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
     let continues =
         matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));
-    let Some(pause) = &options.pause else {
+    let Some(checkpoint) = &options.checkpoint else {
         return Ok(Start { course, equilibrium: displacement, floor, state, resumes: continues });
     };
-    if pause.state.y.len() != 2 * n || pause.seen.margins.len() != model.meshes.len() {
-        return Err(SceneError::new("pause", "is of a run of another system").into());
+    if checkpoint.state.y.len() != 2 * n || checkpoint.recorder_state.margins.len() != model.meshes.len() {
+        return Err(SceneError::new("checkpoint", "is of a run of another system").into());
     }
-    Ok(Start { course, equilibrium: displacement, floor, state: pause.state.clone(), resumes: true })
+    Ok(Start { course, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
 }
 
 /// A linear synchronous motion as long as the shafts is that of a critical speed which nothing damps.
-fn check_size(basis: &Basis, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
-    let model = &basis.model;
+fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
+    let model = &cached.model;
     let longest = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
-    let translations = model.numbering.dofs().iter().filter(|dof| matches!(dof.kind, Kind::V | Kind::W));
+    let translations = model.numbering.dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W));
     let largest = translations.map(|dof| amplitudes.row(dof.index).map(|value| value.norm()).max()).fold(0.0, f64::max);
     if largest < longest {
         return Ok(());
@@ -111,19 +113,19 @@ fn check_size(basis: &Basis, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), S
 
 /// The state of a run at its end, for one that goes on at another speed from there: what a run leaves is the state at
 /// its last whole step.
-fn arrive(basis: &Basis, last: &Final, watch: &mut dyn FnMut(f64) -> bool) -> Result<Vec<f64>, AnalysisError> {
-    let n = basis.model.len();
+fn arrive(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bool) -> Result<Vec<f64>, AnalysisError> {
+    let n = cached.model.len();
     let rest = (last.time - last.origin) - last.state.elapsed;
     let mut state = State::new(last.state.y.clone());
     if rest > 0.0 {
         let course = last.course(last.origin + last.state.elapsed);
-        let steps = (rest * Spectrum::new(basis, course.fastest)?.radius()).ceil().max(1.0);
-        let control = Control::Fixed(rest / steps);
-        let mut motion = Motion::along(basis, last.geometry, &course, DVector::zeros(n))?;
+        let steps = (rest * Spectrum::new(cached, course.fastest)?.radius()).ceil().max(1.0);
+        let control = StepControl::Fixed(rest / steps);
+        let mut motion = EquationOfMotion::along(cached, last.geometry, &course, DVector::zeros(n))?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
         run(&mut motion, &mut method, &control, &mut state, end, &mut Underway(watch), &mut Statistics::new())
-            .map_err(|halted| explain(basis, &halted, course.origin))?;
+            .map_err(|halted| explain(cached, &halted, course.origin))?;
     }
     Ok(state.y)
 }

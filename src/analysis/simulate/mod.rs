@@ -1,34 +1,35 @@
 //! The motion in time: initial state, method, what is recorded, and what stopped a run.
 
 mod audit;
-mod coordinates;
+mod checkpoint;
 mod events;
 mod exponential;
 mod initial;
+mod modal_setup;
 mod options;
-mod pause;
 mod record;
-mod request;
+mod record_plan;
 
 use std::time::{Duration, Instant};
 
-pub use events::{Event, Kind};
+pub use checkpoint::{Checkpoint, RecorderState};
+pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use options::{Final, Initial, Method, Options};
-pub use pause::{Pause, Seen};
 pub use record::{MESH_FIELDS, Record, fields};
-pub use request::{Plan, Point, Request};
+pub use record_plan::{Point, RecordPlan, Request};
 
 use super::{AnalysisError, Spectrum};
 use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use crate::integrate::{
-    Adaptive, Control, Halt, Halted, Limit, Observer, RungeKutta, State, Statistics, System, Trajectory, run,
+    Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
+    Trajectory, run,
 };
-use crate::modal::Basis;
-use crate::motion::{Motion, Speed};
+use crate::modal::CachedModel;
+use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
-use coordinates::{Coordinates, enter, leave};
+use modal_setup::{ModalSetup, enter, leave};
 use record::Recorder;
 
 /// How often a run asks whether to go on.
@@ -42,13 +43,13 @@ pub struct Response {
     /// The state to continue from.
     pub last: Final,
     /// What was seen on the way, for the same run to go on where it was stopped.
-    pub seen: Seen,
+    pub recorder_state: RecorderState,
     /// What it cost.
     pub statistics: Statistics,
     /// The fastest motion of the scene.
     pub spectrum: Spectrum,
     /// What set the length of most steps.
-    pub limited_by: Limit,
+    pub limited_by: StepLimit,
     /// Condition number of the modes, where they carried the motion.
     pub condition: Option<f64>,
 }
@@ -73,44 +74,44 @@ impl<E: Into<AnalysisError>> From<E> for Stopped {
 /// # Errors
 /// [`Stopped`], with what was computed until then.
 pub fn simulate(
-    basis: &Basis,
+    cached: &CachedModel,
     options: &Options,
-    plan: &Plan,
+    plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, Stopped> {
     options.check()?;
-    let spectrum = Spectrum::new(basis, options.fastest())?;
-    let start = initial::start(basis, options, watch)?;
+    let spectrum = Spectrum::new(cached, options.fastest())?;
+    let start = initial::start(cached, options, watch)?;
     let origin = start.course.origin;
     let equilibrium = start.equilibrium.clone();
-    let mut motion = Motion::along(basis, options.geometry, &start.course, equilibrium)?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.course, equilibrium)?;
     let mut state = start.state.clone();
     let end = options.start + options.duration - origin;
-    let mut observer = Watcher {
+    let mut observer = RunObserver {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, options.start - origin),
         watch,
         span: (options.start - origin, end),
         asked: Instant::now() - HEARTBEAT,
     };
     let (mut statistics, mut condition) = (Statistics::new(), None);
-    if let Some(pause) = &options.pause {
-        statistics = pause.statistics;
-        observer.recorder.take_up(&pause.seen, &pause.state.laws);
+    if let Some(checkpoint) = &options.checkpoint {
+        statistics = checkpoint.statistics;
+        observer.recorder.take_up(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
     // Where the speed changes, the modes do too, and modal damping is a matrix over all displacements.
-    let modal = basis.model.scene.modal_damping > 0.0 && matches!(options.speed, Speed::Constant(_));
+    let modal = cached.model.scene.modal_damping > 0.0 && matches!(options.speed, Speed::Constant(_));
     let exact = matches!(options.method, Method::Exponential | Method::ExactRk4);
-    let run = Run { basis, options, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
     let outcome = if exact || modal {
-        let selection = plan.selection(&basis.model);
-        let coordinates = Coordinates::new(basis, options, motion, &start, selection)?;
+        let selection = plan.selection(&cached.model);
+        let coordinates = ModalSetup::new(cached, options, motion, &start, selection)?;
         condition = Some(coordinates.linear.condition);
         let ended = if exact {
-            exponential::run(basis, options, coordinates, &start, end, &mut observer, &mut statistics)?
+            exponential::run(cached, options, coordinates, &start, end, &mut observer, &mut statistics)?
         } else {
-            let Coordinates { linear, field, ports, output } = coordinates;
-            let mut state = enter(basis, &linear, &field, &start);
-            let mut system = InModes::new(field, &linear, ports, output);
+            let ModalSetup { linear, field, maps, output } = coordinates;
+            let mut state = enter(cached, &linear, &field, &start);
+            let mut system = InModes::new(field, &linear, maps, output);
             let outcome = run.runge_kutta(&mut system, &mut state, &mut observer, &mut statistics)?;
             (leave(state, &linear, system.field()), outcome)
         };
@@ -121,10 +122,10 @@ pub fn simulate(
     };
     // What was stopped goes on from where it stands.
     let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
-    let (record, seen) = observer.recorder.finish();
+    let (record, recorder_state) = observer.recorder.finish();
     let response = Response {
         record,
-        seen,
+        recorder_state,
         last: options.last(&start.course, reached, state),
         limited_by: limited_by(options, &statistics),
         statistics,
@@ -133,13 +134,13 @@ pub fn simulate(
     };
     match outcome {
         Ok(()) => Ok(response),
-        Err(halted) => Err(Stopped { error: explain(basis, &halted, origin), response: Some(Box::new(response)) }),
+        Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
     }
 }
 
 /// What a Runge–Kutta run needs to know.
 struct Run<'a> {
-    basis: &'a Basis,
+    cached: &'a CachedModel,
     options: &'a Options,
     spectrum: &'a Spectrum,
     floor: f64,
@@ -149,44 +150,44 @@ struct Run<'a> {
 impl Run<'_> {
     fn runge_kutta(
         &self,
-        system: &mut impl System,
+        system: &mut impl FirstOrderSystem,
         state: &mut State,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<Result<(), Halted>, AnalysisError> {
-        let Self { basis, options, spectrum, floor, end } = *self;
+        let Self { cached, options, spectrum, floor, end } = *self;
         let len = system.len();
         if options.method == Method::Rk4 {
-            let step = fixed_step(basis, options, spectrum)?;
+            let step = fixed_step(cached, options, spectrum)?;
             let begun = state.count as f64 * step;
             if state.elapsed < begun || state.elapsed >= begun + step {
                 let message =
                     format!("stands within no step of {step:e} s: the system has changed; give the step of that run");
                 return Err(SceneError::new("initial", message).into());
             }
-            let control = Control::Fixed(step);
+            let control = StepControl::Fixed(step);
             let mut method = RungeKutta::new(RK4, len);
             return Ok(run(system, &mut method, &control, state, end, observer, statistics));
         }
         let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
-        let control = Control::Adaptive(Adaptive { rtol: options.rtol, floor, longest });
+        let control = StepControl::Adaptive(Adaptive { rtol: options.rtol, floor, longest });
         let mut method = RungeKutta::new(DORMAND_PRINCE, len);
         Ok(run(system, &mut method, &control, state, end, observer, statistics))
     }
 }
 
 /// The step of a method with a fixed one: what was asked for, if it is stable, or one that resolves ω_max.
-fn fixed_step(basis: &Basis, options: &Options, spectrum: &Spectrum) -> Result<f64, AnalysisError> {
+fn fixed_step(cached: &CachedModel, options: &Options, spectrum: &Spectrum) -> Result<f64, AnalysisError> {
     let Some(step) = options.step else {
         return Ok(1.0 / spectrum.radius());
     };
-    check_step(basis, step, spectrum, &RK4)?;
+    check_step(cached, step, spectrum, &RK4)?;
     Ok(step)
 }
 
 /// A step above the limit is refused before the run: at hω = 2.83 the growth takes thousands of steps to show.
 fn check_step<const S: usize>(
-    basis: &Basis,
+    cached: &CachedModel,
     step: f64,
     spectrum: &Spectrum,
     tableau: &Tableau<S>,
@@ -195,30 +196,30 @@ fn check_step<const S: usize>(
     if step <= limit {
         return Ok(());
     }
-    let (shaft, x, length) = basis.model.scene.shortest_element();
+    let (shaft, x, length) = cached.model.scene.shortest_element();
     Err(AnalysisError::Stability(format!(
         "step: {step:e} s is above the stability limit of {limit:.4e} s: omega_max is {:.4e} rad/s (damping {:.3e} 1/s); the shortest element is {length:.3e} m long, on shaft \"{shaft}\" at {x} m",
         spectrum.omega_max, spectrum.damping
     )))
 }
 
-fn limited_by(options: &Options, statistics: &Statistics) -> Limit {
+fn limited_by(options: &Options, statistics: &Statistics) -> StepLimit {
     let at_limit = 2 * statistics.at_limit >= statistics.steps;
     match options.method {
-        Method::Rk4 | Method::ExactRk4 => Limit::Step,
-        Method::Exponential if options.step.is_some() => Limit::Step,
-        Method::Exponential if at_limit => Limit::Cycle,
-        Method::Exponential if statistics.events > 0 && 8 * statistics.events >= statistics.steps => Limit::Events,
-        Method::Rk45 if at_limit => Limit::Stability,
-        Method::Exponential | Method::Rk45 => Limit::Tolerance,
+        Method::Rk4 | Method::ExactRk4 => StepLimit::Step,
+        Method::Exponential if options.step.is_some() => StepLimit::Step,
+        Method::Exponential if at_limit => StepLimit::Cycle,
+        Method::Exponential if statistics.events > 0 && 8 * statistics.events >= statistics.steps => StepLimit::Events,
+        Method::Rk45 if at_limit => StepLimit::Stability,
+        Method::Exponential | Method::Rk45 => StepLimit::Tolerance,
     }
 }
 
-fn explain(basis: &Basis, halted: &Halted, origin: f64) -> AnalysisError {
+fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError {
     let time = origin + halted.elapsed;
     match halted.halt {
         Halt::Overlap { mesh, overlap } => {
-            let [driver, driven] = basis.model.gear_names(mesh);
+            let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, &format!("at {time} s"), overlap)
         }
         Halt::Diverged => AnalysisError::Stability(format!("the motion diverged after {time} s")),
@@ -227,14 +228,14 @@ fn explain(basis: &Basis, halted: &Halted, origin: f64) -> AnalysisError {
 }
 
 /// Records what the plan asks for, and asks now and then whether to go on.
-struct Watcher<'a, 'm> {
+struct RunObserver<'a, 'm> {
     recorder: Recorder<'a, 'm>,
     watch: &'a mut dyn FnMut(f64) -> bool,
     span: (f64, f64),
     asked: Instant,
 }
 
-impl Observer for Watcher<'_, '_> {
+impl Observer for RunObserver<'_, '_> {
     fn next(&self) -> Option<f64> {
         self.recorder.next()
     }
@@ -247,8 +248,8 @@ impl Observer for Watcher<'_, '_> {
         self.recorder.observe(motion, end)
     }
 
-    fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), laws: &[i64]) {
-        self.recorder.switched(elapsed, read, laws);
+    fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), contact_modes: &[i64]) {
+        self.recorder.switched(elapsed, read, contact_modes);
     }
 
     fn go_on(&mut self, elapsed: f64) -> bool {

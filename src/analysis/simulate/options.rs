@@ -1,11 +1,11 @@
 //! What a run is asked to do, and the state that it leaves.
 
-use super::Pause;
+use super::Checkpoint;
 use crate::exponential::MOST_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
-use crate::motion::{Anchor, Course, Speed};
-use crate::scene::{Path, SceneError};
+use crate::motion::{Anchor, ShaftRotation, Speed};
+use crate::scene::{EntryPath, SceneError};
 
 /// The integration method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,17 +109,17 @@ pub struct Options {
     /// Time at which it begins, s.
     pub start: f64,
     /// Where the same run was stopped, to go on from there; `times` are then those that it had still to record.
-    pub pause: Option<Box<Pause>>,
+    pub checkpoint: Option<Box<Checkpoint>>,
 }
 
 impl Options {
     /// Checks what does not depend on the scene.
     pub(super) fn check(&self) -> Result<(), SceneError> {
-        let duration = Path::root("duration").non_negative(self.duration)?;
-        let start = Path::root("start").finite(self.start)?;
+        let duration = EntryPath::root("duration").non_negative(self.duration)?;
+        let start = EntryPath::root("start").finite(self.start)?;
         self.speed.check(start, start + duration)?;
         if let Some(step) = self.step {
-            Path::root("step").positive(step)?;
+            EntryPath::root("step").positive(step)?;
             if self.method == Method::Rk45 {
                 let message = format!("\"{}\" chooses its own steps; give rtol", self.method.name());
                 return Err(SceneError::new("step", message));
@@ -141,7 +141,7 @@ impl Options {
         }
         let slack = f64::EPSILON * 4.0 * (start.abs() + duration);
         for (index, time) in self.times.iter().enumerate() {
-            let at = Path::root("times").index(index);
+            let at = EntryPath::root("times").index(index);
             at.finite(*time)?;
             if *time < start - slack || *time > start + duration + slack {
                 return Err(at.error(format!("{time} s is outside the run from {start} s to {} s", start + duration)));
@@ -176,7 +176,7 @@ impl Options {
     }
 
     /// The state that a run with these options leaves at `time`.
-    pub(super) fn last(&self, course: &Course, time: f64, state: State) -> Final {
+    pub(super) fn last(&self, course: &ShaftRotation, time: f64, state: State) -> Final {
         Final {
             method: self.method,
             time,
@@ -197,9 +197,9 @@ impl Options {
 
 impl Final {
     /// How the reference shaft turned, from the time `origin` on.
-    pub(super) fn course(&self, origin: f64) -> Course {
+    pub(super) fn course(&self, origin: f64) -> ShaftRotation {
         let fastest = self.speed.fastest(origin, self.time);
-        Course { speed: self.speed.clone(), anchor: self.anchor, origin, fastest }
+        ShaftRotation { speed: self.speed.clone(), anchor: self.anchor, origin, fastest }
     }
 
     fn check(&self, options: &Options) -> Result<(), SceneError> {

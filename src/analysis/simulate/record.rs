@@ -1,11 +1,11 @@
 //! Recording: the motion at the times asked for, of the coordinates asked for.
 
 use super::audit::Audit;
-use super::events::{Event, Events};
-use super::{Plan, Seen};
-use crate::integrate::{Halt, System, Trajectory};
+use super::events::{Event, EventRecorder};
+use super::{RecordPlan, RecorderState};
+use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::mesh::MeshState;
-use crate::motion::{Energies, Motion};
+use crate::motion::{Energies, EquationOfMotion};
 
 /// What is recorded of a mesh, in this order.
 pub const MESH_FIELDS: [&str; 8] = [
@@ -40,22 +40,22 @@ pub struct Record {
 
 /// Records while a run goes on.
 pub(super) struct Recorder<'a, 'm> {
-    motion: Motion<'m>,
-    plan: &'a Plan,
+    motion: EquationOfMotion<'m>,
+    plan: &'a RecordPlan,
     times: &'a [f64],
     origin: f64,
     coordinates: Vec<usize>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     audit: Option<Audit>,
-    events: Events,
+    events: EventRecorder,
     every_step: bool,
     record: Record,
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
     /// A recorder of `plan` at `times` in a run from `start` on (elapsed time), which counts from `origin`.
-    pub fn new(motion: Motion<'m>, plan: &'a Plan, times: &'a [f64], origin: f64, start: f64) -> Self {
+    pub fn new(motion: EquationOfMotion<'m>, plan: &'a RecordPlan, times: &'a [f64], origin: f64, start: f64) -> Self {
         let model = motion.model();
         let count = times.len();
         let room = |channels: usize| Vec::with_capacity(count * channels);
@@ -73,8 +73,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             displacement: vec![0.0; model.len()],
             velocity: vec![0.0; model.len()],
             audit: plan.energy.then(|| Audit::new(start, model.len())),
-            events: Events::new(&motion, origin),
-            every_step: plan.energy || Events::watches(&motion),
+            events: EventRecorder::new(&motion, origin),
+            every_step: plan.energy || EventRecorder::watches(&motion),
             motion,
             plan,
             times,
@@ -112,12 +112,12 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// Takes over the laws of the steps to come.
-    pub fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), laws: &[i64]) {
+    pub fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), contact_modes: &[i64]) {
         match &mut self.audit {
-            Some(audit) => audit.switch(&mut self.motion, elapsed, read, laws),
-            None => self.motion.set_laws(laws),
+            Some(audit) => audit.switch(&mut self.motion, elapsed, read, contact_modes),
+            None => self.motion.set_contact_modes(contact_modes),
         }
-        self.events.switched(elapsed, laws);
+        self.events.switched(elapsed, contact_modes);
     }
 
     fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {
@@ -153,8 +153,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// Goes on as the recorder of the same run that has seen what is given, under the laws that held then.
-    pub fn take_up(&mut self, seen: &Seen, laws: &[i64]) {
-        self.motion.set_laws(laws);
+    pub fn take_up(&mut self, seen: &RecorderState, contact_modes: &[i64]) {
+        self.motion.set_contact_modes(contact_modes);
         self.events.take_up(seen);
         if let Some(audit) = &mut self.audit {
             audit.take_up(seen);
@@ -162,7 +162,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
     }
 
     /// What was recorded, and what was seen.
-    pub fn finish(mut self) -> (Record, Seen) {
+    pub fn finish(mut self) -> (Record, RecorderState) {
         let mut seen = self.events.seen();
         if let Some(audit) = &self.audit {
             (seen.works, seen.until) = audit.counted();

@@ -1,16 +1,16 @@
 //! How a pair of teeth comes into contact and leaves it, and the relief of its tips.
 
-use super::Path;
+use super::ContactPath;
 use crate::scene::{Engagement, Relief};
 
 impl Engagement {
     /// The pairs that may carry.
-    pub(super) fn range(&self, path: &Path, engaged: (i64, i64)) -> (i64, i64) {
+    pub(super) fn range(&self, path: &ContactPath, engaged: (i64, i64)) -> (i64, i64) {
         match self {
             Self::Sharp => engaged,
             Self::Smooth(width) => {
                 let margin = width * path.pitch / 2.0;
-                Path { low: path.low - margin, high: path.high + margin, ..*path }.engaged()
+                ContactPath { low: path.low - margin, high: path.high + margin, ..*path }.engaged()
             }
         }
     }

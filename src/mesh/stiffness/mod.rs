@@ -27,7 +27,7 @@ use crate::scene::{Engagement, Relief};
 
 /// Where the pairs are: s of pair 0, the ends of the path of contact, and the base pitch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Path {
+pub struct ContactPath {
     /// s of pair 0, m.
     pub position: f64,
     /// Beginning of the path of contact, m.
@@ -38,7 +38,7 @@ pub struct Path {
     pub pitch: f64,
 }
 
-impl Path {
+impl ContactPath {
     /// Where the ends stand among the pairs, in base pitches.
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high].map(|end| (end - self.position) / self.pitch)
@@ -88,7 +88,7 @@ impl Stiffness {
     /// Energy and forces at `deflection`; `engaged` are the pairs that carry where engagement is sharp. Where the pairs
     /// are is asked for only if it matters.
     #[inline]
-    pub fn stored(&self, path: impl FnOnce() -> Path, engaged: (i64, i64), deflection: f64) -> Stored {
+    pub fn stored(&self, path: impl FnOnce() -> ContactPath, engaged: (i64, i64), deflection: f64) -> Stored {
         if let Some(k) = self.while_engaged(engaged) {
             return Stored {
                 energy: k * deflection * deflection / 2.0,

@@ -59,9 +59,9 @@ impl Tooth {
         (self.base_radius * (cos + roll * sin), self.base_radius * (roll * cos - sin))
     }
 
-    /// Compliance per face width (m²/N) along the line of action, touched at the distance `rolled` from its base point.
-    pub fn compliance(&self, rolled: f64) -> f64 {
-        let roll = (rolled / self.base_radius).max(0.0);
+    /// Compliance per face width (m²/N) along the line of action, touched at the distance `rolling_displacement` from its base point.
+    pub fn compliance(&self, rolling_displacement: f64) -> f64 {
+        let roll = (rolling_displacement / self.base_radius).max(0.0);
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));

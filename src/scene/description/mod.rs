@@ -15,7 +15,7 @@ use super::SceneError;
 /// A whole rotor system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct System {
+pub struct SceneDescription {
     /// The shaft that a speed speaks of; the first where none is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
@@ -30,7 +30,7 @@ pub struct System {
     pub gravity: Option<Gravity>,
     /// Which degrees of freedom; what the scene requires where nothing is said.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub motion: Option<Motion>,
+    pub motion: Option<MotionKind>,
     /// The shafts.
     pub shafts: Vec<Shaft>,
     /// The gears.
@@ -53,7 +53,7 @@ pub struct System {
 /// Which degrees of freedom a node has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub enum MotionKind {
     /// Bending alone: v, w, B, Γ.
     Lateral,
     /// Twist alone: θ.
@@ -363,7 +363,7 @@ pub struct Torque {
     pub balance: bool,
 }
 
-impl System {
+impl SceneDescription {
     /// Reads a description from TOML; an entry of the wrong type or name is an error that says where.
     ///
     /// # Errors

@@ -473,7 +473,7 @@ def begin(
     """A state to continue from: that of a run of no length, with displacements and velocities as given."""
     found = dict(system.simulate(0.0, speed, initial="rest", record=["meshes"], **options).final)
     if y is not None:
-        found |= {"state": np.array(y, dtype=float), "laws": np.zeros(0, dtype=np.int64)}
+        found |= {"state": np.array(y, dtype=float), "contact_modes": np.zeros(0, dtype=np.int64)}
     return found
 
 

@@ -5,16 +5,16 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::clock::Clock;
 use super::dense;
-use super::level::{Passage, Sight};
 use super::packed::Panel;
-use super::rule::Rule;
-use crate::modal::{Form, Linear, Pair};
+use super::propagator::{StageResponse, StepPropagator};
+use super::quadrature::QuadratureRule;
+use super::time_grid::TimeGrid;
+use crate::modal::{Form, ModalStateSpace, ModePair};
 
 /// Rows and columns of the interface over a state z.
 #[derive(Clone, Debug, Default)]
-pub struct Ports {
+pub struct InterfaceMaps {
     /// w: scalars of the motion.
     pub rows: Vec<Vec<f64>>,
     /// b: loads, those of the meshes first.
@@ -24,14 +24,14 @@ pub struct Ports {
     /// Slots of the parts of a state that nothing linear couples.
     pub parts: Vec<Range<usize>>,
     /// The laws of the meshes at rest.
-    pub tangents: Vec<Tangent>,
+    pub tangents: Vec<LinearizedContact>,
     /// Amplitudes of the rows in the synchronous motion, source after source.
     pub synchronous: Vec<Complex64>,
 }
 
 /// The law of a mesh at rest: its force is that of δ = g·u over its scalars, and its loads are −g times that.
 #[derive(Clone, Debug)]
-pub struct Tangent {
+pub struct LinearizedContact {
     /// Its scalars among all.
     pub scalars: Range<usize>,
     /// g.
@@ -40,9 +40,9 @@ pub struct Tangent {
     pub root: f64,
 }
 
-impl Tangent {
+impl LinearizedContact {
     /// g·u √k of scalars: its square is twice the energy that the mesh has beside that of the state.
-    pub fn strain(&self, seen: &[f64]) -> f64 {
+    pub fn mesh_energy_norm(&self, seen: &[f64]) -> f64 {
         self.root * self.along(seen, 0)
     }
 
@@ -53,12 +53,12 @@ impl Tangent {
     }
 }
 
-impl Ports {
+impl InterfaceMaps {
     /// A state with the strain of the meshes after it: the square of its length is twice the energy of both.
-    pub fn with_strain(&self, mut state: Vec<f64>) -> Vec<f64> {
+    pub fn with_mesh_energy(&self, mut state: Vec<f64>) -> Vec<f64> {
         let product = |row: &Vec<f64>| row.iter().zip(&state).map(|(w, z)| w * z).sum();
         let seen: Vec<f64> = self.rows.iter().take(self.meshes).map(product).collect();
-        state.extend(self.tangents.iter().map(|tangent| tangent.strain(&seen)));
+        state.extend(self.tangents.iter().map(|tangent| tangent.mesh_energy_norm(&seen)));
         state
     }
 }
@@ -74,57 +74,66 @@ pub fn gram(vectors: &[f64], count: usize) -> Panel {
 
 /// The steps of a clock, each made when it is first asked for.
 #[derive(Clone, Debug)]
-pub struct Table<'m> {
+pub struct PropagatorCache<'m> {
     /// The nodes.
-    pub rule: Rule,
+    pub rule: QuadratureRule,
     /// The lengths of the steps.
-    pub clock: Clock,
+    pub time_grid: TimeGrid,
     /// The linear motion.
-    pub linear: &'m Linear,
+    pub linear: &'m ModalStateSpace,
     /// The rows and columns through which it is acted on.
-    pub ports: Ports,
+    pub maps: InterfaceMaps,
     spins: Vec<f64>,
     /// Gram matrix of the meshes' columns b themselves.
     pub gram: Panel,
-    passages: Vec<OnceCell<Passage>>,
-    sights: Vec<OnceCell<Sight>>,
+    propagators: Vec<OnceCell<StepPropagator>>,
+    stage_responses: Vec<OnceCell<StageResponse>>,
 }
 
-impl<'m> Table<'m> {
-    /// The steps of `clock`; `spins` are those of what turns, rad/s.
-    pub fn new(linear: &'m Linear, rule: Rule, ports: Ports, clock: Clock, spins: Vec<f64>) -> Self {
-        let columns: Vec<f64> = ports.columns.iter().take(ports.meshes).flatten().copied().collect();
-        let gram = gram(&columns, ports.meshes);
-        let empty = Self { rule, clock, linear, ports, spins, gram, passages: Vec::new(), sights: Vec::new() };
-        let (passages, sights) = match &linear.form {
-            Form::Pairs(_) => (vec![OnceCell::new(); clock.finest + 1], vec![OnceCell::new(); clock.finest + 1]),
+impl<'m> PropagatorCache<'m> {
+    /// The steps of `time_grid`; `spins` are those of what turns, rad/s.
+    pub fn new(
+        linear: &'m ModalStateSpace,
+        rule: QuadratureRule,
+        maps: InterfaceMaps,
+        time_grid: TimeGrid,
+        spins: Vec<f64>,
+    ) -> Self {
+        let columns: Vec<f64> = maps.columns.iter().take(maps.meshes).flatten().copied().collect();
+        let gram = gram(&columns, maps.meshes);
+        let empty =
+            Self { rule, time_grid, linear, maps, spins, gram, propagators: Vec::new(), stage_responses: Vec::new() };
+        let (propagators, stage_responses) = match &linear.form {
+            Form::Pairs(_) => {
+                (vec![OnceCell::new(); time_grid.finest + 1], vec![OnceCell::new(); time_grid.finest + 1])
+            }
             // Longer steps are made of shorter ones, so all are made at once.
             Form::Dense(matrix) => dense::levels(matrix, &empty).into_iter().map(|(p, s)| (p.into(), s.into())).unzip(),
         };
-        Self { passages, sights, ..empty }
+        Self { propagators, stage_responses, ..empty }
     }
 
     /// What a step of a level makes of a state.
-    pub fn passage(&self, level: usize) -> &Passage {
-        self.passages[level]
-            .get_or_init(|| Passage::of_pairs(self.pairs(), &self.rule, &self.ports, self.clock.step(level)))
+    pub fn propagator(&self, level: usize) -> &StepPropagator {
+        self.propagators[level]
+            .get_or_init(|| StepPropagator::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level)))
     }
 
     /// What the nodes of a step of a level see.
-    pub fn sight(&self, level: usize) -> &Sight {
-        let step = self.clock.step(level);
-        self.sights[level]
-            .get_or_init(|| Sight::of_pairs(self.pairs(), &self.rule, &self.ports, step, self.turns(level)))
+    pub fn stage_response(&self, level: usize) -> &StageResponse {
+        let step = self.time_grid.step(level);
+        self.stage_responses[level]
+            .get_or_init(|| StageResponse::of_pairs(self.pairs(), &self.rule, &self.maps, step, self.phasors(level)))
     }
 
     /// None where all has been made at once.
-    fn pairs(&self) -> &[Pair] {
+    fn pairs(&self) -> &[ModePair] {
         if let Form::Pairs(pairs) = &self.linear.form { pairs } else { &[] }
     }
 
     /// e^{iΩ c_i h} of the nodes and the sources.
-    pub(super) fn turns(&self, level: usize) -> Vec<Complex64> {
-        let times = self.rule.nodes.iter().map(|node| node * self.clock.step(level));
+    pub(super) fn phasors(&self, level: usize) -> Vec<Complex64> {
+        let times = self.rule.nodes.iter().map(|node| node * self.time_grid.step(level));
         let at = |time: f64| self.spins.iter().map(move |spin| Complex64::from_polar(1.0, spin * time));
         times.flat_map(at).collect()
     }

@@ -1,8 +1,8 @@
-//! The small linear systems of Newton's method, in place.
+//! The small linear systems of SmallLu's method, in place.
 
 /// A system of fixed size; nothing is allocated once it stands.
 #[derive(Clone, Debug)]
-pub struct Newton {
+pub struct SmallLu {
     size: usize,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
@@ -11,7 +11,7 @@ pub struct Newton {
     pub right: Vec<f64>,
 }
 
-impl Newton {
+impl SmallLu {
     /// A system of `size` unknowns.
     pub fn new(size: usize) -> Self {
         Self { size, matrix: vec![0.0; size * size], pivots: vec![0; size], slopes: Vec::new(), right: vec![0.0; size] }

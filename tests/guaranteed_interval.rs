@@ -5,11 +5,11 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use gearbow::integrate::System as _;
-use gearbow::mesh::{Contact, Flank, Geometry, Law};
-use gearbow::modal::Basis;
+use gearbow::integrate::FirstOrderSystem as _;
+use gearbow::mesh::{Contact, ContactMode, Flank, Geometry};
+use gearbow::modal::CachedModel;
 use gearbow::model::Model;
-use gearbow::motion::{Interface, Motion};
+use gearbow::motion::{EquationOfMotion, Interface};
 use nalgebra::DVector;
 use proptest::prelude::*;
 
@@ -18,19 +18,19 @@ const BACKLASH: f64 = 4e-5;
 /// The force at rest, N.
 const CARRIED: f64 = 3e3;
 
-fn basis() -> Basis {
+fn cached() -> CachedModel {
     let mesh = format!("stiffness = {STIFFNESS:e}, damping = 2e3, backlash = {BACKLASH:e}");
     let gears = ["teeth = 25, module = 3e-3", "teeth = 50, module = 3e-3"];
-    Basis::new(Model::new(common::scene_of_mesh(gears, &mesh)).unwrap())
+    CachedModel::new(Model::new(common::scene_of_mesh(gears, &mesh)).unwrap())
 }
 
 /// The motion, and its mesh with the force at rest on the drive flank, or on the back flank.
-fn pressed(basis: &Basis, back: bool) -> (Motion<'_>, Interface) {
-    let motion = common::motion(basis, Geometry::Frozen, 100.0, 0.0);
-    let mesh = &basis.model.meshes[0];
-    let sigma = basis.model.sigma(0, 100.0);
+fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface) {
+    let motion = common::motion(cached, Geometry::Frozen, 100.0, 0.0);
+    let mesh = &cached.model.meshes[0];
+    let sigma = cached.model.sigma(0, 100.0);
     let deflection = if back { -CARRIED / STIFFNESS - BACKLASH } else { CARRIED / STIFFNESS };
-    let mut reference = DVector::zeros(basis.model.len());
+    let mut reference = DVector::zeros(cached.model.len());
     reference[mesh.coordinates.twist[0]] = sigma * deflection / mesh.involute.base_radius[0];
     let interface = Interface::new(&motion, 0, &reference, true).unwrap();
     (motion, interface)
@@ -43,13 +43,13 @@ proptest! {
     fn flanks_stay_at_least_as_long_as_they_are_said_to(
         amplitude in 0.0..4.0_f64, phase in 0.0..TAU, back: bool,
     ) {
-        let basis = basis();
-        let (mut motion, interface) = pressed(&basis, back);
-        let law = Law {
+        let cached = cached();
+        let (mut motion, interface) = pressed(&cached, back);
+        let contact_mode = ContactMode {
             flank: if back { Flank::Back } else { Flank::Drive },
-            ..Law::ALWAYS
+            ..ContactMode::ALWAYS
         };
-        motion.set_laws(&law.code());
+        motion.set_contact_modes(&contact_mode.code());
         let omega = (STIFFNESS * motion.mobility(0)).sqrt();
         // The other half of the swing where this one is in the air.
         let phase = if 1.0 + amplitude * phase.sin() > 0.0 { phase } else { phase + PI };
@@ -62,7 +62,7 @@ proptest! {
             rate: sign * CARRIED / STIFFNESS * amplitude * omega * phase.cos(),
             stiffness: STIFFNESS,
             deflection: if back { -clear(0.0) } else { force(0.0) / STIFFNESS },
-            behind: if back { 0.0 } else { -clear(0.0) },
+            back_flank_deflection: if back { 0.0 } else { -clear(0.0) },
             ..Contact::default()
         };
         let hold = interface.hold(&motion, &contact);
@@ -82,11 +82,11 @@ proptest! {
 
 #[test]
 fn flanks_that_are_apart_or_both_pressed_do_not_stay() {
-    let basis = basis();
-    let (mut motion, interface) = pressed(&basis, false);
+    let cached = cached();
+    let (mut motion, interface) = pressed(&cached, false);
     for flank in [Flank::Apart, Flank::Both] {
-        let law = Law { flank, ..Law::ALWAYS };
-        motion.set_laws(&law.code());
+        let contact_mode = ContactMode { flank, ..ContactMode::ALWAYS };
+        motion.set_contact_modes(&contact_mode.code());
         let contact = Contact { force: CARRIED, stiffness: STIFFNESS, ..Contact::default() };
         assert_eq!(interface.hold(&motion, &contact).time, 0.0);
     }

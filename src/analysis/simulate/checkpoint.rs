@@ -8,8 +8,8 @@ pub type Margins = (f64, [f64; 2]);
 
 /// What a recorder has seen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
-    /// Events so far.
+pub struct RecorderState {
+    /// EventRecorder so far.
     pub events: usize,
     /// What every mesh was last seen with.
     pub margins: Vec<Option<Margins>>,
@@ -21,11 +21,11 @@ pub struct Seen {
 
 /// Where a run was stopped.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pause {
+pub struct Checkpoint {
     /// The state that it left.
     pub state: State,
     /// What it had cost.
     pub statistics: Statistics,
     /// What it had seen.
-    pub seen: Seen,
+    pub recorder_state: RecorderState,
 }

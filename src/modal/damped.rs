@@ -14,7 +14,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::real::RealModes;
 use super::whirl::{Whirl, classify};
-use super::{Basis, real};
+use super::{CachedModel, real};
 use crate::linalg::{DecompositionError, eigen};
 use crate::model::Model;
 
@@ -49,10 +49,10 @@ impl Mode {
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
-pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
-    let model = &basis.model;
-    let real = basis.real_modes(speed)?;
-    let order = FirstOrder::of_train(basis, speed)?;
+pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
+    let model = &cached.model;
+    let real = cached.real_modes(speed)?;
+    let order = FirstOrder::of_train(cached, speed)?;
     let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
     let lateral = real::lateral_mask(model);
     let mass = model.mass_matrix();
@@ -73,13 +73,13 @@ pub fn modes(basis: &Basis, speed: f64) -> Result<Vec<Mode>, DecompositionError>
 /// # Errors
 /// [`DecompositionError`] if the undamped modes cannot be found.
 pub fn whirl(
-    basis: &Basis,
+    cached: &CachedModel,
     speed: f64,
     eigenvalue: Complex<f64>,
     coordinates: &DVector<Complex<f64>>,
 ) -> Result<Whirl, DecompositionError> {
-    let model = &basis.model;
-    let shape = physical(basis.real_modes(speed)?, coordinates);
+    let model = &cached.model;
+    let shape = physical(cached.real_modes(speed)?, coordinates);
     Ok(classify(model, speed, eigenvalue, &shape, &model.mass_matrix(), &real::lateral_mask(model)))
 }
 
@@ -109,23 +109,23 @@ pub(super) struct FirstOrder {
 
 impl FirstOrder {
     /// The first-order form of the whole train at `speed` of the reference shaft.
-    pub fn of_train(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
-        let model = &basis.model;
-        let damping = basis.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
-        Ok(Self::new(basis.real_modes(speed)?, &damping, &model.circulating_matrix()))
+    pub fn of_train(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
+        let model = &cached.model;
+        let damping = cached.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
+        Ok(Self::new(cached.real_modes(speed)?, &damping, &model.skew_part_matrix()))
     }
 
     /// The first-order form over undamped modes, with C + ΩG and the part of K that does not restore.
-    pub fn new(real: &RealModes, damping: &DMatrix<f64>, circulating: &DMatrix<f64>) -> Self {
+    pub fn new(real: &RealModes, damping: &DMatrix<f64>, skew_part: &DMatrix<f64>) -> Self {
         let n = real.frequencies.len();
-        let undamped = damping.amax() == 0.0 && circulating.amax() == 0.0;
-        let (damping, circulating) = (project(real, damping), project(real, circulating));
+        let undamped = damping.amax() == 0.0 && skew_part.amax() == 0.0;
+        let (damping, skew_part) = (project(real, damping), project(real, skew_part));
 
         let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
         let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
-        let (damped, driven) = (UNCOUPLED * damping.amax(), UNCOUPLED * circulating.amax());
+        let (damped, driven) = (UNCOUPLED * damping.amax(), UNCOUPLED * skew_part.amax());
         let coupled = |i: usize| {
-            damping.row(i).amax() > damped || damping.column(i).amax() > damped || circulating.row(i).amax() > driven
+            damping.row(i).amax() > damped || damping.column(i).amax() > damped || skew_part.row(i).amax() > driven
         };
         let moving: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] > 0.0 || coupled(*i)).collect();
         let alone = null.iter().copied().filter(|i| !coupled(*i)).collect();
@@ -138,7 +138,7 @@ impl FirstOrder {
             }
             for (column, j) in elastic.iter().enumerate() {
                 let own = if i == j { real.frequencies[*j] } else { 0.0 };
-                matrix[(e + row, column)] = -own - circulating[(*i, *j)] / real.frequencies[*j];
+                matrix[(e + row, column)] = -own - skew_part[(*i, *j)] / real.frequencies[*j];
                 if i == j {
                     matrix[(column, e + row)] = own;
                 }

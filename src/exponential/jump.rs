@@ -4,10 +4,10 @@
 //! is added to the state: ∫₀^τ e^{−As} B Δp(s) ds, Δp the old loads less the new. With Δp a parabola it is a short series
 //! over columns Aᵐ b that are known.
 
+use super::cache::InterfaceMaps;
 use super::kernel;
 use super::step::Stepper;
-use super::table::Ports;
-use crate::modal::Linear;
+use crate::modal::ModalStateSpace;
 
 /// Loads at the beginning, the middle and the end of a short stretch of time.
 pub const POINTS: usize = 3;
@@ -23,9 +23,9 @@ pub struct Powers {
 
 impl Powers {
     /// The columns of all loads.
-    pub fn new(linear: &Linear, ports: &Ports) -> Self {
-        let mut columns = Vec::with_capacity(ports.columns.len() * TERMS * linear.len());
-        for load in &ports.columns {
+    pub fn new(linear: &ModalStateSpace, maps: &InterfaceMaps) -> Self {
+        let mut columns = Vec::with_capacity(maps.columns.len() * TERMS * linear.len());
+        for load in &maps.columns {
             let mut column = load.clone();
             for _ in 0..TERMS {
                 columns.extend_from_slice(&column);
@@ -41,7 +41,7 @@ impl Powers {
 impl Stepper<'_> {
     /// Adds to `z` what loads that jumped `since` seconds after it leave of those before; `jumps` are the old loads less
     /// the new at the beginning, the middle and the end of that time.
-    pub(super) fn shift(&self, since: f64, jumps: &[Vec<f64>; POINTS], z: &mut [f64]) {
+    pub(super) fn apply_jump(&self, since: f64, jumps: &[Vec<f64>; POINTS], z: &mut [f64]) {
         if since == 0.0 {
             return;
         }
@@ -60,7 +60,7 @@ impl Stepper<'_> {
                 count = m + 1;
                 power *= -since / (m + 1) as f64;
                 // Terms that no mode can tell from nothing.
-                if (power / since).abs() * self.table.linear.radius.powi(m as i32 + 1) < f64::EPSILON / 8.0 {
+                if (power / since).abs() * self.cache.linear.radius.powi(m as i32 + 1) < f64::EPSILON / 8.0 {
                     break;
                 }
             }

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::phase;
-use super::phase::Twofold;
+use super::phase::DoubleDouble;
 use super::speed::{Profile, Speed};
 
 /// A known angle of the reference shaft; where nothing else is known, it is 0 at the time 0.
@@ -12,12 +12,12 @@ pub struct Anchor {
     /// Time, s.
     pub time: f64,
     /// Angle, rad, not reduced: the other shafts turn by r_s of it.
-    pub angle: Twofold,
+    pub angle: DoubleDouble,
 }
 
 /// How the reference shaft turns in a run.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct ShaftRotation {
     /// Its speed.
     pub speed: Speed,
     /// An angle that is known.
@@ -28,7 +28,7 @@ pub struct Course {
     pub fastest: f64,
 }
 
-impl Course {
+impl ShaftRotation {
     /// Constant speed; the shafts stand at r_s Ω t.
     pub fn constant(speed: f64, origin: f64) -> Self {
         Self { speed: Speed::Constant(speed), anchor: Anchor::default(), origin, fastest: speed }
@@ -40,12 +40,12 @@ impl Course {
     }
 
     /// Angle of the reference shaft at a time.
-    pub fn angle(&self, time: f64) -> Twofold {
+    pub fn angle(&self, time: f64) -> DoubleDouble {
         self.anchor.angle.plus(self.speed.turned(self.anchor.time, time))
     }
 
     /// e^{iϑ} at the origin of a shaft with the speed ratio r_s.
-    pub fn turn_at_origin(&self, ratio: f64) -> Complex64 {
+    pub fn phasor_at_origin(&self, ratio: f64) -> Complex64 {
         match &self.speed {
             Speed::Constant(speed) => {
                 let known = self.anchor.angle.times(ratio.into()).turn();

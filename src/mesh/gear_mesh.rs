@@ -12,9 +12,9 @@
 //! With backlash the flanks part: F acts on the drive flank while it presses, on the back flank (σ → −σ, from the
 //! backlash on) while that does, and otherwise not at all; it never pulls. The force of one flank is in `flank.rs`.
 
-use super::contact::{Contact, Flank, Law, MeshState, Turning};
+use super::contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
-use super::involute::{Centres, Involute, Lie, LineOfAction, Overlap};
+use super::involute::{CentreGeometry, Centres, Involute, LineOfAction, Overlap};
 use super::stiffness::{self, Stiffness};
 use crate::scene::{Damping, Gear, Mesh, Phase};
 
@@ -29,7 +29,7 @@ pub enum Geometry {
 
 /// Where the six coordinates of a mesh stand in a vector of displacements.
 #[derive(Clone, Copy, Debug)]
-pub struct Coordinates {
+pub struct MeshCoordinates {
     /// v of driver and driven gear (w follows v); `None` in a scene that has no bending.
     pub translation: Option<[usize; 2]>,
     /// θ of driver and driven gear.
@@ -38,37 +38,37 @@ pub struct Coordinates {
 
 /// How a mesh stands: all that its force depends on but its law.
 #[derive(Clone, Copy, Debug)]
-pub struct Pose<'a> {
+pub struct MeshPose<'a> {
     /// Whether its line of action follows the centres.
     pub geometry: Geometry,
     /// σ, the sign of the driver's spin.
     pub sigma: f64,
     /// Angles and spins of the shafts of driver and driven gear.
-    pub turning: &'a [Turning; 2],
+    pub turning: &'a [ShaftPhase; 2],
     /// What it sees of the displacements.
-    pub position: Relative,
+    pub position: RelativeMotion,
     /// What it sees of their rates.
-    pub velocity: Relative,
+    pub velocity: RelativeMotion,
 }
 
 /// What a mesh sees of displacements, or of their rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Relative {
+pub struct RelativeMotion {
     /// u_b − u_a over (y, z), m.
-    pub apart: [f64; 2],
+    pub relative_displacement: [f64; 2],
     /// r_a θ_a + r_b θ_b, m.
-    pub rolled: f64,
+    pub rolling_displacement: f64,
     /// θ_a and θ_b, rad: they matter by themselves where teeth follow the twist, or gears run off their centres.
     pub twist: [f64; 2],
 }
 
 /// A mesh with its coordinates.
 #[derive(Clone, Debug)]
-pub struct Coupling {
+pub struct GearMesh {
     /// Geometry of the pair.
     pub involute: Involute,
     /// The six coordinates.
-    pub coordinates: Coordinates,
+    pub coordinates: MeshCoordinates,
     /// Stiffness of the teeth.
     pub teeth: Stiffness,
     /// What moves the teeth along the path of contact.
@@ -90,9 +90,9 @@ pub struct Coupling {
     pub(super) at_rest: [LineOfAction; 2],
 }
 
-impl Coupling {
+impl GearMesh {
     /// The coupling of `mesh` on `coordinates`.
-    pub fn new(mesh: &Mesh, gears: &[Gear], coordinates: Coordinates) -> Self {
+    pub fn new(mesh: &Mesh, gears: &[Gear], coordinates: MeshCoordinates) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let involute = Involute::new(mesh, gears);
         let teeth = stiffness::build(&mesh.teeth, [a, b], &involute);
@@ -153,13 +153,13 @@ impl Coupling {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn centres(&self, turning: &[Turning; 2], position: &Relative) -> Result<Centres, Overlap> {
-        self.involute.centres(self.apart(turning, position))
+    pub fn centres(&self, turning: &[ShaftPhase; 2], position: &RelativeMotion) -> Result<Centres, Overlap> {
+        self.involute.centres(self.relative_displacement(turning, position))
     }
 
     /// The coordinates that it acts on.
     pub fn indices(&self) -> Vec<usize> {
-        let Coordinates { translation, twist } = self.coordinates;
+        let MeshCoordinates { translation, twist } = self.coordinates;
         twist.into_iter().chain(translation.into_iter().flatten().flat_map(|v| [v, v + 1])).collect()
     }
 
@@ -170,14 +170,14 @@ impl Coupling {
 
     /// What it sees of displacements that contain its coordinates, or of their rates.
     #[inline(always)]
-    pub fn relative(&self, q: &[f64]) -> Relative {
+    pub fn relative(&self, q: &[f64]) -> RelativeMotion {
         let [ra, rb] = self.involute.base_radius;
         let twist = self.coordinates.twist.map(|index| q[index]);
-        let apart = match self.coordinates.translation {
+        let relative_displacement = match self.coordinates.translation {
             Some([a, b]) => [q[b] - q[a], q[b + 1] - q[a + 1]],
             None => [0.0; 2],
         };
-        Relative { apart, rolled: ra * twist[0] + rb * twist[1], twist }
+        RelativeMotion { relative_displacement, rolling_displacement: ra * twist[0] + rb * twist[1], twist }
     }
 
     /// How it stands in displacements `q` that contain its coordinates, with rates `v`.
@@ -186,15 +186,15 @@ impl Coupling {
         &self,
         geometry: Geometry,
         sigma: f64,
-        turning: &'a [Turning; 2],
+        turning: &'a [ShaftPhase; 2],
         q: &[f64],
         v: &[f64],
-    ) -> Pose<'a> {
-        Pose { geometry, sigma, turning, position: self.relative(q), velocity: self.relative(v) }
+    ) -> MeshPose<'a> {
+        MeshPose { geometry, sigma, turning, position: self.relative(q), velocity: self.relative(v) }
     }
 
     /// Where the base circles stand off their shafts.
-    pub(super) fn eccentric(&self, turning: &[Turning; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    pub(super) fn eccentric(&self, turning: &[ShaftPhase; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;
         let at = |i: usize| {
             let (size, phase): (f64, f64) = out[i];
@@ -206,37 +206,46 @@ impl Coupling {
 
     /// How the centres lie, where that matters: frozen geometry keeps them at rest.
     #[inline(always)]
-    pub(super) fn lie(&self, geometry: Geometry, apart: [f64; 2]) -> Result<Option<Lie>, Overlap> {
+    pub(super) fn centre_geometry(
+        &self,
+        geometry: Geometry,
+        relative_displacement: [f64; 2],
+    ) -> Result<Option<CentreGeometry>, Overlap> {
         match geometry {
-            Geometry::Live => self.involute.lie(apart).map(Some),
+            Geometry::Live => self.involute.centre_geometry(relative_displacement).map(Some),
             Geometry::Frozen => Ok(None),
         }
     }
 
     /// The line of action; in frozen geometry that at rest, with the deflection of small displacements.
     #[inline(always)]
-    pub(super) fn line(&self, sigma: f64, lie: &Option<Lie>, apart: [f64; 2]) -> LineOfAction {
-        match lie {
-            Some(lie) => self.involute.line(sigma, lie),
+    pub(super) fn line(
+        &self,
+        sigma: f64,
+        centre_geometry: &Option<CentreGeometry>,
+        relative_displacement: [f64; 2],
+    ) -> LineOfAction {
+        match centre_geometry {
+            Some(centre_geometry) => self.involute.line(sigma, centre_geometry),
             None => {
                 let line = self.at_rest[usize::from(sigma > 0.0)];
-                LineOfAction { deflection: -dot(line.normal, apart), ..line }
+                LineOfAction { deflection: -dot(line.normal, relative_displacement), ..line }
             }
         }
     }
 
-    /// The contact on the flank that `law` says.
+    /// The contact on the flank that `contact_mode` says.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub fn contact(&self, pose: &Pose<'_>, law: &Law) -> Result<Contact, Overlap> {
-        let &Pose { geometry, sigma, position, velocity, .. } = pose;
-        if self.is_autonomous() && law.flank == Flank::Drive {
-            let lie = self.lie(geometry, position.apart)?;
-            let line = self.line(sigma, &lie, position.apart);
-            let deflection = sigma * position.rolled + line.deflection;
-            let rate = sigma * velocity.rolled - dot(line.normal, velocity.apart);
+    pub fn contact(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<Contact, Overlap> {
+        let &MeshPose { geometry, sigma, position, velocity, .. } = pose;
+        if self.is_autonomous() && contact_mode.flank == Flank::Drive {
+            let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
+            let line = self.line(sigma, &centre_geometry, position.relative_displacement);
+            let deflection = sigma * position.rolling_displacement + line.deflection;
+            let rate = sigma * velocity.rolling_displacement - dot(line.normal, velocity.relative_displacement);
             let elastic = self.stiffness * deflection;
             let force = elastic + self.damping * rate;
             let [ra, rb] = self.involute.base_radius;
@@ -250,29 +259,31 @@ impl Coupling {
                 moments: [-force * sigma * ra, -force * sigma * rb],
                 drive_power: 0.0,
                 damping_power: self.damping * rate * rate,
-                behind: self.behind(sigma, &lie, &position),
+                back_flank_deflection: self.back_flank_deflection(sigma, &centre_geometry, &position),
             });
         }
         let approach = self.approach(pose)?;
-        let drive = self.press(&approach, &self.meet(&approach, false), law);
-        let behind = || self.behind(sigma, &approach.lie, &approach.position);
-        match law.flank {
-            Flank::Drive => Ok(Contact { behind: behind(), ..drive }),
-            Flank::Apart => Ok(Contact { behind: behind(), ..drive.apart() }),
+        let drive = self.press(&approach, &self.meet(&approach, false), contact_mode);
+        let back_flank_deflection = || self.back_flank_deflection(sigma, &approach.centre_geometry, &approach.position);
+        match contact_mode.flank {
+            Flank::Drive => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive }),
+            Flank::Apart => {
+                Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.relative_displacement() })
+            }
             Flank::Back | Flank::Both => {
-                let back = self.press(&approach, &self.meet(&approach, true), law);
-                let drive = if law.flank.drives() { drive } else { drive.apart() };
+                let back = self.press(&approach, &self.meet(&approach, true), contact_mode);
+                let drive = if contact_mode.flank.drives() { drive } else { drive.relative_displacement() };
                 Ok(drive.and_back(&back))
             }
         }
     }
 
     /// u_b − u_a of the base circles.
-    fn apart(&self, turning: &[Turning; 2], position: &Relative) -> [f64; 2] {
-        let apart = position.apart;
+    fn relative_displacement(&self, turning: &[ShaftPhase; 2], position: &RelativeMotion) -> [f64; 2] {
+        let relative_displacement = position.relative_displacement;
         match self.eccentric(turning, position.twist) {
-            Some([ea, eb]) => [apart[0] + eb[0] - ea[0], apart[1] + eb[1] - ea[1]],
-            None => apart,
+            Some([ea, eb]) => [relative_displacement[0] + eb[0] - ea[0], relative_displacement[1] + eb[1] - ea[1]],
+            None => relative_displacement,
         }
     }
 
@@ -305,15 +316,16 @@ impl Coupling {
         visit(b, sigma * rb);
     }
 
-    /// What a response reports under `law`.
+    /// What a response reports under `contact_mode`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn state(&self, pose: &Pose<'_>, law: &Law) -> Result<MeshState, Overlap> {
-        let contact = self.contact(pose, law)?;
+    pub fn state(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<MeshState, Overlap> {
+        let contact = self.contact(pose, contact_mode)?;
         let centres = self.centres(pose.turning, &pose.position)?;
-        let (first, last) = self.engagement(pose, !law.flank.drives() && law.flank.holds_back())?.engaged();
-        let count = if law.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
+        let (first, last) =
+            self.engagement(pose, !contact_mode.flank.drives() && contact_mode.flank.holds_back())?.engaged();
+        let count = if contact_mode.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
             deflection: contact.deflection,
             force: contact.force,

@@ -1,10 +1,10 @@
 //! Changes of law: found on the motion within a step, and adopted at the instant at which they happen.
 
+use super::contact_monitor::CandidateEvent;
 use super::driver::Driver;
-use super::shift::POINTS;
+use super::jump::POINTS;
 use super::step::Stepper;
-use super::watch::Suspect;
-use crate::integrate::{Halt, State, Statistics, System as _};
+use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
 
 /// A change of law is found to this part of its step.
 const RESOLUTION: f64 = 1e-12;
@@ -19,7 +19,7 @@ const REFINEMENTS: usize = 6;
 
 /// Where the law changes within a step: after so many whole ticks, at which elapsed time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Change {
+pub(super) struct ContactChange {
     pub ticks: u64,
     pub at: f64,
 }
@@ -31,35 +31,40 @@ impl Driver {
         stepper: &mut Stepper<'_>,
         level: usize,
         state: &State,
-    ) -> Result<Option<Change>, Halt> {
+    ) -> Result<Option<ContactChange>, Halt> {
         // Flanks that stay as they are change no law, and teeth that come and go smoothly none either.
-        if !stepper.sharp && !self.settled.is_empty() && !self.settled.contains(&false) {
+        if !stepper.sharp && !self.unchanged.is_empty() && !self.unchanged.contains(&false) {
             return Ok(None);
         }
-        if stepper.field.motion.moves_laws() {
-            stepper.catch_up(level);
+        if stepper.field.motion.motion_changes_contact_modes() {
+            stepper.refresh(level);
         }
-        let step = stepper.table.clock.step(level);
+        let step = stepper.cache.time_grid.step(level);
         // Up to the change that was adopted last, the old law held.
         let since = state.elapsed + state.carry;
-        self.watch.search(stepper, &self.settled);
+        self.contact_monitor.search(stepper, &self.unchanged);
         let (mut low, mut high): (f64, _) = ((state.carry / step).min(1.0), None);
-        for index in 0..=self.watch.suspects.len() {
+        for index in 0..=self.contact_monitor.candidates.len() {
             // What comes and goes without a suspect has at the end.
-            let suspect = self.watch.suspects.get(index).copied().unwrap_or(Suspect { at: 1.0, turns: false });
-            if state.elapsed + suspect.at * step <= since {
+            let candidate = self
+                .contact_monitor
+                .candidates
+                .get(index)
+                .copied()
+                .unwrap_or(CandidateEvent { at: 1.0, phasors: false });
+            if state.elapsed + candidate.at * step <= since {
                 continue;
             }
-            let changed = if suspect.turns {
-                self.changed_truly(stepper, level, state, suspect.at)?
+            let changed = if candidate.phasors {
+                self.changed_truly(stepper, level, state, candidate.at)?
             } else {
-                self.changed(stepper, state, step, suspect.at)?
+                self.changed(stepper, state, step, candidate.at)?
             };
             if changed {
-                high = Some(suspect.at);
+                high = Some(candidate.at);
                 break;
             }
-            low = low.max(suspect.at);
+            low = low.max(candidate.at);
         }
         self.off.fill(0.0);
         let Some(high) = high else {
@@ -69,9 +74,9 @@ impl Driver {
         // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
         // change is looked for again, near by, on what is then right at the change.
         let mut change = self.narrow(stepper, state, step, (low, high))?;
-        self.keep_laws(stepper, state, step, change)?;
+        self.keep_contact_modes(stepper, state, step, change)?;
         for _ in 0..REFINEMENTS {
-            if !stepper.field.motion.moves_laws() || change - begin <= SAME {
+            if !stepper.field.motion.motion_changes_contact_modes() || change - begin <= SAME {
                 break;
             }
             let z = self.sample.within(stepper, level, &state.y, change * step);
@@ -81,7 +86,7 @@ impl Driver {
                 // It is off by more than the scalars move: only the motion itself tells.
                 if let Some(found) = self.bisect(stepper, level, state, (begin, high))? {
                     change = found;
-                    self.keep_laws(stepper, state, step, change)?;
+                    self.keep_contact_modes(stepper, state, step, change)?;
                 }
                 break;
             }
@@ -92,7 +97,7 @@ impl Driver {
                 break;
             }
             change = again;
-            self.keep_laws(stepper, state, step, change)?;
+            self.keep_contact_modes(stepper, state, step, change)?;
             if moved.abs() <= SAME {
                 break;
             }
@@ -100,10 +105,10 @@ impl Driver {
         self.off.fill(0.0);
         self.found.clone_from(&self.after);
         // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = self.clock.ticks(self.clock.part(level));
-        let units = self.clock.ticks(level) / unit;
+        let unit = self.time_grid.ticks(self.time_grid.part(level));
+        let units = self.time_grid.ticks(level) / unit;
         let whole = ((change * units as f64).floor() as u64).min(units);
-        Ok(Some(Change { ticks: whole * unit, at: state.elapsed + change * step }))
+        Ok(Some(ContactChange { ticks: whole * unit, at: state.elapsed + change * step }))
     }
 
     /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the
@@ -116,7 +121,7 @@ impl Driver {
         state: &State,
         (mut low, mut high): (f64, f64),
     ) -> Result<Option<f64>, Halt> {
-        let step = stepper.table.clock.step(level);
+        let step = stepper.cache.time_grid.step(level);
         if !self.changed_truly(stepper, level, state, high)? {
             high = 1.0;
         }
@@ -135,7 +140,7 @@ impl Driver {
     }
 
     /// Keeps the laws that hold after a part of a step, on the scalars on which it was found.
-    fn keep_laws(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<(), Halt> {
+    fn keep_contact_modes(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<(), Halt> {
         self.changed(stepper, state, step, part)?;
         self.after.clone_from(&self.found);
         Ok(())
@@ -210,7 +215,7 @@ impl Driver {
     /// Scalars and rates at a part of a step, where the laws depend on the motion.
     fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
         // Where teeth are that come and go with time alone, the motion need not be asked.
-        if stepper.field.motion.moves_laws() {
+        if stepper.field.motion.motion_changes_contact_modes() {
             self.place(stepper, part);
         }
     }
@@ -226,13 +231,13 @@ impl Driver {
     /// Whether other laws hold after a part of a step; they are left in `found`.
     fn changed(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<bool, Halt> {
         self.move_to(stepper, part);
-        stepper.field.laws(state.elapsed + part * step, &self.point, &self.settled, &mut self.found)?;
-        Ok(self.found != state.laws)
+        stepper.field.contact_modes(state.elapsed + part * step, &self.point, &self.unchanged, &mut self.found)?;
+        Ok(self.found != state.contact_modes)
     }
 
     /// The same on the motion itself; what the polynomial is off by there is kept.
     fn changed_truly(&mut self, stepper: &Stepper<'_>, level: usize, state: &State, part: f64) -> Result<bool, Halt> {
-        let step = stepper.table.clock.step(level);
+        let step = stepper.cache.time_grid.step(level);
         let z = self.sample.within(stepper, level, &state.y, part * step);
         stepper.measure_off(part, state.elapsed + part * step, z, &mut self.point, &mut self.off);
         self.changed(stepper, state, step, part)
@@ -244,12 +249,12 @@ impl Driver {
         stepper: &mut Stepper<'_>,
         level: usize,
         state: &mut State,
-        change: Change,
+        change: ContactChange,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        stepper.catch_up(level);
-        let within = self.clock.time(change.ticks);
-        let step = stepper.table.clock.step(level);
+        stepper.refresh(level);
+        let within = self.time_grid.time(change.ticks);
+        let step = stepper.cache.time_grid.step(level);
         let reached = self.at(state.count + change.ticks);
         let since = change.at - reached;
         let at_tick = self.sample.within(stepper, level, &state.y, within);
@@ -261,15 +266,15 @@ impl Driver {
         for (point, jump) in self.jumps.iter_mut().enumerate() {
             stepper.loads_at(part(point), jump);
         }
-        state.laws.clear();
-        state.laws.extend_from_slice(&self.found);
-        stepper.field.motion.set_laws(&state.laws);
+        state.contact_modes.clear();
+        state.contact_modes.extend_from_slice(&self.found);
+        stepper.field.motion.set_contact_modes(&state.contact_modes);
         // and under the one after it.
         for point in (0..POINTS).rev() {
             self.place(stepper, part(point));
             // Under it, the motion that meets the other at the change has come another way.
             let ahead = change.at - (state.elapsed + part(point) * step);
-            stepper.depart(&self.jumps[POINTS - 1], ahead, &mut self.point);
+            stepper.path_correction(&self.jumps[POINTS - 1], ahead, &mut self.point);
             stepper.load_at(state.elapsed + part(point) * step, &self.point, &mut self.loads)?;
             statistics.evaluations += 1;
             for (jump, new) in self.jumps[point].iter_mut().zip(&self.loads) {
@@ -278,7 +283,7 @@ impl Driver {
         }
         self.off.fill(0.0);
         std::mem::swap(&mut state.y, &mut stepper.after);
-        stepper.shift(since, &self.jumps, &mut state.y);
+        stepper.apply_jump(since, &self.jumps, &mut state.y);
         state.count += change.ticks;
         state.elapsed = reached;
         state.carry = since;

@@ -14,9 +14,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::Basis;
-use super::complex::FirstOrder;
-use super::pairs::{Pair, Pairs};
+use super::CachedModel;
+use super::damped::FirstOrder;
+use super::pairs::{ModePair, Pairs};
 use super::real::RealModes;
 use crate::linalg::DecompositionError;
 
@@ -29,14 +29,14 @@ pub const WORST: f64 = 1e8;
 #[derive(Clone, Debug)]
 pub enum Form {
     /// Pairs, as many as degrees of freedom.
-    Pairs(Vec<Pair>),
+    Pairs(Vec<ModePair>),
     /// A itself.
     Dense(DMatrix<f64>),
 }
 
 /// Everything linear at one speed. A state z holds the first coordinate of each slot, then the second of each.
 #[derive(Clone, Debug)]
-pub struct Linear {
+pub struct ModalStateSpace {
     /// How z moves by itself.
     pub form: Form,
     /// Lists of a, b, c, d of the blocks [[a, b], [c, d]] of A, where it has them.
@@ -61,14 +61,14 @@ pub struct Linear {
     from_velocity: DMatrix<f64>,
 }
 
-impl Linear {
+impl ModalStateSpace {
     /// The linear motion at `speed` of the reference shaft, with the mean mesh at rest.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn new(basis: &Basis, speed: f64) -> Result<Self, DecompositionError> {
-        let real = basis.real_modes(speed)?;
-        let order = FirstOrder::of_train(basis, speed)?;
+    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
+        let real = cached.real_modes(speed)?;
+        let order = FirstOrder::of_train(cached, speed)?;
         let pairs = Pairs::new(real, &order)?;
         let (form, right, left, condition) = match pairs {
             Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
@@ -89,16 +89,16 @@ impl Linear {
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
-    pub fn of_parts(basis: &Basis, speed: f64) -> Result<Option<Self>, DecompositionError> {
-        let model = &basis.model;
+    pub fn of_parts(cached: &CachedModel, speed: f64) -> Result<Option<Self>, DecompositionError> {
+        let model = &cached.model;
         if model.scene.modal_damping > 0.0 {
             return Ok(None);
         }
         let damping = model.unmeshed_damping_matrix() + model.gyroscopic_matrix() * speed;
-        let circulating = model.circulating_matrix();
+        let skew_part = model.skew_part_matrix();
         let (mut worst, mut parts) = (1.0_f64, Vec::new());
         for real in RealModes::of_parts(model)? {
-            let order = FirstOrder::new(&real, &damping, &circulating);
+            let order = FirstOrder::new(&real, &damping, &skew_part);
             match Pairs::new(&real, &order)? {
                 Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
                     worst = worst.max(condition);
@@ -145,10 +145,10 @@ impl Linear {
             return Vec::new();
         };
         // What nothing restores is always kept.
-        let coasts = |pair: &Pair| matches!(pair, Pair::Coasting(_));
+        let coasts = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
         let mut largest: Vec<f64> = pairs.iter().map(|pair| if coasts(pair) { f64::INFINITY } else { 0.0 }).collect();
         for column in columns {
-            let moved = |(slot, pair): (usize, &Pair)| match column[slot].hypot(column[self.slots + slot]) {
+            let moved = |(slot, pair): (usize, &ModePair)| match column[slot].hypot(column[self.slots + slot]) {
                 load if load > 0.0 && !coasts(pair) => load / pair.slowest().powi(3),
                 _ => 0.0,
             };
@@ -199,14 +199,14 @@ impl Linear {
                 }
                 Form::Pairs(own) => {
                     pairs.extend(own);
-                    pairs.resize(part.end, Pair::Real([0.0; 2]));
+                    pairs.resize(part.end, ModePair::Real([0.0; 2]));
                 }
             }
         }
         let [displacement, velocity, from_displacement, from_velocity] = padded;
         let form = dense.map_or(Form::Pairs(pairs), Form::Dense);
         let radius = match &form {
-            Form::Pairs(pairs) => pairs.iter().map(Pair::radius).fold(0.0, f64::max),
+            Form::Pairs(pairs) => pairs.iter().map(ModePair::radius).fold(0.0, f64::max),
             Form::Dense(matrix) => matrix.norm(),
         };
         let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
@@ -243,10 +243,10 @@ impl Linear {
     }
 
     /// z of displacements q and velocities v.
-    pub fn state(&self, basis: &Basis, q: &[f64], v: &[f64]) -> DVector<f64> {
+    pub fn state(&self, cached: &CachedModel, q: &[f64], v: &[f64]) -> DVector<f64> {
         let weigh = |x: &[f64]| {
             let mut out = vec![0.0; x.len()];
-            basis.model.multiply_mass(x, &mut out);
+            cached.model.multiply_mass(x, &mut out);
             DVector::from_vec(out)
         };
         &self.from_displacement * weigh(q) + &self.from_velocity * weigh(v)
@@ -340,7 +340,7 @@ impl Linear {
         match &self.form {
             Form::Pairs(pairs) => {
                 let oscillations = pairs.iter().filter_map(|pair| match pair {
-                    Pair::Oscillation(value) => Some((at - value).norm()),
+                    ModePair::Oscillation(value) => Some((at - value).norm()),
                     _ => None,
                 });
                 oscillations.fold(f64::INFINITY, f64::min)

@@ -5,29 +5,29 @@ use std::sync::Arc;
 use nalgebra::{Complex, DMatrix};
 
 use super::super::synchronous::synchronous_of;
-use super::super::{AnalysisError, Part};
+use super::super::{AnalysisError, ExcitationPart};
 use super::initial::Start;
 use super::{Method, Options};
-use crate::exponential::{Field, Output, Ports, Selection, is_resonant};
+use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::modal::{Basis, Linear};
-use crate::motion::{Motion, Speed};
+use crate::modal::{CachedModel, ModalStateSpace};
+use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
 /// What a run in the coordinates of the modes is made of.
-pub(super) struct Coordinates<'m> {
-    pub linear: Arc<Linear>,
-    pub field: Field<'m>,
-    pub ports: Ports,
-    pub output: Output,
+pub(super) struct ModalSetup<'m> {
+    pub linear: Arc<ModalStateSpace>,
+    pub field: NonlinearLoads<'m>,
+    pub maps: InterfaceMaps,
+    pub output: OutputMap,
 }
 
-impl<'m> Coordinates<'m> {
+impl<'m> ModalSetup<'m> {
     /// The coordinates of a motion, for a run that looks at a selection of it.
     pub fn new(
-        basis: &'m Basis,
+        cached: &'m CachedModel,
         options: &Options,
-        motion: Motion<'m>,
+        motion: EquationOfMotion<'m>,
         start: &Start,
         selection: Selection,
     ) -> Result<Self, AnalysisError> {
@@ -41,57 +41,63 @@ impl<'m> Coordinates<'m> {
         // Teeth that part and whose stiffness varies leave little of the mean mesh for the linear motion to be exact about.
         let linear = match options.method {
             Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
-                basis.linear_of_parts(speed)?
+                cached.linear_of_parts(speed)?
             }
             _ => None,
         };
-        let linear = linear.map_or_else(|| basis.linear(speed), Ok)?;
-        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(basis.model.len(), basis.model.shafts.len());
+        let linear = linear.map_or_else(|| cached.linear(speed), Ok)?;
+        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
             let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
-            let amplitude = known.map_or_else(|| synchronous_of(basis, speed, speed, shaft, Part::Both), Ok)?;
+            let amplitude =
+                known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
         }
-        let field = Field::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (field, ports) = field.map_err(|(mesh, overlap)| {
-            let [driver, driven] = basis.model.gear_names(mesh);
+        let field = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
+        let (field, maps) = field.map_err(|(mesh, overlap)| {
+            let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
-        let (linear, ports) = match options.modes {
-            Some(count) => keeping(basis, &linear, &field, &ports, count)?,
-            None => (linear, ports),
+        let (linear, maps) = match options.modes {
+            Some(count) => keeping(cached, &linear, &field, &maps, count)?,
+            None => (linear, maps),
         };
-        let output = Output::new(&field, &linear, selection);
-        Ok(Self { linear, field, ports, output })
+        let output = OutputMap::new(&field, &linear, selection);
+        Ok(Self { linear, field, maps, output })
     }
 }
 
 /// The linear motion of the modes that the loads of a scene move most, and its ports. What is carried beside it, the
 /// equilibrium and the synchronous motion, is that of all modes.
 fn keeping(
-    basis: &Basis,
-    linear: &Linear,
-    field: &Field<'_>,
-    ports: &Ports,
+    cached: &CachedModel,
+    linear: &ModalStateSpace,
+    field: &NonlinearLoads<'_>,
+    maps: &InterfaceMaps,
     count: usize,
-) -> Result<(Arc<Linear>, Ports), AnalysisError> {
-    let constant: Vec<(usize, f64)> = basis.model.constant_load.iter().copied().enumerate().collect();
+) -> Result<(Arc<ModalStateSpace>, InterfaceMaps), AnalysisError> {
+    let constant: Vec<(usize, f64)> = cached.model.constant_load.iter().copied().enumerate().collect();
     let turning = field.motion.sources().flat_map(|shaft| field.motion.turning_forces(shaft));
     let other = turning.chain([constant]).map(|load| linear.column(&load));
-    let loads: Vec<Vec<f64>> = ports.columns.iter().cloned().chain(other).collect();
+    let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
     let slots = linear.most_moved(&loads, count);
     let Some(kept) = linear.keeping(&slots) else {
         let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
         return Err(SceneError::new("modes", message).into());
     };
     let pick = |row: &Vec<f64>| kept.of_kept(row, &slots);
-    let [rows, columns] = [&ports.rows, &ports.columns].map(|list| list.iter().map(pick).collect());
-    let ports = Ports { rows, columns, parts: kept.parts.clone(), ..ports.clone() };
-    Ok((Arc::new(kept), ports))
+    let [rows, columns] = [&maps.rows, &maps.columns].map(|list| list.iter().map(pick).collect());
+    let maps = InterfaceMaps { rows, columns, parts: kept.parts.clone(), ..maps.clone() };
+    Ok((Arc::new(kept), maps))
 }
 
 /// The state that a run begins with, in coordinates of the modes.
-pub(super) fn enter(basis: &Basis, linear: &Linear, field: &Field<'_>, start: &Start) -> State {
+pub(super) fn enter(
+    cached: &CachedModel,
+    linear: &ModalStateSpace,
+    field: &NonlinearLoads<'_>,
+    start: &Start,
+) -> State {
     let mut state = start.state.clone();
     let own = linear.len();
     // The coordinates that a run left are taken up if they stand for the state beside them, to the last bit.
@@ -108,7 +114,7 @@ pub(super) fn enter(basis: &Basis, linear: &Linear, field: &Field<'_>, start: &S
             given.iter().zip(carried).map(|(given, carried)| given - carried).collect()
         };
         let (q, v) = (less(&state.y[..half], q.as_slice()), less(&state.y[half..], v.as_slice()));
-        let y = linear.state(basis, &q, &v).as_slice().to_vec();
+        let y = linear.state(cached, &q, &v).as_slice().to_vec();
         // Steps count anew from here.
         state = State { elapsed: state.elapsed, ..State::new(y) };
     }
@@ -116,7 +122,7 @@ pub(super) fn enter(basis: &Basis, linear: &Linear, field: &Field<'_>, start: &S
 }
 
 /// A state in displacements and velocities, the coordinates of the modes in its memory.
-pub(super) fn leave(mut state: State, linear: &Linear, field: &Field<'_>) -> State {
+pub(super) fn leave(mut state: State, linear: &ModalStateSpace, field: &NonlinearLoads<'_>) -> State {
     let y = physical(linear, field, state.elapsed, &state.y);
     let z = std::mem::replace(&mut state.y, y);
     state.memory = [z, state.memory].concat();
@@ -124,7 +130,7 @@ pub(super) fn leave(mut state: State, linear: &Linear, field: &Field<'_>) -> Sta
 }
 
 /// Displacements and velocities of a state z.
-fn physical(linear: &Linear, field: &Field<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
+fn physical(linear: &ModalStateSpace, field: &NonlinearLoads<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
     let (q, v) = linear.motion(z);
     let (carried_q, carried_v) = field.carried(elapsed);
     [(q + carried_q).as_slice(), (v + carried_v).as_slice()].concat()

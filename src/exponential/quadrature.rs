@@ -7,13 +7,13 @@ pub const MOST: usize = 4;
 
 /// Nodes c_i of a step with the polynomials that carry their loads.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rule {
+pub struct QuadratureRule {
     /// c_i, ascending.
     pub nodes: Vec<f64>,
     /// Coefficients of l_j, of τ⁰ first: the load within a step is Σ l_j(τ) p_j.
     pub lagrange: Vec<Vec<f64>>,
     /// Coefficients of π(τ) = Π(τ − c_i), scaled to π(1) = 1: the shape of what a polynomial through Gauss nodes misses.
-    pub missed: Vec<f64>,
+    pub defect: Vec<f64>,
     /// Coefficients of the polynomials of the loads at the beginning, at the nodes and at the end that carry the motion
     /// within a step, where a step of order 2s asks for more than the nodes alone tell.
     pub whole: Vec<Vec<f64>>,
@@ -23,7 +23,7 @@ pub struct Rule {
     pub explicit: bool,
 }
 
-impl Rule {
+impl QuadratureRule {
     /// The fourth-order exponential Runge–Kutta method of Cox and Matthews (2002), ETDRK4: a step and its half twice,
     /// with the quadratic through beginning, middle and end.
     pub fn explicit() -> Self {
@@ -31,7 +31,7 @@ impl Rule {
         let lagrange = vec![vec![1.0, -3.0, 2.0], middle.clone(), middle, vec![0.0, -1.0, 2.0]];
         Self {
             nodes: vec![0.0, 0.5, 0.5, 1.0],
-            missed: vec![0.0],
+            defect: vec![0.0],
             whole: [&[vec![0.0]], &lagrange[..], &[vec![0.0]]].concat(),
             at_ends: at_ends(&lagrange),
             lagrange,
@@ -55,10 +55,10 @@ impl Rule {
         };
         let nodes: Vec<f64> = nodes.into_iter().map(|x| (1.0 + x) / 2.0).collect();
         let lagrange: Vec<Vec<f64>> = (0..nodes.len()).map(|j| through(&nodes, j)).collect();
-        let missed = scaled(product_of_roots(nodes.iter().copied()), 1.0);
+        let defect = scaled(product_of_roots(nodes.iter().copied()), 1.0);
         let points: Vec<f64> = [&[0.0], &nodes[..], &[1.0]].concat();
         let whole = (0..points.len()).map(|j| through(&points, j)).collect();
-        Self { nodes, at_ends: at_ends(&lagrange), lagrange, missed, whole, explicit: false }
+        Self { nodes, at_ends: at_ends(&lagrange), lagrange, defect, whole, explicit: false }
     }
 
     /// What each load adds to node `i` of the explicit rule, in parts of c_i h; `half` holds φ at half the step.
@@ -101,11 +101,11 @@ impl Rule {
 
     /// Weights, at the nodes of a step that is so many times as long as the one before it, of the loads at that one's end
     /// and at its nodes, node after node: the polynomial through them.
-    pub fn beyond(&self, longer: f64, weights: &mut [f64]) {
+    pub fn extrapolation(&self, longer: f64, weights: &mut [f64]) {
         for (node, weights) in self.nodes.iter().zip(weights.chunks_exact_mut(self.stages() + 1)) {
             let tau = 1.0 + node * longer;
             // l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
-            weights[0] = evaluate(&self.missed, tau);
+            weights[0] = evaluate(&self.defect, tau);
             for (j, (weight, at)) in weights[1..].iter_mut().zip(&self.nodes).enumerate() {
                 *weight = self.weight(j, tau) * (tau - 1.0) / (at - 1.0);
             }
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn rules_are_exact_to_twice_their_nodes() {
         for stages in 1..=MOST {
-            let rule = Rule::gauss(stages);
+            let rule = QuadratureRule::gauss(stages);
             let weight =
                 |j: usize| rule.lagrange[j].iter().enumerate().map(|(power, a)| a / (power + 1) as f64).sum::<f64>();
             for degree in 0..2 * stages {
@@ -170,8 +170,8 @@ mod tests {
                 // Round-off of coefficients of some tens that cancel.
                 assert!((sum - 1.0 / (degree + 1) as f64).abs() < 1e-14, "{stages} {degree}");
             }
-            let missed: f64 = rule.missed.iter().enumerate().map(|(power, a)| a / (power + 1) as f64).sum();
-            assert!(missed.abs() < 1e-14 && rule.nodes.is_sorted());
+            let defect: f64 = rule.defect.iter().enumerate().map(|(power, a)| a / (power + 1) as f64).sum();
+            assert!(defect.abs() < 1e-14 && rule.nodes.is_sorted());
         }
     }
 }

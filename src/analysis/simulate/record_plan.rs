@@ -2,7 +2,7 @@
 
 use crate::exponential::Selection;
 use crate::model::Model;
-use crate::scene::{Node, Path, SceneError};
+use crate::scene::{EntryPath, Node, SceneError};
 
 /// One entry of a list of what to record.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Point {
 
 /// What to record, resolved.
 #[derive(Clone, Debug, Default)]
-pub struct Plan {
+pub struct RecordPlan {
     /// Nodes, for displacement and twist.
     pub points: Vec<Point>,
     /// Nodes with bearings, for their force.
@@ -39,7 +39,7 @@ pub struct Plan {
     pub energy: bool,
 }
 
-impl Plan {
+impl RecordPlan {
     /// Resolves `requests`; asking twice records once.
     ///
     /// # Errors
@@ -47,12 +47,12 @@ impl Plan {
     pub fn new(model: &Model, requests: &[Request]) -> Result<Self, SceneError> {
         let mut plan = Self::default();
         for (index, request) in requests.iter().enumerate() {
-            plan.add(model, request, &Path::entry("record", index))?;
+            plan.add(model, request, &EntryPath::entry("record", index))?;
         }
         Ok(plan)
     }
 
-    fn add(&mut self, model: &Model, request: &Request, at: &Path) -> Result<(), SceneError> {
+    fn add(&mut self, model: &Model, request: &Request, at: &EntryPath) -> Result<(), SceneError> {
         let scene = &model.scene;
         match request {
             Request::Name(name) => match name.as_str() {
@@ -136,7 +136,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl RecordPlan {
     /// The displacements and velocities that recording needs.
     pub(super) fn selection(&self, model: &Model) -> Selection {
         let displacements = self.coordinates(model);
@@ -148,7 +148,7 @@ impl Plan {
     }
 }
 
-fn node(model: &Model, shaft: &str, position: f64, at: &Path) -> Result<Node, SceneError> {
+fn node(model: &Model, shaft: &str, position: f64, at: &EntryPath) -> Result<Node, SceneError> {
     let index = model.scene.shaft(shaft).ok_or_else(|| at.error(format!("no shaft is called \"{shaft}\"")))?;
     let node = model.scene.shafts[index].node_at(position);
     let node = node.ok_or_else(|| at.error(format!("shaft \"{shaft}\" has no node at {position} m")))?;

@@ -10,17 +10,17 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
+use super::cache::{InterfaceMaps, LinearizedContact, gram};
 use super::kernel::{self, Aligned, aligned};
 use super::packed::{Columns, Panel, Rows};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
-use super::rule::Rule;
-use super::table::{Ports, Tangent, gram};
-use crate::modal::Pair;
+use super::quadrature::QuadratureRule;
+use crate::modal::ModePair;
 
 /// How a state moves by itself over a step.
 #[derive(Clone, Debug)]
 pub enum Transition {
-    /// Pair by pair: the lists of a, b, c, d of the blocks [[a, b], [c, d]].
+    /// ModePair by pair: the lists of a, b, c, d of the blocks [[a, b], [c, d]].
     Pairs([Aligned; 4]),
     /// The matrix less one, row after row.
     Dense(Vec<f64>),
@@ -28,7 +28,7 @@ pub enum Transition {
 
 /// What a step makes of a state.
 #[derive(Clone, Debug)]
-pub struct Passage {
+pub struct StepPropagator {
     /// e^{Ah}.
     pub transition: Transition,
     /// h ψ_j b of node j and load k at j·loads + k.
@@ -37,22 +37,22 @@ pub struct Passage {
     pub gram: Panel,
 }
 
-impl Passage {
+impl StepPropagator {
     /// That of a step of length `step` of a motion in pairs.
-    pub fn of_pairs(pairs: &[Pair], rule: &Rule, ports: &Ports, step: f64) -> Self {
+    pub fn of_pairs(pairs: &[ModePair], rule: &QuadratureRule, maps: &InterfaceMaps, step: f64) -> Self {
         let whole: Vec<_> = pairs.iter().map(|pair| phi_of_pair(pair, step)).collect();
         let list = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect::<Vec<_>>();
         let entry = |row: usize, column: usize| aligned(&list(row, column));
         let transition = Transition::Pairs([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]);
-        let mut columns = Vec::with_capacity(rule.stages() * ports.columns.len());
+        let mut columns = Vec::with_capacity(rule.stages() * maps.columns.len());
         for lagrange in &rule.lagrange {
             let psi = integrals(lagrange, &whole, 1.0, step);
-            columns.extend(ports.columns.iter().map(|load| apply(&psi, load)));
+            columns.extend(maps.columns.iter().map(|load| apply(&psi, load)));
         }
-        let chi = integrals(&rule.missed, &whole, 1.0, step);
-        let missed = ports.columns[..ports.meshes].iter().map(|load| ports.with_strain(apply(&chi, load)));
-        let missed: Vec<f64> = missed.flatten().collect();
-        Self { transition, columns: Columns::new(&columns, &ports.parts), gram: gram(&missed, ports.meshes) }
+        let chi = integrals(&rule.defect, &whole, 1.0, step);
+        let defect = maps.columns[..maps.meshes].iter().map(|load| maps.with_mesh_energy(apply(&chi, load)));
+        let defect: Vec<f64> = defect.flatten().collect();
+        Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.meshes) }
     }
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`; `p` holds the loads at node after node.
@@ -69,15 +69,15 @@ impl Passage {
         }
     }
 
-    /// Energy norm of the error that a missed load of size `missed` at the end of the step leaves.
-    pub fn error(&self, arch: Arch, missed: &[f64]) -> f64 {
-        kernel::form(arch, &self.gram, missed).max(0.0).sqrt()
+    /// Energy norm of the error that a missed load of size `defect` at the end of the step leaves.
+    pub fn error(&self, arch: Arch, defect: &[f64]) -> f64 {
+        kernel::form(arch, &self.gram, defect).max(0.0).sqrt()
     }
 }
 
 /// What the nodes of a step see.
 #[derive(Clone, Debug)]
-pub struct Sight {
+pub struct StageResponse {
     /// w e^{A c_i h} of node i and scalar at i·scalars + scalar.
     pub rows: Rows,
     /// H: for each node i column (j, load) after column, of its scalars.
@@ -87,16 +87,22 @@ pub struct Sight {
     pub along: Panel,
     pub own: Vec<f64>,
     /// e^{iΩ c_i h} of node i and source s at i·sources + s.
-    pub turns: Vec<Complex64>,
+    pub phasors: Vec<Complex64>,
     /// What nodes see of the synchronous motion for sources that begin at 0 and at π/2, column after column.
     pub synchronous: Panel,
 }
 
-impl Sight {
+impl StageResponse {
     /// That of a step of length `step` of a motion in pairs.
-    pub fn of_pairs(pairs: &[Pair], rule: &Rule, ports: &Ports, step: f64, turns: Vec<Complex64>) -> Self {
-        let (arch, stages, scalars, loads) = (Arch::new(), rule.stages(), ports.rows.len(), ports.columns.len());
-        let bare = ports.rows.concat();
+    pub fn of_pairs(
+        pairs: &[ModePair],
+        rule: &QuadratureRule,
+        maps: &InterfaceMaps,
+        step: f64,
+        phasors: Vec<Complex64>,
+    ) -> Self {
+        let (arch, stages, scalars, loads) = (Arch::new(), rule.stages(), maps.rows.len(), maps.columns.len());
+        let bare = maps.rows.concat();
         let of_step = |part: f64| -> Vec<_> { pairs.iter().map(|pair| phi_of_pair(pair, part * step)).collect() };
         let half = if rule.explicit { of_step(0.5) } else { Vec::new() };
         let mut rows = Vec::with_capacity(stages * scalars);
@@ -104,7 +110,7 @@ impl Sight {
         for ((i, node), response) in rule.nodes.iter().enumerate().zip(&mut response) {
             let part = of_step(*node);
             let moved: Vec<Block> = part.iter().map(|phi| transposed(phi[0])).collect();
-            rows.extend(ports.rows.iter().map(|row| apply(&moved, row)));
+            rows.extend(maps.rows.iter().map(|row| apply(&moved, row)));
             let before: Vec<Vec<Block>> = half.iter().map(|half| rule.before(i, half)).collect();
             let mut to = response.chunks_exact_mut(scalars.max(1));
             for (j, lagrange) in rule.lagrange.iter().enumerate() {
@@ -113,34 +119,34 @@ impl Sight {
                 } else {
                     integrals(lagrange, &part, *node, step * node)
                 };
-                for (load, to) in ports.columns.iter().zip(&mut to) {
+                for (load, to) in maps.columns.iter().zip(&mut to) {
                     kernel::scalars(arch, &bare, &apply(&until, load), to);
                 }
             }
         }
-        Self::of_rows(ports, &rows, &response, turns)
+        Self::of_rows(maps, &rows, &response, phasors)
     }
 
     /// That of rows of all nodes and scalars, and H_i of each node, column after column.
-    pub fn of_rows(ports: &Ports, rows: &[Vec<f64>], response: &[Vec<f64>], turns: Vec<Complex64>) -> Self {
-        let (loads, seen) = (ports.columns.len(), ports.rows.len());
-        let (stages, meshes) = (response.len(), ports.tangents.len());
-        let kinds: Vec<usize> = (0..seen).step_by(ports.meshes.max(1)).collect();
+    pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: Vec<Complex64>) -> Self {
+        let (loads, seen) = (maps.columns.len(), maps.rows.len());
+        let (stages, meshes) = (response.len(), maps.tangents.len());
+        let kinds: Vec<usize> = (0..seen).step_by(maps.meshes.max(1)).collect();
         let (size, felt) = (stages * meshes, kinds.len() * stages * meshes);
         let mut along = vec![0.0; stages * loads * felt];
         for (node, response) in response.iter().enumerate() {
             for (column, seen) in response.chunks_exact(seen.max(1)).enumerate() {
-                for (mesh, tangent) in ports.tangents.iter().enumerate() {
+                for (mesh, tangent) in maps.tangents.iter().enumerate() {
                     for (kind, from) in kinds.iter().enumerate() {
                         along[column * felt + kind * size + node * meshes + mesh] = tangent.along(seen, *from);
                     }
                 }
             }
         }
-        let sources = turns.len() / stages;
+        let sources = phasors.len() / stages;
         let mut synchronous = Vec::with_capacity(2 * sources * stages * seen);
-        for (source, amplitudes) in ports.synchronous.chunks_exact(seen.max(1)).enumerate() {
-            let at_nodes = turns.iter().skip(source).step_by(sources);
+        for (source, amplitudes) in maps.synchronous.chunks_exact(seen.max(1)).enumerate() {
+            let at_nodes = phasors.iter().skip(source).step_by(sources);
             let turned: Vec<Complex64> =
                 at_nodes.flat_map(|turn| amplitudes.iter().map(move |amplitude| amplitude * turn)).collect();
             synchronous.extend(turned.iter().map(|value| value.re));
@@ -149,7 +155,7 @@ impl Sight {
         let mut own = vec![0.0; felt * size];
         for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
             for node in 0..stages {
-                for (mesh, Tangent { scalars, gradient, .. }) in ports.tangents.iter().enumerate() {
+                for (mesh, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
                     let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
                     own[node * meshes + mesh] = scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
                 }
@@ -157,7 +163,7 @@ impl Sight {
         }
         let response = response.iter().map(|columns| Panel::new(columns, seen)).collect();
         let (along, synchronous) = (Panel::new(&along, felt), Panel::new(&synchronous, stages * seen));
-        Self { rows: Rows::new(rows, &ports.parts), response, along, own, turns, synchronous }
+        Self { rows: Rows::new(rows, &maps.parts), response, along, own, phasors, synchronous }
     }
 
     /// What a load of one at a column (node, load) adds to a scalar at node `i`.

@@ -9,7 +9,7 @@ const NOTHING: f64 = 1e-9;
 
 /// Room for states within a step.
 #[derive(Clone, Debug, Default)]
-pub struct Sample {
+pub struct SubstepSampler {
     /// The step that it is in, and the ticks into it of the state found last.
     step: u64,
     ticks: u64,
@@ -26,15 +26,15 @@ pub struct Sample {
     term: Vec<f64>,
 }
 
-impl Sample {
+impl SubstepSampler {
     /// Room for states of a stepper.
     pub fn new(stepper: &Stepper<'_>) -> Self {
-        let len = stepper.table.linear.len();
-        let course = stepper.field.loads() * stepper.table.rule.whole.len();
+        let len = stepper.cache.linear.len();
+        let course = stepper.field.loads() * stepper.cache.rule.whole.len();
         Self {
             step: 0,
             ticks: 0,
-            passed: vec![vec![0.0; len]; stepper.table.clock.event + 1],
+            passed: vec![vec![0.0; len]; stepper.cache.time_grid.event + 1],
             between: vec![0.0; len],
             other: vec![0.0; len],
             loads: vec![0.0; stepper.loads.len()],
@@ -46,9 +46,9 @@ impl Sample {
 
     /// The state after `within` seconds of the last step, which was one of `level` from `z`.
     pub fn within<'a>(&'a mut self, stepper: &Stepper<'_>, level: usize, z: &'a [f64], within: f64) -> &'a [f64] {
-        let (table, clock) = (&stepper.table, &stepper.table.clock);
-        let (whole, shortest) = (clock.step(level), clock.part(level));
-        let tick = clock.step(shortest);
+        let (cache, time_grid) = (&stepper.cache, &stepper.cache.time_grid);
+        let (whole, shortest) = (time_grid.step(level), time_grid.part(level));
+        let tick = time_grid.step(shortest);
         let elapsed = (within / tick + NOTHING).floor();
         let ticks = elapsed as u64;
         if self.step != stepper.steps {
@@ -62,13 +62,13 @@ impl Sample {
             if (ticks >> below) & 1 == 0 {
                 continue;
             }
-            let part = clock.step(shorter) / whole;
+            let part = time_grid.step(shorter) / whole;
             // Up to where the two part, the way to the state found last was the same.
             if (ticks ^ self.ticks) >> below != 0 {
                 self.interpolate(stepper, begun, part);
                 let (before, here) = self.passed.split_at_mut(above);
                 let from = last.map_or(z, |at: usize| &before[at]);
-                table.passage(shorter).advance(stepper.arch, &self.loads, from, &mut here[0]);
+                cache.propagator(shorter).advance(stepper.arch, &self.loads, from, &mut here[0]);
             }
             last = Some(above);
             begun += part;
@@ -78,7 +78,7 @@ impl Sample {
         if rest > NOTHING * tick {
             self.between.copy_from_slice(last.map_or(z, |at| &self.passed[at]));
             self.differentiate(stepper, begun, whole);
-            self.drift(stepper, rest);
+            self.taylor_step(stepper, rest);
             return &self.between;
         }
         last.map_or(z, |at| &self.passed[at])
@@ -87,7 +87,7 @@ impl Sample {
     /// Takes the polynomials of the loads over the last step, through its beginning, its nodes and its end.
     fn follow(&mut self, stepper: &Stepper<'_>) {
         let loads = stepper.field.loads().max(1);
-        let polynomials = &stepper.table.rule.whole;
+        let polynomials = &stepper.cache.rule.whole;
         self.course.fill(0.0);
         let sides = [&stepper.begin_load[..], &stepper.loads[..], &stepper.end_load[..]];
         let values = sides.into_iter().flat_map(|side| side.chunks_exact(loads));
@@ -103,7 +103,7 @@ impl Sample {
     /// The loads at the nodes of a part of the last step.
     fn interpolate(&mut self, stepper: &Stepper<'_>, begun: f64, part: f64) {
         let loads = stepper.field.loads().max(1);
-        for (node, values) in stepper.table.rule.nodes.iter().zip(self.loads.chunks_exact_mut(loads)) {
+        for (node, values) in stepper.cache.rule.nodes.iter().zip(self.loads.chunks_exact_mut(loads)) {
             let at = begun + node * part;
             values.fill(0.0);
             for course in self.course.chunks_exact(loads) {
@@ -132,17 +132,17 @@ impl Sample {
 
     /// Goes on between ticks by `rest` under the loads whose derivatives stand: z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + B p⁽ⁿ⁾,
     /// and z + Σ restⁿ/n! z⁽ⁿ⁾.
-    fn drift(&mut self, stepper: &Stepper<'_>, rest: f64) {
-        let turned = (stepper.table.linear.radius * rest).abs();
+    fn taylor_step(&mut self, stepper: &Stepper<'_>, rest: f64) {
+        let turned = (stepper.cache.linear.radius * rest).abs();
         // Up to terms that no mode can tell from nothing.
         let (mut terms, mut size) = (0, 1.0);
         while terms < TERMS && size >= f64::EPSILON / 8.0 {
             terms += 1;
             size *= turned / terms as f64;
         }
-        if let Form::Pairs(_) = &stepper.table.linear.form {
-            let (blocks, columns) = (&stepper.table.linear.blocks, &stepper.bare_columns);
-            kernel::drift(stepper.arch, blocks, columns, &self.derivatives, rest, terms, &mut self.between);
+        if let Form::Pairs(_) = &stepper.cache.linear.form {
+            let (blocks, columns) = (&stepper.cache.linear.blocks, &stepper.bare_columns);
+            kernel::taylor_step(stepper.arch, blocks, columns, &self.derivatives, rest, terms, &mut self.between);
             return;
         }
         let loads = stepper.field.loads().max(1);
@@ -151,12 +151,12 @@ impl Sample {
         for order in 0..terms {
             let by = rest / (order + 1) as f64;
             factor *= by;
-            stepper.table.linear.multiply(&self.term, &mut self.other);
+            stepper.cache.linear.multiply(&self.term, &mut self.other);
             for (term, rate) in self.term.iter_mut().zip(&self.other) {
                 *term = by * rate;
             }
             if let Some(derivative) = self.derivatives.chunks_exact(loads).nth(order) {
-                for (p, column) in derivative.iter().zip(&stepper.table.ports.columns).filter(|(p, _)| **p != 0.0) {
+                for (p, column) in derivative.iter().zip(&stepper.cache.maps.columns).filter(|(p, _)| **p != 0.0) {
                     for (term, b) in self.term.iter_mut().zip(column) {
                         *term += factor * b * p;
                     }

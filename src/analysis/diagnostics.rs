@@ -4,7 +4,7 @@
 //! beside the ω₀² of the slowest mode takes that mode down to ε(ω_max/ω₀)² of itself, at worst.
 
 use crate::linalg::DecompositionError;
-use crate::modal::Basis;
+use crate::modal::CachedModel;
 use crate::model::{Model, Support};
 use crate::scene::Shaft;
 
@@ -15,8 +15,8 @@ const LOST: f64 = 1e-6;
 ///
 /// # Errors
 /// [`DecompositionError`] if the undamped modes cannot be found.
-pub fn conditioning(basis: &Basis, speed: f64) -> Result<Option<String>, DecompositionError> {
-    let (model, modes) = (&basis.model, basis.real_modes(speed)?);
+pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<String>, DecompositionError> {
+    let (model, modes) = (&cached.model, cached.real_modes(speed)?);
     let (Some(slowest), fastest) = (modes.frequencies.iter().find(|frequency| **frequency > 0.0), modes.highest())
     else {
         return Ok(None);
@@ -30,7 +30,7 @@ pub fn conditioning(basis: &Basis, speed: f64) -> Result<Option<String>, Decompo
     // Whose strain energy is the largest in the fastest mode.
     let bearing = |support: &Support| {
         let [v, w] = [shape[support.index], shape[support.index + 1]];
-        let k = &support.restoring;
+        let k = &support.symmetric_part;
         k[0][0] * v * v + 2.0 * k[0][1] * v * w + k[1][1] * w * w
     };
     let bearings = model.supports.iter().map(bearing);
@@ -62,7 +62,7 @@ fn stiff(model: &Model, bearing: usize) -> String {
 
 /// Says that a displacement is larger than the longest shaft, if it is: displacements are taken to be small. What nothing
 /// holds may fly as far as it likes.
-pub fn beyond(model: &Model, largest: f64) -> Option<String> {
+pub fn small_displacement_check(model: &Model, largest: f64) -> Option<String> {
     let length = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
     (largest > length && !model.supports.is_empty()).then(|| {
         format!("a displacement of {largest:.1e} m, where the longest shaft has {length} m: the equations hold for small ones")

@@ -1,17 +1,17 @@
 //! What acts on the linear motion: the meshes through their interfaces, and what is prescribed.
 //!
-//! Motion is counted from a reference, the static equilibrium where there is one, and from the synchronous motion that
+//! EquationOfMotion is counted from a reference, the static equilibrium where there is one, and from the synchronous motion that
 //! bow and unbalance make of the linear motion alone, which is exact. At a critical speed without damping there is no
 //! such motion; bow and unbalance of that shaft then act as loads, like the meshes.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::table::{Ports, Tangent};
+use super::cache::{InterfaceMaps, LinearizedContact};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, Overlap};
-use crate::modal::Linear;
-use crate::motion::{Hold, Interface, Motion};
+use crate::modal::ModalStateSpace;
+use crate::motion::{EquationOfMotion, GuaranteedInterval, Interface};
 
 /// Digits that a synchronous motion near resonance may lose against what is left: five.
 const RESONANT: f64 = 1e-5;
@@ -31,13 +31,13 @@ enum Prescribed {
 
 /// A shaft that excites.
 #[derive(Clone, Copy, Debug)]
-struct Source {
+struct RotatingSource {
     shaft: usize,
     spin: f64,
     at_origin: Complex64,
 }
 
-impl Source {
+impl RotatingSource {
     /// e^{iϑ}.
     fn turn(&self, elapsed: f64) -> Complex64 {
         self.at_origin * Complex64::from_polar(1.0, self.spin * elapsed)
@@ -46,9 +46,9 @@ impl Source {
 
 /// What acts on the linear motion.
 #[derive(Clone, Debug)]
-pub struct Field<'m> {
+pub struct NonlinearLoads<'m> {
     /// The motion of which it is the non-linear part.
-    pub motion: Motion<'m>,
+    pub motion: EquationOfMotion<'m>,
     /// The displacements that motion is counted from.
     pub reference: DVector<f64>,
     interfaces: Vec<Interface>,
@@ -56,7 +56,7 @@ pub struct Field<'m> {
     scalars: usize,
     /// Whether the rates of the scalars follow them.
     rates: bool,
-    sources: Vec<Source>,
+    sources: Vec<RotatingSource>,
     /// Synchronous amplitudes of all displacements, a column for each source.
     amplitudes: DMatrix<Complex<f64>>,
     /// The same of the scalars and rates, source after source.
@@ -66,7 +66,7 @@ pub struct Field<'m> {
     pub synchronous_size: f64,
 }
 
-impl<'m> Field<'m> {
+impl<'m> NonlinearLoads<'m> {
     /// The field of a motion counted from `reference`, with the rows and columns through which it acts on `linear`;
     /// `synchronous` holds amplitudes of the displacements for shaft after shaft as the source, which are not looked at
     /// for a shaft that [`is_resonant`].
@@ -74,11 +74,11 @@ impl<'m> Field<'m> {
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named, at the reference.
     pub fn new(
-        motion: Motion<'m>,
-        linear: &Linear,
+        motion: EquationOfMotion<'m>,
+        linear: &ModalStateSpace,
         reference: DVector<f64>,
         synchronous: &DMatrix<Complex<f64>>,
-    ) -> Result<(Self, Ports), (usize, Overlap)> {
+    ) -> Result<(Self, InterfaceMaps), (usize, Overlap)> {
         let model = motion.model();
         let interface =
             |mesh| Interface::new(&motion, mesh, &reference, linear.meshed).map_err(|overlap| (mesh, overlap));
@@ -98,9 +98,9 @@ impl<'m> Field<'m> {
             prescribed.push(Prescribed::Constant);
             columns.push(linear.column(&constant));
         }
-        let sources: Vec<Source> = motion
+        let sources: Vec<RotatingSource> = motion
             .sources()
-            .map(|shaft| Source { shaft, spin: motion.spin(shaft), at_origin: motion.turn(shaft, 0.0) })
+            .map(|shaft| RotatingSource { shaft, spin: motion.spin(shaft), at_origin: motion.turn(shaft, 0.0) })
             .collect();
         let mut amplitudes = DMatrix::zeros(model.len(), sources.len());
         for (index, source) in sources.iter().enumerate() {
@@ -135,7 +135,7 @@ impl<'m> Field<'m> {
         };
         field.synchronous_size = field.size_of_synchronous(linear.meshed);
         let (parts, synchronous) = (linear.parts.clone(), field.seen.clone());
-        Ok((field, Ports { rows, columns, meshes, parts, tangents, synchronous }))
+        Ok((field, InterfaceMaps { rows, columns, meshes, parts, tangents, synchronous }))
     }
 
     /// Number of scalars and rates that it sees.
@@ -169,15 +169,15 @@ impl<'m> Field<'m> {
     }
 
     /// e^{iϑ} of every source.
-    pub fn turns(&self, elapsed: f64, turns: &mut [Complex64]) {
-        for (turn, source) in turns.iter_mut().zip(&self.sources) {
+    pub fn phasors(&self, elapsed: f64, phasors: &mut [Complex64]) {
+        for (turn, source) in phasors.iter_mut().zip(&self.sources) {
             *turn = source.turn(elapsed);
         }
     }
 
     /// Adds what the synchronous motion contributes to the scalars and rates `u`.
-    pub fn add_synchronous(&self, turns: &[Complex64], u: &mut [f64]) {
-        for (index, turn) in turns.iter().enumerate() {
+    pub fn add_synchronous(&self, phasors: &[Complex64], u: &mut [f64]) {
+        for (index, turn) in phasors.iter().enumerate() {
             self.add_source(index, *turn, u);
         }
     }
@@ -207,7 +207,7 @@ impl<'m> Field<'m> {
     pub fn load(
         &self,
         elapsed: f64,
-        turns: &[Complex64],
+        phasors: &[Complex64],
         u: &[f64],
         loads: &mut [f64],
         contacts: &mut [Contact],
@@ -223,20 +223,20 @@ impl<'m> Field<'m> {
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
             *load = match prescribed {
                 Prescribed::Constant => 1.0,
-                Prescribed::Cosine(source) => turns[*source].re,
-                Prescribed::Sine(source) => turns[*source].im,
+                Prescribed::Cosine(source) => phasors[*source].re,
+                Prescribed::Sine(source) => phasors[*source].im,
             };
         }
         Ok(())
     }
 
     /// Stiffness and damping of a contact of a mesh that the linear motion does not contain, N/m and N·s/m.
-    pub fn rigidity(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
-        self.interfaces[mesh].rigidity(&self.motion, contact)
+    pub fn residual_tangent(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
+        self.interfaces[mesh].residual_tangent(&self.motion, contact)
     }
 
     /// How long the flanks of the meshes stay as they are in their contacts.
-    pub fn holds<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = Hold> + 'a {
+    pub fn holds<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = GuaranteedInterval> + 'a {
         self.interfaces.iter().zip(contacts).map(|(interface, contact)| interface.hold(&self.motion, contact))
     }
 
@@ -257,15 +257,21 @@ impl<'m> Field<'m> {
         })
     }
 
-    /// Writes the laws that hold at scalars and rates `u`; the flanks of meshes that are `settled` stay as they are.
+    /// Writes the laws that hold at scalars and rates `u`; the flanks of meshes that are `unchanged` stay as they are.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn laws(&self, elapsed: f64, u: &[f64], settled: &[bool], laws: &mut Vec<i64>) -> Result<(), Halt> {
-        laws.clear();
+    pub fn contact_modes(
+        &self,
+        elapsed: f64,
+        u: &[f64],
+        unchanged: &[bool],
+        contact_modes: &mut Vec<i64>,
+    ) -> Result<(), Halt> {
+        contact_modes.clear();
         for (mesh, (interface, scalars, rates)) in self.each(u).enumerate() {
-            let settled = settled.get(mesh) == Some(&true);
-            laws.extend(interface.law(&self.motion, elapsed, scalars, rates, settled)?.code());
+            let unchanged = unchanged.get(mesh) == Some(&true);
+            contact_modes.extend(interface.contact_mode(&self.motion, elapsed, scalars, rates, unchanged)?.code());
         }
         Ok(())
     }
@@ -286,9 +292,9 @@ impl<'m> Field<'m> {
     /// Displacements and velocities of the reference and the synchronous motion.
     pub fn carried(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
-        let mut turns = vec![Complex64::ZERO; self.sources.len()];
-        self.turns(elapsed, &mut turns);
-        for (index, (source, turn)) in self.sources.iter().zip(&turns).enumerate() {
+        let mut phasors = vec![Complex64::ZERO; self.sources.len()];
+        self.phasors(elapsed, &mut phasors);
+        for (index, (source, turn)) in self.sources.iter().zip(&phasors).enumerate() {
             for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
                 let turned = amplitude * turn;
                 q[i] += turned.re;
@@ -336,26 +342,26 @@ pub(super) fn add_turned(amplitudes: &[Complex64], turn: Complex64, values: &mut
 }
 
 /// Whether a shaft of this spin runs at a critical speed that nothing damps: it has no synchronous motion.
-pub fn is_resonant(linear: &Linear, spin: f64) -> bool {
+pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
     linear.nearest(spin) < RESONANT * spin.abs()
 }
 
 /// The laws of the meshes at rest.
-fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<Tangent> {
+fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
     let mut from = 0;
     let tangent = |interface: &Interface| {
         let (gradient, stiffness) = interface.tangent();
         let scalars = from..from + gradient.len();
         from = scalars.end;
         let root = if meshed { 0.0 } else { stiffness.sqrt() };
-        Tangent { scalars, gradient: gradient.to_vec(), root }
+        LinearizedContact { scalars, gradient: gradient.to_vec(), root }
     };
     interfaces.iter().map(tangent).collect()
 }
 
 /// What acts at the reference and is not held there, as entries (index, value).
 fn constant_load(
-    motion: &Motion,
+    motion: &EquationOfMotion,
     interfaces: &[Interface],
     entries: &[Vec<(usize, f64)>],
     reference: &DVector<f64>,
@@ -371,10 +377,10 @@ fn constant_load(
     for (row, value) in model.static_force(reference).iter().enumerate() {
         add(row, -value);
     }
-    let held = interfaces.iter().flat_map(Interface::held);
-    for (entry, held) in entries.iter().zip(held) {
+    let reference_force = interfaces.iter().flat_map(Interface::reference_force);
+    for (entry, reference_force) in entries.iter().zip(reference_force) {
         for (index, factor) in entry {
-            add(*index, factor * held);
+            add(*index, factor * reference_force);
         }
     }
     // Coordinates are of two kinds, forces and moments; each is measured against all of its kind.

@@ -5,7 +5,7 @@
 
 /// How time is counted, and which steps there are: level 0 is the longest, each other half as long as the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clock {
+pub struct TimeGrid {
     /// The longest step, s.
     pub longest: f64,
     /// The level of the shortest step, a tick.
@@ -14,7 +14,7 @@ pub struct Clock {
     pub event: usize,
 }
 
-impl Clock {
+impl TimeGrid {
     /// Ticks in a step.
     pub fn ticks(&self, level: usize) -> u64 {
         1 << (self.finest - level)
@@ -52,12 +52,18 @@ mod tests {
 
     #[test]
     fn steps_fit_into_each_other() {
-        let clock = Clock { longest: 5e-5, finest: 8, event: 5 };
-        for level in 0..=clock.finest {
-            assert_eq!(clock.time(clock.ticks(level)), clock.step(level));
-            assert_eq!([clock.level_of(clock.step(level)), clock.level_of(1.9 * clock.step(level))], [level; 2]);
-            assert!(clock.part(level) >= clock.event && clock.ticks(clock.part(level)) <= clock.ticks(level));
+        let time_grid = TimeGrid { longest: 5e-5, finest: 8, event: 5 };
+        for level in 0..=time_grid.finest {
+            assert_eq!(time_grid.time(time_grid.ticks(level)), time_grid.step(level));
+            assert_eq!(
+                [time_grid.level_of(time_grid.step(level)), time_grid.level_of(1.9 * time_grid.step(level))],
+                [level; 2]
+            );
+            assert!(
+                time_grid.part(level) >= time_grid.event
+                    && time_grid.ticks(time_grid.part(level)) <= time_grid.ticks(level)
+            );
         }
-        assert_eq!([clock.level_of(f64::INFINITY), clock.level_of(0.0)], [0, clock.finest]);
+        assert_eq!([time_grid.level_of(f64::INFINITY), time_grid.level_of(0.0)], [0, time_grid.finest]);
     }
 }
