@@ -11,7 +11,7 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check random fuzz bench bench-check bench-accept compare fmt wheel readme figures study measure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz bench bench-check bench-accept compare fmt wheel readme figures study measure structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -31,6 +31,7 @@ help:
 	@echo "make figures       draw the figures of the documents anew"
 	@echo "make study         run the bow study, for docs/study.md, then make measure"
 	@echo "make measure       measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
+	@echo "make structure     report import cycles, long files, long functions and large structs"
 	@echo "make clean         remove whatever was built"
 
 demo: $(VENV)/.plot
@@ -112,6 +113,9 @@ fmt: $(VENV)/.dev
 	cargo fmt
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+structure:
+	$(PYTHON) tools/structure.py
 
 wheel: $(VENV)/.wheel
 
