@@ -48,7 +48,7 @@ def strong_components(graph: Graph) -> list[list[str]]:
 
 def without_tests(text: str) -> str:
     """Cut the unit tests at the end of a Rust file."""
-    return text.split("#[cfg(test)]")[0]
+    return text.split("#[cfg(test)]", maxsplit=1)[0]
 
 
 def use_paths(tree: str, prefix: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
