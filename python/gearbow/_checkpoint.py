@@ -1,22 +1,26 @@
 """A long run that is kept in a file while it goes on, and taken up again from there.
 
 The file is a response like any other, of what was recorded so far; beside it stands where the run
-was stopped, and what it was asked, so that no other run goes on from it.
+was stopped, and what it was asked, so that no other run goes on from it. A lock beside the file
+keeps a second run from using it at the same time.
 """
 
 import hashlib
 import json
 import os
+import reprlib
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from types import TracebackType
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from gearbow import storage
-from gearbow._core import __version__
+from gearbow._core import __version__, check_final
+from gearbow._files import BusyError, FileLock
 from gearbow._run import number
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError
@@ -32,7 +36,7 @@ class _Due(Exception):  # noqa: N818  # nothing went wrong
 
 
 class Checkpoint:
-    """The file of one run, and what it holds.
+    """The file of one run, and what it holds; within a ``with`` statement no other run uses it.
 
     Parameters
     ----------
@@ -43,10 +47,18 @@ class Checkpoint:
     asked : mapping
         All that makes the run this one, as plain data and arrays.
 
+    Attributes
+    ----------
+    complete : Response or None
+        The whole response, if the run has come to its end. Such a file is only read.
+
     Raises
     ------
     SceneError
-        If the file is of another run, or no checkpoint; the text names what differs.
+        If the folder is missing, or if the file is of another run, no checkpoint, or in use by
+        another run; the text names what differs and what to do.
+    MissingExtraError
+        If the libraries of the format are missing.
     """
 
     def __init__(
@@ -61,26 +73,77 @@ class Checkpoint:
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
         self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))
         self._kept: RunData | None = None
+        self._lock = FileLock(self.path)
         self.complete: Response | None = None
-        if self.path.exists():
-            self._read()
+
+    def __enter__(self) -> "Checkpoint":
+        self._read()
+        if self.complete is None:
+            self._acquire()
+            try:
+                self._read()  # Another run may have written it before the lock was taken.
+            except BaseException:
+                self._lock.release()
+                raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._lock.release()
+
+    def _acquire(self) -> None:
+        try:
+            self._lock.acquire()
+        except BusyError:
+            raise SceneError(
+                f"checkpoint: {self.path} is in use by another run, of this process or of another "
+                "one; wait until that run has ended, or give each run a file of its own"
+            ) from None
+        except OSError as error:
+            raise SceneError(
+                f"checkpoint: {self.path} cannot be protected from other runs by a lock beside it: "
+                f"{error.strerror}; give a file in a folder that can be written to and whose file "
+                "system has locks"
+            ) from error
 
     def _read(self) -> None:
-        """Take up what the file holds."""
+        """Take up what the file holds, if there is one."""
+        self._kept = None
         try:
             response, about = storage.read(self.path)
+        except FileNotFoundError:
+            return
+        except (GearbowError, OSError) as error:
+            raise self._invalid(error) from None
+        try:
             known = about["checkpoint"]
-        except (GearbowError, KeyError) as error:
-            message = f"checkpoint: {self.path} is there and is none, nothing was run: {error}"
-            raise SceneError(message) from None
-        for where, was, now in _differences(known["asked"], self._asked):
+            asked, checkpoint = known["asked"], known["checkpoint"]
+            if checkpoint is not None:
+                check_final(response._data["final"], checkpoint)
+            differences = list(_differences(asked, self._asked))
+        except (KeyError, TypeError):
+            message = "it is a response, but has no valid entry about a run in progress"
+            raise self._invalid(message) from None
+        except (GearbowError, RecursionError) as error:
+            raise self._invalid(error) from None
+        for where, was, now in differences:
             raise SceneError(
-                f"checkpoint: {self.path} is of a run whose {where} was {was}, not {now}"
+                f"checkpoint: {self.path} is of a run whose {where} was {_short(was)}, "
+                f"not {_short(now)}"
             )
-        if known["checkpoint"] is None:
+        if checkpoint is None:
             self.complete = response
         else:
-            self._kept = {**response._data, "checkpoint": known["checkpoint"]}
+            self._kept = {**response._data, "checkpoint": checkpoint}
+
+    def _invalid(self, reason: object) -> SceneError:
+        return SceneError(
+            f"checkpoint: {self.path} is there and is none, nothing was run: {reason}"
+        )
 
     def run(
         self,
@@ -127,7 +190,7 @@ class Checkpoint:
                     raise
 
     def _write(self, data: RunData, speed: float | SpeedProfile) -> None:
-        """Write what there is; whatever stops that, a full disk apart, carries it."""
+        """Write what there is; an error other than a full disk carries the data."""
         try:
             self._save(Response(data, speed), data["checkpoint"])
         except BaseException as error:
@@ -149,8 +212,9 @@ class Checkpoint:
             storage.save(
                 response, self.path, checkpoint={"asked": self._asked, "checkpoint": checkpoint}
             )
-        except OSError as error:
-            message = f"checkpoint: {self.path} could not be written and is as it was: {error}"
+        except (OSError, MemoryError) as error:
+            reason = getattr(error, "strerror", None) or str(error) or "there is no memory for it"
+            message = f"checkpoint: {self.path} could not be written and is as it was: {reason}"
             warnings.warn(message, CheckpointWarning, stacklevel=2)
 
 
@@ -192,6 +256,11 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
         )
     }
     return {**second, **recorded, "events": [*first["events"], *second["events"]]}
+
+
+def _short(value: Any) -> str:
+    """Show a value of a file in a message, whatever its size."""
+    return str(value) if isinstance(value, str | float | int | None) else reprlib.repr(value)
 
 
 def _plain(value: Any) -> Any:

@@ -1,6 +1,6 @@
 """The compiled core: everything that computes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, final
 
 from typing_extensions import Self
@@ -20,10 +20,11 @@ from gearbow._types import (
     SynchronousData,
 )
 
-__all__ = ["Model", "__version__", "check_speed"]
+__all__ = ["Model", "__version__", "check_final", "check_speed"]
 
 __version__: str
 
+def check_final(last: Mapping[str, Any], checkpoint: Plain | None = None) -> None: ...
 def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
 
 @final

@@ -1,32 +1,215 @@
-"""Files that are replaced as a whole."""
+"""Files that are written as a whole, and locks between processes.
 
+`replacing` is the only way in which gearbow writes a file. Everything goes to a temporary file in
+the same folder, which takes the place of the target once all of it is on the disk.
+"""
+
+import errno
 import os
+import secrets
+import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
-__all__ = ["replacing"]
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+    import msvcrt
+
+__all__ = ["BusyError", "FileLock", "replacing"]
+
+
+class BusyError(Exception):
+    """Another owner holds the lock."""
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str], writer: str = "") -> Iterator[Path]:
-    """Give a name to write to; the file is replaced once all is on the disk, or not at all.
+def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a temporary file that replaces `path` at the end of the block.
 
-    `writer` tells those apart that may write the same file at once.
+    An error within the block, or of the disk, leaves `path` as it was and removes the temporary
+    file. A process that is killed cannot remove it: the next writer of the same file does. An
+    existing file keeps its permissions.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written. The text names `path` and the cause.
     """
     path = Path(path).resolve()
-    trial = path.with_name(f".{path.stem}{writer}.part{path.suffix}")
+    trial: Path | None = None
+    file: BinaryIO | None = None
     try:
-        yield trial
-        with trial.open("rb+") as file:
-            os.fsync(file.fileno())
+        _check_target(path)
+        _remove_abandoned(path)
+        trial, file = _create(path)
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+        if fcntl is None:  # Windows does not rename a file that is open.
+            file.close()
         trial.replace(path)
-    except BaseException:
-        trial.unlink(missing_ok=True)
+        file.close()
+    except BaseException as error:
+        if file is not None:
+            with suppress(OSError):  # it tries once more to write what did not fit
+                file.close()
+        if trial is not None:
+            with suppress(OSError):
+                trial.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            reason = error.strerror or str(error)
+            message = f"the file cannot be written and is unchanged: {reason}"
+            raise OSError(error.errno or errno.EIO, message, str(path)) from error
         raise
-    if os.name == "posix":  # where the new name is in a folder that can be synchronised itself
-        folder = os.open(path.parent, os.O_RDONLY)
+    _synchronise(path.parent)
+
+
+class FileLock:
+    """A lock beside a file, which the operating system releases when its owner ends or is killed.
+
+    Locks of the operating system (``flock``, or ``msvcrt.locking`` on Windows) are used directly:
+    they belong to an open file, so that they also keep two threads of one process apart.
+
+    Parameters
+    ----------
+    path : Path
+        The file that is protected. The lock is a hidden empty file beside it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path = path.resolve()
+        self._path = path.with_name(f".{_short(path)}.lock")
+        self._number: int | None = None
+
+    def acquire(self) -> None:
+        """Take the lock, or fail at once.
+
+        Raises
+        ------
+        BusyError
+            If another owner holds it.
+        OSError
+            If the folder or its file system does not permit a lock.
+        """
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+        while self._number is None:
+            number = os.open(self._path, flags, 0o666)
+            try:
+                if not _lock(number):
+                    raise BusyError
+                # The owner before may have removed the file between the two calls.
+                if _is_at(number, self._path):
+                    self._number = number
+            finally:
+                if self._number is None:
+                    os.close(number)
+
+    def release(self) -> None:
+        """Release the lock, if it is held, and remove its file."""
+        if self._number is None:
+            return
+        number, self._number = self._number, None
+        with suppress(OSError):
+            if fcntl is None:  # Windows does not remove a file that is open.
+                os.close(number)
+                self._path.unlink()
+            else:  # It is removed before it is released, so that nobody else holds it.
+                self._path.unlink()
+        if fcntl is not None:
+            os.close(number)
+
+
+def _lock(number: int) -> bool:
+    """Try to lock an open file; False if another owner holds it."""
+    if fcntl is None:
         try:
-            os.fsync(folder)
+            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
+        except PermissionError:
+            return False
+        return True
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        return False
+    return True
+
+
+def _is_at(number: int, path: Path) -> bool:
+    """Tell whether an open file is the one at `path`."""
+    try:
+        return os.path.samestat(os.fstat(number), path.lstat())
+    except FileNotFoundError:
+        return False
+
+
+def _check_target(path: Path) -> None:
+    """Refuse to replace what is no file, such as a folder or a device."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "it is a device, not a file")
+
+
+def _short(path: Path) -> str:
+    """Give the part of a name that leaves room for more within the 255 bytes of a name."""
+    return path.name[:40]
+
+
+def _create(path: Path) -> tuple[Path, BinaryIO]:
+    """Create a temporary file for `path`, locked while its writer lives."""
+    while True:
+        trial = path.with_name(f".{_short(path)}.{secrets.token_hex(8)}.part")
+        file = trial.open("xb")
+        if fcntl is None:
+            return trial, file
+        with suppress(OSError):  # Without locks its remains are never removed, which is safe.
+            _lock(file.fileno())
+        if _is_at(file.fileno(), trial):  # else another writer took it for abandoned
+            with suppress(OSError):
+                trial.chmod(stat.S_IMODE(path.stat().st_mode))
+            return trial, file
+        file.close()
+
+
+def _remove_abandoned(path: Path) -> None:
+    """Remove temporary files for `path` whose writers were killed.
+
+    A writer that lives holds a lock on its file. Windows does not tell, and nothing is removed.
+    """
+    if fcntl is None:
+        return
+    start = f".{_short(path)}."
+    with os.scandir(path.parent) as entries:
+        found = [entry.name for entry in entries if entry.name.startswith(start)]
+    for name in found:
+        middle = name.removeprefix(start).removesuffix(".part")
+        if not name.endswith(".part") or len(middle) != 16:
+            continue
+        left = path.with_name(name)
+        with suppress(OSError):
+            number = os.open(left, os.O_RDWR | os.O_NOFOLLOW)
+            try:
+                if _lock(number) and _is_at(number, left):
+                    left.unlink()
+            finally:
+                os.close(number)
+
+
+def _synchronise(folder: Path) -> None:
+    """Bring the new name in a folder to the disk, where the system permits it."""
+    if os.name != "posix":
+        return
+    with suppress(OSError):  # the file is whole, and some file systems do not synchronise folders
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
         finally:
-            os.close(folder)
+            os.close(number)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearbow._extras import extra
 from gearbow._run import whole
 from gearbow._types import Array, CampbellData, ComplexArray
 
@@ -228,7 +229,8 @@ class Campbell:
         pandas.DataFrame
             One row for each intersection.
         """
-        import pandas as pd  # noqa: PLC0415  # an extra
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
 
         rows = [
             {
@@ -253,7 +255,8 @@ class Campbell:
         matplotlib.figure.Figure
             Frequencies above, damping ratios below; marks tell the whirl, dots the intersections.
         """
-        from gearbow import frequency_plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import frequency_plots  # noqa: PLC0415
 
         return frequency_plots.campbell(self)
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._core import Model
+from gearbow._extras import extra
 from gearbow._run import number
 from gearbow._types import Array
 from gearbow.errors import GearbowError
@@ -98,7 +99,8 @@ class CriticalSpeedMap:
         matplotlib.figure.Figure
             One line for each critical speed; its style tells the whirl.
         """
-        from gearbow import frequency_plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import frequency_plots  # noqa: PLC0415
 
         return frequency_plots.critical_speed_map(self, count)
 

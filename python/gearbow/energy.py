@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+from gearbow._extras import extra
 from gearbow._types import Array
 
 if TYPE_CHECKING:
@@ -119,7 +120,8 @@ class EnergyBalance:
         matplotlib.figure.Figure
             A panel for each; what is zero throughout is left out.
         """
-        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import plots  # noqa: PLC0415
 
         return plots.energy_balance(self)
 
@@ -132,7 +134,8 @@ class EnergyBalance:
             Rows by time [s]; a column for each term and "total", "work" and "residual", all with
             their unit, e.g. "kinetic [J]".
         """
-        import pandas as pd  # noqa: PLC0415  # an extra
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
 
         names = [*[field.name for field in fields(self)][1:], "total", "work", "residual"]
         columns = {f"{name} [J]": getattr(self, name) for name in names}

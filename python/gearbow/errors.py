@@ -12,6 +12,7 @@ __all__ = [
     "ContactError",
     "ConvergenceError",
     "GearbowError",
+    "MissingExtraError",
     "SceneError",
     "SceneWarning",
     "StabilityError",
@@ -61,6 +62,10 @@ class ChannelError(GearbowError, KeyError):
 
     # KeyError prints the repr of its argument, which makes a sentence unreadable.
     __str__ = Exception.__str__
+
+
+class MissingExtraError(GearbowError, ImportError):
+    """A library that an extra of gearbow installs is missing; the text says how to install it."""
 
 
 class CheckpointWarning(UserWarning):

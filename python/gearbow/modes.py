@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._types import Array, ComplexArray, Dof
 
 if TYPE_CHECKING:
@@ -139,7 +140,8 @@ class Modes:
         pandas.DataFrame
             One row for each mode.
         """
-        import pandas as pd  # noqa: PLC0415  # an extra
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
 
         table: pd.DataFrame = pd.DataFrame(
             {
@@ -171,7 +173,8 @@ class Modes:
         GearbowError
             If there is no such mode.
         """
-        from gearbow import plots, shape_plot  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import plots, shape_plot  # noqa: PLC0415
 
         return plots.modes(self, count) if number is None else shape_plot.shape(self, number)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
@@ -475,7 +476,8 @@ class Response:
         GearbowError
             If the kind is unknown, or nothing was recorded that it could draw.
         """
-        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import plots  # noqa: PLC0415
 
         if kind not in plots.KINDS:
             raise GearbowError(f"kind: must be one of {', '.join(plots.KINDS)}, got {kind!r}")
@@ -489,7 +491,7 @@ class Response:
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
         """
-        from gearbow import storage  # noqa: PLC0415  # pandas is an extra
+        from gearbow import storage  # noqa: PLC0415  # it imports this module
 
         return storage.to_dataframe(self)
 
@@ -501,7 +503,7 @@ class Response:
         xarray.Dataset
             Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
         """
-        from gearbow import storage  # noqa: PLC0415  # xarray is an extra
+        from gearbow import storage  # noqa: PLC0415  # it imports this module
 
         return storage.to_xarray(self)
 
@@ -517,6 +519,11 @@ class Response:
         ------
         GearbowError
             If the name ends otherwise.
+        MissingExtraError
+            If the extra that the format needs is not installed.
+        OSError
+            If the file cannot be written, for example on a full disk. A file that was there is
+            unchanged.
         """
         from gearbow import storage  # noqa: PLC0415  # stands upon this module
 
@@ -539,7 +546,10 @@ class Response:
         Raises
         ------
         GearbowError
-            If the file holds something else.
+            If the file is damaged or holds something else; the text names the file and the
+            problem. This is found before memory is allocated for what the file declares.
+        OSError
+            If the file cannot be opened.
         """
         from gearbow import storage  # noqa: PLC0415  # stands upon this module
 

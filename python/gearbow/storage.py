@@ -7,20 +7,23 @@ response can be continued.
 
 import json
 import os
-import zipfile
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import asdict, fields
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._container import Container, Header, netcdf_bytes, opened, suffix
+from gearbow._core import check_final
+from gearbow._extras import extra
 from gearbow._files import replacing
 from gearbow._run import plain_speed, read_speed
+from gearbow._schema import any_number, each, number, optional, record, row, text, whole
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
 from gearbow.orders.kinematics import Kinematics
-from gearbow.response import Response
+from gearbow.response import MeshResponse, Response, Statistics
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,6 +52,33 @@ _CHANNELS = {
 }
 
 
+#: Arrays of the final state. The number of their entries depends on the method.
+_STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
+
+#: What the metadata must hold.
+_METADATA = record(
+    format=whole,
+    expected_error=optional(number),
+    accuracy=optional(text),
+    kinematics=optional(
+        record(shafts=each(row(text, number)), meshes=each(row(text, text, text, text, number)))
+    ),
+    points=each(row(text, number, each(text))),
+    bearings=each(row(text, number)),
+    meshes=each(row(text, text)),
+    statistics=record(
+        **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
+        **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
+        limited_by=text,
+    ),
+    events=each(row(number, text, text, text)),
+    final=record(),
+    empty=record(),
+)
+#: A speed that changes; a constant one is a number.
+_PROFILE = record(breaks=each(number), coefficients=each(each(number)))
+
+
 def save(response: Response, path: str | os.PathLike[str], **more: Any) -> None:
     """Write a response to a ``.npz`` or ``.nc`` file, whole or not at all.
 
@@ -64,18 +94,20 @@ def save(response: Response, path: str | os.PathLike[str], **more: Any) -> None:
     Raises
     ------
     GearbowError
-        If the suffix is another.
+        If the suffix is another, or the libraries for it are missing.
     OSError
         If it cannot be written; a file that was there is still there.
     """
+    ending = suffix(path)
     metadata = _metadata(response, more)
-    if suffix(path) == ".nc":
-        dataset = to_xarray(response).assign_attrs(metadata=metadata)
-        with replacing(path) as trial:
-            dataset.to_netcdf(trial, engine="h5netcdf")
+    if ending == ".nc":
+        content = netcdf_bytes(to_xarray(response).assign_attrs(metadata=metadata))
+        with replacing(path) as file:
+            for part in content:
+                file.write(part)
         return
-    with replacing(path) as trial:
-        np.savez(trial, metadata=np.array(metadata), **_arrays(response))  # type: ignore[arg-type]
+    with replacing(path) as file:
+        np.savez(file, metadata=np.array(metadata), **_arrays(response))  # type: ignore[arg-type]
 
 
 def load(path: str | os.PathLike[str]) -> Response:
@@ -94,13 +126,19 @@ def load(path: str | os.PathLike[str]) -> Response:
     Raises
     ------
     GearbowError
-        If the suffix is another, or the file holds something else.
+        If the suffix is another, or the file is damaged or holds something else; the text names
+        the file and the problem.
+    OSError
+        If the file cannot be opened.
     """
     return read(path)[0]
 
 
 def read(path: str | os.PathLike[str]) -> tuple[Response, dict[str, Any]]:
     """Read a file that `save` wrote, with all that stands beside the arrays.
+
+    Everything is checked before memory is allocated for it: reading an invalid file takes no more
+    memory than a small multiple of its size.
 
     Parameters
     ----------
@@ -117,20 +155,80 @@ def read(path: str | os.PathLike[str]) -> tuple[Response, dict[str, Any]]:
     Raises
     ------
     GearbowError
-        If the suffix is another, or the file holds something else.
+        If the suffix is another, or the file is damaged or holds something else; the text names
+        the file and the problem.
+    OSError
+        If the file cannot be opened.
     """
-    try:
-        arrays, metadata = (_read_netcdf if suffix(path) == ".nc" else _read_npz)(path)
-        about = json.loads(metadata)
-    except KeyError as error:
-        raise GearbowError(f"{path}: not a response of gearbow, it has no {error}") from None
-    if about["format"] != _FORMAT:
-        raise GearbowError(
-            f"{path}: written in format {about['format']}, this version reads {_FORMAT}"
+    with opened(path) as file:
+        about = json.loads(file.metadata())
+        record(format=whole)(about, "")
+        if about["format"] != _FORMAT:
+            raise GearbowError(
+                f"it is written in format {about['format']}, this version reads {_FORMAT}"
+            )
+        _METADATA(about, "")
+        (_PROFILE if isinstance(about.get("speed"), dict) else number)(about.get("speed"), "speed")
+        arrays = _read_arrays(file, about)
+        return _response(about, arrays), about
+
+
+def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """Read all arrays, each after a check of its type and shape."""
+
+    def header(name: str) -> Header | None:
+        # What has no elements has no place in netCDF; the metadata tell of it.
+        if name not in about["empty"]:
+            return file.header(name)
+        row(each(whole), text)(about["empty"][name], f"empty.{name}")
+        shape, kind = about["empty"][name]
+        if prod(shape) != 0:
+            raise GearbowError(f"empty.{name}: must have no elements, has shape {shape}")
+        return tuple(shape), np.dtype(kind)
+
+    time = header("time")
+    sizes: dict[str, int | None] = {
+        "time": time[0][0] if time is not None and time[0] else 0,
+        "axis": 2,
+        **{f"{name}": len(about[f"{name}s"]) for name in ("point", "bearing")},
+        "mesh": len(about["meshes"]),
+    }
+    expected: dict[str, tuple[type, tuple[int | None, ...]]] = {
+        "time": (np.float64, (sizes["time"],)),
+        **{
+            name: (np.float64, tuple(sizes[axis] for axis in axes))
+            for name, (_, axes) in _CHANNELS.items()
+        },
+        **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
+    }
+    energies = [name for name in expected if name.startswith("energy")]
+    if all(header(name) is None for name in energies):
+        expected = {name: value for name, value in expected.items() if name not in energies}
+    arrays = {}
+    for name, (kind, shape) in expected.items():
+        found = header(name)
+        if found is None:
+            raise GearbowError(f"{name}: is missing")
+        fits = len(found[0]) == len(shape) and all(
+            wanted in {None, size} for size, wanted in zip(found[0], shape, strict=True)
         )
-    # What has no elements has no place in netCDF.
-    arrays |= {name: np.empty(shape, dtype) for name, (shape, dtype) in about["empty"].items()}
-    mesh, terms, state = (_named(arrays, prefix) for prefix in ("mesh_", "energy_", "final_"))
+        if found[1].newbyteorder("=") != kind or not fits:
+            wanted = ", ".join("any" if size is None else str(size) for size in shape)
+            raise GearbowError(
+                f"{name}: must be {np.dtype(kind)} of shape ({wanted}), is {found[1]} of shape "
+                f"{found[0]}"
+            )
+        values = np.empty(found[0]) if name in about["empty"] else file.read(name)
+        arrays[name] = np.ascontiguousarray(values, dtype=kind)
+    return arrays
+
+
+def _response(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Response:
+    """Make a response of what was read."""
+    final = {**about["final"], **{name: arrays[f"final_{name}"] for name in _STATE}}
+    check_final(final)
+    mesh = {field.name: arrays[f"mesh_{field.name}"] for field in fields(MeshResponse)}
+    energies = {name: arrays.get(f"energy_{name}") for name in (*ENERGIES, *WORKS)}
     response = Response(
         {
             "time": arrays["time"],
@@ -142,16 +240,18 @@ def read(path: str | os.PathLike[str]) -> tuple[Response, dict[str, Any]]:
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),
-            "energy_terms": terms or None,
+            "energy_terms": energies if "energy" in arrays else None,  # type: ignore[typeddict-item]
             "events": [tuple(event) for event in about["events"]],
-            "final": {**about["final"], **state},
-            "statistics": about["statistics"],
+            "final": final,
+            "statistics": {
+                field.name: about["statistics"][field.name] for field in fields(Statistics)
+            },
         },
         read_speed(about["speed"]),
     )
     response.expected_error, response.accuracy = about["expected_error"], about["accuracy"]
-    response.kinematics = Kinematics._from_plain(about.get("kinematics"))
-    return response, about
+    response.kinematics = Kinematics._from_plain(about["kinematics"])
+    return response
 
 
 def to_xarray(response: Response) -> "xr.Dataset":
@@ -168,7 +268,8 @@ def to_xarray(response: Response) -> "xr.Dataset":
         The arrays over time, point, axis, mesh and bearing; the state at the end as variables
         ``final_...``.
     """
-    import xarray as xr  # noqa: PLC0415  # an extra
+    with extra("netcdf"):
+        import xarray as xr  # noqa: PLC0415
 
     arrays = {name: values for name, values in _arrays(response).items() if values.size}
     data = response._data
@@ -178,9 +279,7 @@ def to_xarray(response: Response) -> "xr.Dataset":
             unit, axes = _CHANNELS[name]
             variables[name] = (axes, values, {"units": unit})
         elif name.startswith("final_"):
-            # netCDF has no complex numbers: real and imaginary part stand side by side.
-            parts = values.view(np.float64).reshape(-1, 2) if np.iscomplexobj(values) else values
-            variables[name] = ((f"{name}_entry", "part")[: parts.ndim], parts)
+            variables[name] = ((f"{name}_entry",), values)
     labels = {
         "point": [
             "+".join(names) or f"{shaft}@{position:g}" for shaft, position, names in data["points"]
@@ -215,7 +314,8 @@ def to_dataframe(response: Response) -> "pd.DataFrame":
         Rows by time; columns such as "g1 v [m]", "g1/g2 force [N]", "input@0.5 force_y [N]",
         "energy [J]", "work damping [J]".
     """
-    import pandas as pd  # noqa: PLC0415  # an extra
+    with extra("dataframe"):
+        import pandas as pd  # noqa: PLC0415
 
     data = response._data
     columns = {}
@@ -238,15 +338,6 @@ def to_dataframe(response: Response) -> "pd.DataFrame":
         columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(response.time, name="time [s]"))
     return table
-
-
-def _named(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
-    """Give the arrays whose names begin so, by what follows."""
-    return {
-        name.removeprefix(prefix): values
-        for name, values in arrays.items()
-        if name.startswith(prefix)
-    }
 
 
 def _arrays(response: Response) -> dict[str, NDArray[Any]]:
@@ -272,78 +363,27 @@ def _metadata(response: Response, more: dict[str, Any]) -> str:
     """Put what is not an array into text, in which a float reads back as the same one."""
     data = response._data
     arrays = _arrays(response)
-    return json.dumps(
-        {
-            "format": _FORMAT,
-            "speed": plain_speed(response.speed),
-            "expected_error": response.expected_error,
-            "accuracy": response.accuracy,
-            "kinematics": None if response.kinematics is None else asdict(response.kinematics),
-            "points": data["points"],
-            "bearings": data["bearings"],
-            "meshes": data["meshes"],
-            "statistics": data["statistics"],
-            "events": data["events"],
-            "final": {
-                name: value
-                for name, value in data["final"].items()
-                if not isinstance(value, np.ndarray)
-            },
-            "empty": {
-                name: (values.shape, str(values.dtype))
-                for name, values in arrays.items()
-                if not values.size
-            },
-            "complex": [name for name, values in arrays.items() if np.iscomplexobj(values)],
-            **more,
-        }
-    )
-
-
-def _read_npz(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], str]:
-    try:
-        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
-        raise GearbowError(f"{path}: not a response of gearbow: {error}") from None
-    return arrays, str(arrays.pop("metadata"))
-
-
-def _read_netcdf(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], str]:
-    import xarray as xr  # noqa: PLC0415  # an extra
-
-    # Times are plain seconds, not dates.
-    with xr.open_dataset(
-        path, engine="h5netcdf", decode_times=False, mask_and_scale=False
-    ) as dataset:
-        metadata = str(dataset.attrs["metadata"])
-        names = [*dataset.data_vars, *(["time"] if "time" in dataset.coords else [])]
-        arrays = {str(name): np.ascontiguousarray(dataset[name].to_numpy()) for name in names}
-    for name in json.loads(metadata)["complex"]:
-        if name in arrays:
-            arrays[name] = arrays[name].view(np.complex128).reshape(-1)
-    return arrays, metadata
-
-
-def suffix(path: str | os.PathLike[str]) -> str:
-    """Tell the format of a file.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Returns
-    -------
-    str
-        ".npz" or ".nc".
-
-    Raises
-    ------
-    GearbowError
-        If the suffix is another.
-    """
-    ending = Path(path).suffix
-    if ending not in {".npz", ".nc"}:
-        raise GearbowError(f"{path}: the name of a response's file ends with .npz or .nc")
-    return ending
+    about = {
+        "format": _FORMAT,
+        "speed": plain_speed(response.speed),
+        "expected_error": response.expected_error,
+        "accuracy": response.accuracy,
+        "kinematics": None if response.kinematics is None else asdict(response.kinematics),
+        "points": data["points"],
+        "bearings": data["bearings"],
+        "meshes": data["meshes"],
+        "statistics": data["statistics"],
+        "events": data["events"],
+        "final": {
+            name: value
+            for name, value in data["final"].items()
+            if not isinstance(value, np.ndarray)
+        },
+        "empty": {
+            name: (values.shape, str(values.dtype))
+            for name, values in arrays.items()
+            if not values.size
+        },
+        **more,
+    }
+    return json.dumps(about)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._run import number
 from gearbow._types import Array, At, ComplexArray
@@ -284,7 +285,8 @@ class Synchronous:
         matplotlib.figure.Figure
             Phase above, the largest semi-axis of the orbits below.
         """
-        from gearbow import frequency_plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import frequency_plots  # noqa: PLC0415
 
         return frequency_plots.bode(self, names, source)
 
@@ -301,7 +303,8 @@ class Synchronous:
         matplotlib.figure.Figure
             One panel for each name, one line for each shaft as the source.
         """
-        from gearbow import plots  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow import plots  # noqa: PLC0415
 
         return plots.synchronous(self, names)
 

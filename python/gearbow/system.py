@@ -3,6 +3,7 @@
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearbow._checkpoint import Checkpoint
 from gearbow._core import Model
 from gearbow._describe import Part, parts, place, plain
+from gearbow._files import replacing
 from gearbow._lookup import require
 from gearbow._run import (
     SpeedLike,
@@ -207,8 +209,14 @@ class RotorSystem:
         ------
         SceneError
             If the description is impossible, or the file is not TOML.
+        OSError
+            If the file cannot be opened.
         """
-        model = Model.from_toml(Path(path).read_text(encoding="utf-8"))
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise SceneError(f"{path}: must be text in UTF-8: {error}") from None
+        model = Model.from_toml(text)
         _warn(model)
         return cls._from_model(model)
 
@@ -219,8 +227,15 @@ class RotorSystem:
         ----------
         path : str or path-like
             The file. A bow given as a function is written as the points at which it was read.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; a file that was there is unchanged.
         """
-        Path(path).write_text(self._model.to_toml(), encoding="utf-8")
+        text = self._model.to_toml()
+        with replacing(path) as file:
+            file.write(text.encode())
 
     @property
     def description(self) -> dict[str, Plain]:
@@ -398,6 +413,7 @@ class RotorSystem:
             A ``.npz`` or ``.nc`` file that the run is kept in while it goes on, what was recorded
             so far included. The same call goes on from there to the same bits as a run that
             nothing stopped; at the end the file is the response, and the same call reads it.
+            Only one run at a time can use a file.
         every : float, optional
             Wall-clock time between two writings of that file [s]. It is replaced as a whole.
 
@@ -409,7 +425,10 @@ class RotorSystem:
         Raises
         ------
         SceneError
-            If an argument is impossible, or the checkpoint is of another run.
+            If an argument is impossible, or the checkpoint is of another run or in use by another
+            run.
+        MissingExtraError
+            If the checkpoint is a ``.nc`` file and the extra "netcdf" is not installed.
         StabilityError
             If the step is above the limit of stability, or the run diverged.
         ContactError
@@ -421,7 +440,8 @@ class RotorSystem:
         Warns
         -----
         CheckpointWarning
-            If the checkpoint cannot be written, on a full disk for one; the run goes on.
+            If the checkpoint cannot be written, for example on a full disk; the run goes on and
+            the file stays as it was.
 
         Examples
         --------
@@ -473,17 +493,19 @@ class RotorSystem:
             "start": begin,
         }
 
-        file = None
-        if checkpoint is not None:
-            scene, rest = self.description, {"times": wanted, "rows": rows, "accuracy": accuracy}
-            file = Checkpoint(checkpoint, every, {"scene": scene, **asked, **rest})
-            if file.complete is not None:
+        scene, rest = self.description, {"times": wanted, "rows": rows, "accuracy": accuracy}
+        with (
+            nullcontext()
+            if checkpoint is None
+            else Checkpoint(checkpoint, every, {"scene": scene, **asked, **rest})
+        ) as file:
+            if file is not None and file.complete is not None:
                 return file.complete
-        response = self._run(asked, speed, (wanted, rows), progress, file)
-        if expected is not None:
-            expected.explain(response)
-        if file is not None:
-            file.finish(response)
+            response = self._run(asked, speed, (wanted, rows), progress, file)
+            if expected is not None:
+                expected.explain(response)
+            if file is not None:
+                file.finish(response)
         return response
 
     def _run(

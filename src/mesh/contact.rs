@@ -46,6 +46,11 @@ pub struct ContactMode {
     pub engaged: [(i64, i64); 2],
 }
 
+/// Pairs are counted from the first that was in contact; f64 holds each number up to this one.
+const MOST_PAIR: u64 = 1 << 53;
+/// More pairs than this are never in contact at once: a contact ratio is below 10.
+const MOST_PAIRS: u64 = 1000;
+
 impl ContactMode {
     /// The law of a mesh that never changes it.
     pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: [(0, 0); 2] };
@@ -57,6 +62,14 @@ impl ContactMode {
     pub fn code(&self) -> [i64; Self::CODE] {
         let [(a, b), (c, d)] = self.engaged;
         [self.flank as i64, a, b, c, d]
+    }
+
+    /// Whether numbers are those of a law: a flank, and ranges of pairs that a gear can have in contact.
+    pub fn is_code(code: &[i64]) -> bool {
+        let range = |pairs: &[i64]| {
+            pairs.iter().all(|pair| pair.unsigned_abs() <= MOST_PAIR) && pairs[1].abs_diff(pairs[0]) <= MOST_PAIRS
+        };
+        code.len() == Self::CODE && (0..=3).contains(&code[0]) && range(&code[1..3]) && range(&code[3..5])
     }
 
     /// From its numbers.

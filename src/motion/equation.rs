@@ -159,6 +159,15 @@ impl<'m> EquationOfMotion<'m> {
         self.sigma[mesh]
     }
 
+    /// Whether laws that a run left can be those of this motion: none, or one for each mesh and the piece of the speed.
+    pub fn accepts_laws(&self, contact_modes: &[i64]) -> bool {
+        let meshes = self.contact_modes.len() * ContactMode::CODE;
+        let whole = meshes + usize::from(self.changing.is_some());
+        contact_modes.is_empty()
+            || contact_modes.len() == whole
+                && contact_modes[..meshes].chunks_exact(ContactMode::CODE).all(ContactMode::is_code)
+    }
+
     /// Whether the instants at which laws change depend on the motion.
     pub fn motion_changes_contact_modes(&self) -> bool {
         let moves = |mesh: &GearMesh| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();

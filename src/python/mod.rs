@@ -6,6 +6,7 @@ mod frequency;
 mod model;
 mod simulate;
 mod speed;
+mod state;
 
 use pyo3::pymodule;
 
@@ -16,6 +17,8 @@ mod _core {
     use super::model::PyModel;
     #[pymodule_export]
     use super::speed::check_speed;
+    #[pymodule_export]
+    use super::state::check_final;
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

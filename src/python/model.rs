@@ -10,7 +10,7 @@ use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{outside_matrix, outside_vector, table};
 use super::errors::warn;
-use super::{frequency, simulate};
+use super::{frequency, simulate, state};
 use crate::analysis::{self, AnalysisError};
 use crate::mesh::Geometry;
 use crate::modal::{self, CachedModel};
@@ -278,11 +278,11 @@ impl PyModel {
             rtol: simulate::attainable(py, rtol)?,
             stages,
             modes,
-            initial: simulate::initial(initial)?,
+            initial: state::initial(initial)?,
             times: times.as_array().to_vec(),
             geometry: self::geometry(geometry)?,
             start,
-            checkpoint: checkpoint.map_or(Ok(None), simulate::checkpoint)?,
+            checkpoint: checkpoint.map(state::checkpoint).transpose()?,
         };
         self.warn_of_ill_conditioning(py, 0.0)?;
         simulate::simulate(self, py, &options, record, progress)

@@ -1,22 +1,21 @@
 //! `_core.Model.simulate`: a run with the interpreter released, what it recorded, and the state it left.
 
-use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
 use super::errors::warn;
-use super::model::{self, PyModel};
+use super::model::PyModel;
 use super::speed;
 use crate::analysis::simulate::{
-    self, Checkpoint, Final, Initial, MESH_FIELDS, Method, Options, RecordPlan, RecorderState, Request, Response,
-    round_below, sample_step,
+    self, Final, MESH_FIELDS, Method, Options, RecordPlan, RecorderState, Request, Response, round_below, sample_step,
 };
 use crate::analysis::{AnalysisError, small_displacement_check};
-use crate::integrate::{State, Statistics};
+use crate::integrate::Statistics;
 use crate::mesh::Geometry;
 use crate::model::Model;
-use crate::motion::{Anchor, DoubleDouble, Energies, SOURCES};
+use crate::motion::{Energies, SOURCES};
 use crate::scene::{Node, SceneError};
 
 /// The method of a name; "rk4" may leave the linear part to the modes.
@@ -218,83 +217,6 @@ fn checkpoint_dict<'py>(
     dict.set_item("works", recorder_state.works)?;
     dict.set_item("until", recorder_state.until)?;
     Ok(dict)
-}
-
-/// Where a run was stopped: the `final` and the `checkpoint` of what it had computed.
-pub fn checkpoint((last, recorder_state): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Option<Box<Checkpoint>>> {
-    let Initial::Continue(last) = initial(&last)? else {
-        return Err(SceneError::new("checkpoint", "must hold the final state of a run").into());
-    };
-    let item = |key: &str| recorder_state.get_item(key);
-    let [steps, rejected, evaluations, events, at_limit] = item("counts")?.extract()?;
-    let [shortest, longest] = item("steps")?.extract()?;
-    let margins: Vec<Option<[f64; 3]>> = item("margins")?.extract()?;
-    Ok(Some(Box::new(Checkpoint {
-        state: last.state,
-        statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
-        recorder_state: RecorderState {
-            events: item("events")?.extract()?,
-            margins: margins
-                .into_iter()
-                .map(|recorder_state| recorder_state.map(|[at, ratio, clearance]| (at, [ratio, clearance])))
-                .collect(),
-            works: item("works")?.extract()?,
-            until: item("until")?.extract()?,
-        },
-    })))
-}
-
-/// The beginning of a run: a name, or the `final` of another run.
-pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
-    if let Ok(name) = given.extract::<String>() {
-        return match name.as_str() {
-            "synchronous" => Ok(Initial::Synchronous),
-            "static" => Ok(Initial::Static),
-            "rest" => Ok(Initial::Rest),
-            _ => {
-                let message = format!("must be \"synchronous\", \"static\", \"rest\" or a response, got \"{name}\"");
-                Err(SceneError::new("initial", message).into())
-            }
-        };
-    }
-    let lacking =
-        |key: &str| SceneError::new("initial", format!("lacks \"{key}\", which the final state of a run has"));
-    let item = |key: &str| given.get_item(key).map_err(|_| PyErr::from(lacking(key)));
-    let number = |key: &str| item(key)?.extract::<f64>();
-    let state = item("state")?;
-    let y = state.cast::<PyArray1<f64>>()?.to_vec()?;
-    if let Some(index) = y.iter().position(|value| !value.is_finite()) {
-        return Err(SceneError::new(format!("initial.state[{index}]"), "must be finite").into());
-    }
-    let three = SceneError::new("initial.anchor", "must be a time and an angle in two parts, all finite");
-    let Some([time, high, low]) =
-        item("anchor")?.extract::<[f64; 3]>().ok().filter(|all| all.iter().all(|x| x.is_finite()))
-    else {
-        return Err(three.into());
-    };
-    Ok(Initial::Continue(Box::new(Final {
-        method: Method::named(&item("method")?.extract::<String>()?)?,
-        time: number("time")?,
-        origin: number("origin")?,
-        speed: speed::speed(&item("speed")?)?,
-        anchor: Anchor { time, angle: DoubleDouble { high, low } },
-        geometry: model::geometry(&item("geometry")?.extract::<String>()?)?,
-        setting: number("setting")?,
-        state: State {
-            count: item("count")?.extract()?,
-            elapsed: number("elapsed")?,
-            carry: number("carry")?,
-            next_step: number("next_step")?,
-            previous_error: number("previous_error")?,
-            contact_modes: item("contact_modes")?.cast::<PyArray1<i64>>()?.to_vec()?,
-            y,
-            // What a method remembers; without it the run begins anew from the state.
-            memory: match given.get_item("memory") {
-                Ok(memory) => memory.cast::<PyArray1<f64>>()?.to_vec()?,
-                Err(_) => Vec::new(),
-            },
-        },
-    })))
 }
 
 /// Names of the gears of meshes.

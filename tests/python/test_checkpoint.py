@@ -133,11 +133,10 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
 # --- stopped by force ------------------------------------------------------------------------------
 
 KILLED = """
-import os, signal, sys
-from gearbow import storage
+import os, pathlib, signal, sys
 from test_checkpoint import RUNS, Pause, asked
 
-count, replace = [], storage.Path.replace
+count, replace = [], pathlib.Path.replace
 
 def twice(self, target):
     count.append(target)
@@ -145,7 +144,7 @@ def twice(self, target):
         os.kill(os.getpid(), signal.SIGKILL)
     return replace(self, target)
 
-storage.Path.replace = twice
+pathlib.Path.replace = twice
 often = {"every": 1e-9, "progress": Pause()}
 RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[1], **often)
 """
@@ -194,7 +193,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
     before = path.read_bytes()
 
     def interrupted(file: Any, **_: Any) -> None:
-        Path(file).write_bytes(b"half of it")
+        file.write(b"half of it")
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -121,7 +122,8 @@ class Orders:
         matplotlib.figure.Figure
             Amplitude of each order on a logarithmic scale.
         """
-        from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow.orders import figures  # noqa: PLC0415
 
         return figures.orders(self, count)
 

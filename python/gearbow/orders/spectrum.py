@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -54,7 +55,8 @@ class Spectrum:
         matplotlib.figure.Figure
             Amplitude against frequency [Hz].
         """
-        from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow.orders import figures  # noqa: PLC0415
 
         return figures.spectrum(self)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError
 from gearbow.orders.kinematics import Kinematics
@@ -60,7 +61,8 @@ class Waterfall:
         matplotlib.figure.Figure
             Amplitude as colour, over three decades.
         """
-        from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow.orders import figures  # noqa: PLC0415
 
         return figures.waterfall(self, highest)
 

@@ -4,6 +4,9 @@ import argparse
 import sys
 from pathlib import Path
 
+from gearbow._extras import extra
+from gearbow._files import replacing
+from gearbow.errors import MissingExtraError
 from gearbow.study.findings import TABLES
 from gearbow.study.runs import run
 from gearbow.study.settings import SCENE, Settings
@@ -54,12 +57,14 @@ def main(given: argparse.Namespace) -> None:
         return
     write(settings, results, folder)
     tables = "\n\n".join(f"## {name}\n\n{table(study)}" for name, table in TABLES.items())
-    (folder / "findings.md").write_text(f"# Bow study\n\n{tables}\n", encoding="utf-8")
+    with replacing(folder / "findings.md") as file:
+        file.write(f"# Bow study\n\n{tables}\n".encode())
     sys.stdout.write(f"{len(results)} runs; tables: {folder}\n")
     try:
-        from gearbow.study import figures  # noqa: PLC0415  # matplotlib is an extra
-    except ModuleNotFoundError as error:
-        sys.exit(f"no figures: {error.name} is missing; pip install 'gearbow[plot]'")
+        with extra("plot"):
+            from gearbow.study import figures  # noqa: PLC0415
+    except MissingExtraError as error:
+        sys.exit(f"no figures: {error}")
     for path in figures.write(study, folder):
         sys.stdout.write(f"figure: {path}\n")
 

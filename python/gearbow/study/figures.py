@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from gearbow import plots
+from gearbow._files import replacing
 from gearbow.study.case import ALL, Case, phases, system
 from gearbow.study.measure import Measured
 from gearbow.study.view import Study
@@ -43,11 +45,13 @@ def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> lis
     paths = []
     for name in FIGURES if names is None else names:
         path = folder / f"study_{name}.png"
-        FIGURES[name](study).savefig(path, dpi=90)
+        drawn = BytesIO()
+        FIGURES[name](study).savefig(drawn, format="png", dpi=90)
         # Lines on white need few colours, and a file that is kept should be small.
-        with Image.open(path) as image:
+        with Image.open(drawn) as image:
             few = image.convert("RGB").quantize(96, dither=Image.Dither.NONE)
-        few.save(path, optimize=True)
+        with replacing(path) as file:
+            few.save(file, format="PNG", optimize=True)
         paths.append(path)
     return paths
 

@@ -1,12 +1,12 @@
 """All runs of a study, on all cores, each kept in a file as soon as it is done.
 
 The file of a run is named by all that its result depends on. A study that was interrupted goes on
-where it stopped; one with another parameter runs what that changes. Files are written beside their
-place and moved there, so that none is ever half of one.
+where it stopped; one with another parameter runs what that changes. A file is replaced as a whole.
 """
 
 import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
@@ -22,6 +22,12 @@ from gearbow.study.settings import Settings
 __all__ = ["Results", "run"]
 
 Results = Mapping[Case, Measured]
+
+#: What reading a missing or damaged file raises; an unknown type of compression is a RuntimeError.
+_INVALID = (
+    *(FileNotFoundError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, ValueError),
+    *(TypeError, AttributeError, RuntimeError, OverflowError, MemoryError, SyntaxError),
+)
 
 
 def run(
@@ -80,7 +86,7 @@ def _make(settings: Settings, case: Case, path: Path) -> None:
     values = np.array([measured.signals[name] for name in names])
     # What changes, in single precision: seven digits of the swing, half the size.
     first = values[:, :1]
-    with replacing(path, writer=str(os.getpid())) as trial, trial.open("wb") as file:
+    with replacing(path) as file:
         np.savez_compressed(
             file,
             turn=measured.turn,
@@ -98,5 +104,5 @@ def _read(path: Path) -> Measured | None:
             names = [(str(of), str(quantity)) for of, quantity in file["names"]]
             signals = dict(zip(names, file["first"] + file["change"], strict=True))
             return Measured(file["turn"], signals, tuple(str(event) for event in file["events"]))
-    except (FileNotFoundError, zipfile.BadZipFile, EOFError, KeyError, ValueError):
+    except _INVALID:
         return None

@@ -1,8 +1,8 @@
 """Tables of a study: CSV files of everything, and Markdown."""
 
 import csv
-import os
 from collections.abc import Iterable, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 
 import numpy as np
@@ -115,10 +115,10 @@ def _row(case: Case) -> tuple[object, ...]:
 
 
 def _write(path: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with (
-        replacing(path, writer=str(os.getpid())) as trial,
-        trial.open("w", encoding="utf-8", newline="") as file,
-    ):
-        table = csv.writer(file, lineterminator="\n")
+    with replacing(path) as file:
+        text = TextIOWrapper(file, encoding="utf-8", newline="")
+        table = csv.writer(text, lineterminator="\n")
         table.writerow(titles)
         table.writerows(rows)
+        text.flush()
+        text.detach()  # the file stays open

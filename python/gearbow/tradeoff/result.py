@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from gearbow._extras import extra
 from gearbow._run import number
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
@@ -170,7 +171,8 @@ class Tradeoff:
         matplotlib.figure.Figure
             The figure: a line for each method, open markers for simplified models, and the front.
         """
-        from gearbow.tradeoff import figure  # noqa: PLC0415  # matplotlib is an extra
+        with extra("plot"):
+            from gearbow.tradeoff import figure  # noqa: PLC0415
 
         return figure.work_precision(self, _duration(duration))
 
@@ -182,7 +184,8 @@ class Tradeoff:
         pandas.DataFrame
             One row for each setting; times are CPU time, "seconds" that of the whole run.
         """
-        import pandas as pd  # noqa: PLC0415  # an extra
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
 
         front = self.front()
         rows = [

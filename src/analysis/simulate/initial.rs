@@ -18,6 +18,11 @@ use crate::scene::{SceneError, Shaft};
 /// A tolerance is relative to no less than this part of the energy norm of the equilibrium: what round-off leaves of it.
 const FLOOR: f64 = 1e-9;
 
+/// From the last whole step of a run to its end, the fastest motion turns by no more radians than this. Steps of the
+/// exponential method are a tenth of a period of the slowest motion or as long as asked for, so that the limit is wide;
+/// it keeps an invalid state from being followed for ever.
+const MOST_CATCHING_UP: f64 = 1e12;
+
 /// Where and how a run begins.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
@@ -37,6 +42,7 @@ pub(super) struct Start {
 pub(super) fn start(
     cached: &CachedModel,
     options: &Options,
+    spectrum: &Spectrum,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Start, AnalysisError> {
     let model = &cached.model;
@@ -53,6 +59,11 @@ pub(super) fn start(
             if last.state.y.len() != 2 * n {
                 let message = format!("has {} degrees of freedom, this system has {n}", last.state.y.len() / 2);
                 return Err(SceneError::new("initial", message).into());
+            }
+            let rest = last.time - last.origin - last.state.elapsed;
+            if rest * spectrum.radius() > MOST_CATCHING_UP {
+                let message = format!("is {rest:e} s before the end of the run, which no step is as long as");
+                return Err(SceneError::new("initial.elapsed", message).into());
             }
             let displacement = found.unwrap_or_else(|_| zero());
             if options.speed != last.speed {

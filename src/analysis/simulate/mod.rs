@@ -81,10 +81,17 @@ pub fn simulate(
 ) -> Result<Response, Stopped> {
     options.check()?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
-    let start = initial::start(cached, options, watch)?;
+    let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.course.origin;
     let equilibrium = start.equilibrium.clone();
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.course, equilibrium)?;
+    if !motion.accepts_laws(&start.state.contact_modes) {
+        let contact_modes = start.state.contact_modes.len();
+        let message = format!(
+            "are {contact_modes} numbers that this system cannot have left; give the final state of its own run"
+        );
+        return Err(SceneError::new("initial.contact_modes", message).into());
+    }
     let mut state = start.state.clone();
     let end = options.start + options.duration - origin;
     let mut observer = RunObserver {

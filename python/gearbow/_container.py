@@ -1,0 +1,285 @@
+"""The arrays and the metadata of a ``.npz`` or ``.nc`` file, checked before they are read.
+
+A file declares the shape and type of every array. Both formats are written without compression,
+so that an array takes no more bytes than its file: a declaration of more is refused before any
+memory is allocated for it.
+
+A damaged file must not reach the HDF5 library: it can loop for ever or crash the process. A netCDF
+file of gearbow therefore ends with a seal, the SHA-256 digest of the bytes before it. Readers of
+HDF5 ignore what follows the end of the file that its header gives. Archives of NumPy hold a check
+sum of every member.
+"""
+
+import hashlib
+import os
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._extras import extra
+from gearbow.errors import GearbowError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Container", "Header", "netcdf_bytes", "opened", "seal", "suffix"]
+
+#: What a file declares of an array.
+Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
+
+#: What the libraries raise for an invalid file. A number that is too large for the format is an
+#: OverflowError, an encrypted or a too new archive a RuntimeError.
+_INVALID = (
+    *(ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RuntimeError),
+    *(OSError, EOFError, SyntaxError, zipfile.BadZipFile),
+)
+
+_METADATA = "metadata"
+#: What the seal of a netCDF file begins with; the digest follows.
+_SEAL = b"gearbow\n"
+_BLOCK = 1 << 20
+
+
+class Container(Protocol):
+    """An open file of named arrays and one text."""
+
+    def metadata(self) -> str:
+        """Read the text."""
+
+    def header(self, name: str) -> Header | None:
+        """Give shape and type of an array, None if there is none of this name."""
+
+    def read(self, name: str) -> NDArray[Any]:
+        """Read an array."""
+
+
+def suffix(path: str | os.PathLike[str]) -> str:
+    """Tell the format of a file by its name, and import the libraries that it needs.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    str
+        ".npz" or ".nc".
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is another, or the libraries for it are missing.
+    """
+    ending = Path(path).suffix
+    if ending not in {".npz", ".nc"}:
+        raise GearbowError(f"{path}: the name of a response's file ends with .npz or .nc")
+    if ending == ".nc":
+        with extra("netcdf"):
+            import h5netcdf  # noqa: F401, PLC0415
+            import xarray  # noqa: F401, ICN001, PLC0415
+    return ending
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
+    """Open a file for reading.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Yields
+    ------
+    Container
+        What is in it.
+
+    Raises
+    ------
+    GearbowError
+        If it is invalid; the text names the file and the problem.
+    OSError
+        If it cannot be opened.
+    """
+    kind = _NetCdf if suffix(path) == ".nc" else _Npz
+    with Path(path).open("rb") as stream:
+        try:
+            with kind.open(stream) as container:
+                yield container
+        except GearbowError as error:
+            raise GearbowError(f"{path}: not a response of gearbow, or damaged: {error}") from None
+        except _INVALID as error:
+            reason = str(error) or type(error).__name__
+            raise GearbowError(f"{path}: not a response of gearbow, or damaged: {reason}") from None
+        except RecursionError:
+            message = f"{path}: not a response of gearbow: its metadata are nested too deeply"
+            raise GearbowError(message) from None
+
+
+class _Npz:
+    """An archive of NumPy."""
+
+    def __init__(self, archive: zipfile.ZipFile, size: int) -> None:
+        self._archive = archive
+        self._members = {entry.filename: entry for entry in archive.infolist()}
+        if sum(entry.file_size for entry in archive.infolist()) > size:
+            raise GearbowError("it declares more data than the file has bytes")
+        if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
+            raise GearbowError("it is compressed, which gearbow never does")
+
+    @classmethod
+    @contextmanager
+    def open(cls, stream: BinaryIO) -> Iterator["_Npz"]:
+        with zipfile.ZipFile(stream) as archive:
+            yield cls(archive, _size(stream))
+
+    def metadata(self) -> str:
+        found = self.header(_METADATA)
+        if found is None:
+            raise GearbowError(f"it has no {_METADATA}")
+        shape, dtype = found
+        if shape != () or dtype.kind != "U":
+            raise GearbowError(f"{_METADATA}: must be a text, is {dtype} of shape {shape}")
+        return str(self.read(_METADATA))
+
+    def header(self, name: str) -> Header | None:
+        entry = self._members.get(f"{name}.npy")
+        if entry is None:
+            return None
+        with self._archive.open(entry) as member:
+            version = np.lib.format.read_magic(member)
+            if version == (1, 0):
+                shape, _, dtype = np.lib.format.read_array_header_1_0(member)
+            elif version == (2, 0):
+                shape, _, dtype = np.lib.format.read_array_header_2_0(member)
+            else:
+                raise GearbowError(f"{name}: has an unknown version {version} of its header")
+            if min(shape, default=0) < 0 or dtype.hasobject:
+                raise GearbowError(f"{name}: has an invalid shape {shape} or type {dtype}")
+            # Python's integers do not overflow.
+            if member.tell() + prod(shape) * dtype.itemsize != entry.file_size:
+                raise GearbowError(
+                    f"{name}: has {entry.file_size} bytes, which is not what an array of shape "
+                    f"{shape} takes"
+                )
+        return shape, dtype
+
+    def read(self, name: str) -> NDArray[Any]:
+        with self._archive.open(f"{name}.npy") as member:
+            values: NDArray[Any] = np.lib.format.read_array(member, allow_pickle=False)
+        return values
+
+
+class _NetCdf:
+    """A netCDF-4 file, which is an HDF5 file."""
+
+    def __init__(self, file: Any, size: int) -> None:
+        self._file = file
+        self._size = size
+        self._left = size
+
+    @classmethod
+    @contextmanager
+    def open(cls, stream: BinaryIO) -> Iterator["_NetCdf"]:
+        import h5py  # noqa: PLC0415
+
+        _check_seal(stream)
+        with h5py.File(stream, "r") as file:
+            yield cls(file, _size(stream))
+
+    def metadata(self) -> str:
+        found = self._file.attrs.get(_METADATA)
+        if not isinstance(found, str):
+            raise GearbowError(f"{_METADATA}: must be a text, is {type(found).__name__}")
+        return found
+
+    def header(self, name: str) -> Header | None:
+        import h5py  # noqa: PLC0415
+
+        link = self._file.get(name, getlink=True)
+        if link is None:
+            return None
+        if not isinstance(link, h5py.HardLink):
+            raise GearbowError(f"{name}: is in another file or at another place")
+        found = self._file[name]
+        if not isinstance(found, h5py.Dataset) or found.shape is None:
+            raise GearbowError(f"{name}: is not an array")
+        # Data that are chunked, compressed, external or never written may be larger than the file.
+        layout = found.id.get_create_plist().get_layout()
+        size = prod(found.shape) * found.dtype.itemsize
+        offset = found.id.get_offset()
+        stored = layout == h5py.h5d.CONTIGUOUS and not found.external
+        if not stored or offset is None or offset + size > self._size:
+            raise GearbowError(
+                f"{name}: its {size} bytes of shape {found.shape} are not in the file as gearbow "
+                "writes them"
+            )
+        return found.shape, found.dtype
+
+    def read(self, name: str) -> NDArray[Any]:
+        values: NDArray[Any] = self._file[name][()]
+        self._left -= values.nbytes
+        if self._left < 0:
+            raise GearbowError("it declares more data than the file has bytes")
+        return values
+
+
+def seal(content: bytes | memoryview) -> bytes:
+    """Give what stands at the end of a netCDF file with this content."""
+    return _SEAL + hashlib.sha256(content).digest()
+
+
+def _check_seal(stream: BinaryIO) -> None:
+    """Refuse a file whose content is not what was written, and go back to its beginning."""
+    digest = hashlib.sha256()
+    length = len(_SEAL) + digest.digest_size
+    left = _size(stream) - length
+    while left > 0 and (block := stream.read(min(left, _BLOCK))):
+        digest.update(block)
+        left -= len(block)
+    if stream.read() != _SEAL + digest.digest():
+        raise GearbowError(
+            "it does not end with the digest of its content; it is incomplete, has changed since "
+            "it was written, or was written by another program"
+        )
+    stream.seek(0)
+
+
+def netcdf_bytes(dataset: "xr.Dataset") -> tuple[memoryview, bytes]:
+    """Give a data set as the content of a netCDF file.
+
+    The HDF5 library crashes the process when it closes a file that a full disk has cut short. It
+    therefore writes to memory, which takes as much again as the arrays.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The data set.
+
+    Returns
+    -------
+    content : memoryview
+        The netCDF file.
+    seal : bytes
+        What follows it in the file.
+    """
+    import h5netcdf  # noqa: PLC0415
+    from xarray.backends import H5NetCDFStore  # noqa: PLC0415
+
+    buffer = BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    content = buffer.getbuffer()
+    return content, seal(content)
+
+
+def _size(stream: BinaryIO) -> int:
+    return os.fstat(stream.fileno()).st_size

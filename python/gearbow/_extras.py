@@ -1,0 +1,30 @@
+"""Libraries that only some functions need."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from gearbow.errors import MissingExtraError
+
+__all__ = ["extra"]
+
+#: Packages that each extra of the distribution installs.
+_PACKAGES = {
+    "plot": {"matplotlib", "mpl_toolkits", "PIL"},
+    "netcdf": {"xarray", "h5netcdf", "h5py"},
+    "dataframe": {"pandas"},
+}
+
+
+@contextmanager
+def extra(name: str) -> Iterator[None]:
+    """Say how to install an extra where an import within the block finds it missing."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in _PACKAGES[name]:
+            raise
+        raise MissingExtraError(
+            f'{package}: is not installed; install it with: pip install "gearbow[{name}]"',
+            name=error.name,
+        ) from error
