@@ -19,6 +19,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from gearbow import storage
+from gearbow._container import suffix
 from gearbow._core import __version__, check_final
 from gearbow._files import BusyError, FileLock
 from gearbow._run import number
@@ -68,7 +69,7 @@ class Checkpoint:
         self.every = number(every, "every")
         if not self.every > 0.0:
             raise SceneError(f"every: must be positive, got {every!r}")
-        storage.suffix(self.path)
+        suffix(self.path)
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
         self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))
@@ -179,6 +180,8 @@ class Checkpoint:
                 return _joined(kept, core(times[done:], checkpoint, watch))
             except BaseException as error:
                 partial: RunData | None = getattr(error, "partial", None)
+                if kept is not None and partial is None and isinstance(error, SceneError):
+                    raise self._invalid(error) from None  # what the file holds does not fit
                 joined = kept if partial is None else _joined(kept, partial)
                 if joined is None:
                     raise

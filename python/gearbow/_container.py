@@ -84,7 +84,8 @@ def suffix(path: str | os.PathLike[str]) -> str:
     if ending == ".nc":
         with extra("netcdf"):
             import h5netcdf  # noqa: F401, PLC0415
-            import xarray  # noqa: F401, ICN001, PLC0415
+            import h5py  # noqa: F401, PLC0415
+            import xarray  # noqa: F401, PLC0415
     return ending
 
 

@@ -127,7 +127,7 @@ def _lock(number: int) -> bool:
     """Try to lock an open file; False if another owner holds it."""
     if fcntl is None:
         try:
-            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
+            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
         except PermissionError:
             return False
         return True

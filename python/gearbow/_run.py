@@ -76,7 +76,7 @@ def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any
         raise SceneError(f"initial: must be a name or a response, got {initial!r}")
     if start is not None:
         raise SceneError("start: must be left out where a response is continued")
-    return dict(initial), float(initial["time"])
+    return dict(initial), number(initial["time"], "initial.time")
 
 
 def distinct(times: ArrayLike) -> tuple[Array, NDArray[np.intp]]:

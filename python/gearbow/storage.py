@@ -204,7 +204,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
     energies = [name for name in expected if name.startswith("energy")]
     if all(header(name) is None for name in energies):
         expected = {name: value for name, value in expected.items() if name not in energies}
-    arrays = {}
+    arrays: dict[str, NDArray[Any]] = {}
     for name, (kind, shape) in expected.items():
         found = header(name)
         if found is None:

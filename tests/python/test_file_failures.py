@@ -1,0 +1,411 @@
+"""Full disks, and processes that are killed or share a file: no file is lost or half written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import gearbow as gb
+from gearbow._files import FileLock, replacing
+from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
+from test_persistence import assert_same
+from test_response import recorded, train
+
+RESPONSES = [".npz", ".nc"]
+SUFFIXES = [*RESPONSES, ".toml"]
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of a process")
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
+    """Run a script where it can import these tests: what crashes is not the process of the tests."""
+    return subprocess.run(
+        [sys.executable, "-c", script, *map(str, given)],
+        cwd=Path(__file__).parent,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+
+
+def big() -> gb.RotorSystem:
+    """A system whose description is longer than the limits of these tests."""
+    system = train()
+    disks = [
+        gb.Disk(f"disk {i}", "input", 0.25, mass=1e-3, polar_inertia=1e-6, diametral_inertia=1e-6)
+        for i in range(1200)
+    ]
+    return gb.RotorSystem(
+        system.shafts, system.gears, system.meshes, system.bearings, system.torques, disks=disks
+    )
+
+
+def write(path: Path, *, small: bool = False) -> None:
+    """Write a file of the format that the suffix names, of more than 100 kB unless it is to be small."""
+    if path.suffix == ".toml":
+        (train() if small else big()).save(path)
+    else:
+        recorded(rows=5 if small else 1000).save(path)
+
+
+def read(path: Path) -> Any:
+    return (
+        gb.RotorSystem.load(path).description if path.suffix == ".toml" else gb.Response.load(path)
+    )
+
+
+# --- a full disk -----------------------------------------------------------------------------------
+
+LIMITED = """
+import pathlib, resource, sys
+from test_file_failures import names, write
+
+path = pathlib.Path(sys.argv[1])
+soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+def full(limit):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+    try:
+        write(path)
+    except OSError as error:
+        assert error.filename == str(path), error
+        assert "cannot be written and is unchanged" in str(error), error
+    else:
+        raise SystemExit(f"{limit} bytes were enough")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+for limit in (100, 20_000, 60_000):
+    full(limit)
+    assert names(path.parent) == [], names(path.parent)
+write(path, small=True)
+before = path.read_bytes()
+for limit in (100, 20_000, 60_000):
+    full(limit)
+    assert path.read_bytes() == before
+    assert names(path.parent) == [path.name], names(path.parent)
+write(path)
+print("done")
+"""
+
+
+@posix
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_that_does_not_fit_leaves_the_one_before(tmp_path, suffix):
+    ended = python(LIMITED, tmp_path / f"file{suffix}")
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    read(tmp_path / f"file{suffix}")
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 100 kB, where the tests may mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    try:
+        mounted = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=100k", "tmpfs", folder],
+            check=False,
+            capture_output=True,
+        )
+    except FileNotFoundError:
+        pytest.skip("there is no mount")
+    if mounted.returncode:
+        pytest.skip("it is not permitted to mount a disk")
+    yield folder
+    subprocess.run(["umount", folder], check=True)
+
+
+FULL = """
+import pathlib, sys
+from test_file_failures import write
+
+try:
+    write(pathlib.Path(sys.argv[1]))
+except OSError as error:
+    print(error.errno, error.filename)
+"""
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_full_disk_is_an_error_of_the_system(small_disk, suffix):
+    import errno
+
+    path = small_disk / f"file{suffix}"
+    write(path, small=True)
+    before = path.read_bytes()
+    ended = python(FULL, path)
+    assert (ended.returncode, ended.stdout) == (0, f"{errno.ENOSPC} {path}\n"), ended.stderr
+    assert path.read_bytes() == before
+    assert names(small_disk) == [path.name]
+
+
+CHECKPOINT = """
+import pathlib, resource, sys, warnings
+import gearbow as gb
+from test_checkpoint import RUNS, Pause, asked
+from test_file_failures import names
+from test_persistence import assert_same
+
+path, limit = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+system, options = RUNS["smooth"][0].package(), asked("smooth")
+whole = system.simulate(**options)
+before = names(path.parent), [entry.read_bytes() for entry in path.parent.iterdir()]
+soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    found = system.simulate(**options, checkpoint=path, every=1e-9, progress=Pause())
+resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+assert caught and all(entry.category is gb.CheckpointWarning for entry in caught), caught
+assert "could not be written and is as it was" in str(caught[0].message)
+assert_same(found, whole)
+assert (names(path.parent), [entry.read_bytes() for entry in path.parent.iterdir()]) == before
+print("done")
+"""
+
+
+@posix
+@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize("suffix", RESPONSES)
+def test_a_full_disk_does_not_end_a_run(tmp_path, suffix, there):
+    path = tmp_path / f"run{suffix}"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    if there:
+        with pytest.raises(EnoughError):
+            system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
+    # A checkpoint of this run has more than 20 kB.
+    ended = python(CHECKPOINT, path, 100 if there else 10_000)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
+
+
+# --- processes that are killed ------------------------------------------------------------------------
+
+#: Starts a writer that goes on for ever and kills it after its first file, at a moment that chance chooses; again and
+#: again. Every process is a copy of this one, which need not import everything anew.
+KILLS = """
+import os, pathlib, random, signal, sys, time
+import gearbow as gb
+from test_checkpoint import RUNS, asked
+from test_file_failures import big, read
+from test_response import train
+
+path, chance = pathlib.Path(sys.argv[1]), random.Random(11)
+system, options = RUNS["smooth"][0].package(), asked("smooth")
+texts = [train().description, big().description]
+
+def work():
+    if path.suffix == ".toml":
+        while True:
+            train().save(path)
+            big().save(path)
+    system.simulate(**options, checkpoint=path, every=1e-9, progress=lambda _: time.sleep(0.06))
+    os._exit(0)
+
+for attempt in range(10):
+    child = os.fork()
+    if not child:
+        work()
+    while not path.exists() and not os.waitpid(child, os.WNOHANG)[0]:
+        time.sleep(0.001)
+    time.sleep(chance.uniform(0.0, 0.3))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    found = read(path)
+    assert path.suffix != ".toml" or found in texts
+print("done")
+"""
+
+
+@posix
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_killed_writer_leaves_a_whole_file(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    ended = python(KILLS, path)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    if suffix == ".toml":
+        train().save(path)
+        assert read(path) == train().description
+    else:
+        system, options = RUNS["smooth"][0].package(), asked("smooth")
+        assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
+        recorded().save(path)  # A complete checkpoint is only read; the next writer cleans up.
+    left = [name for name in names(tmp_path) if not name.endswith(".lock")]
+    assert left == [path.name]
+
+
+# --- processes that share a file ----------------------------------------------------------------------
+
+OWNER = """
+import sys, time
+from test_checkpoint import RUNS, asked
+
+def progress(fraction):
+    print(fraction, flush=True)
+    time.sleep(0.06 if fraction == 0.0 else 3600.0)
+
+RUNS["smooth"][0].package().simulate(**asked("smooth"), checkpoint=sys.argv[1], every=1e-9, progress=progress)
+"""
+
+
+@posix
+@pytest.mark.parametrize("suffix", RESPONSES)
+def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    command = [sys.executable, "-c", OWNER, path]
+    with subprocess.Popen(command, cwd=Path(__file__).parent, stdout=subprocess.PIPE) as owner:
+        assert owner.stdout is not None
+        try:
+            while float(owner.stdout.readline()) == 0.0:
+                pass
+            with pytest.raises(
+                gb.SceneError, match=rf"run{suffix} is in use by another run.*a file of its own"
+            ):
+                system.simulate(**options, checkpoint=path)
+        finally:
+            owner.kill()
+        owner.wait()
+    assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
+    assert names(tmp_path) == [path.name]
+
+
+def test_a_second_run_of_one_process_is_refused(tmp_path):
+    path = tmp_path / "run.npz"
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    refused = []
+
+    def progress(_: float) -> None:
+        if not refused:
+            with pytest.raises(gb.SceneError, match="in use by another run") as caught:
+                system.simulate(**options, checkpoint=path)
+            refused.append(caught)
+
+    found = system.simulate(**options, checkpoint=path, progress=progress)
+    assert refused
+    assert_same(found, system.simulate(**options))
+    assert names(tmp_path) == [path.name]
+    # A complete file is only read, by as many as want to.
+    lock = FileLock(path)
+    lock.acquire()
+    assert_same(system.simulate(**options, checkpoint=path), found)
+    lock.release()
+
+
+WRITERS = """
+import os, pathlib, sys
+from test_file_failures import read, write
+
+path, writers = pathlib.Path(sys.argv[1]), []
+write(path)
+for small in (True, False, True):
+    child = os.fork()
+    if not child:
+        for _ in range(15):
+            write(path, small=small)
+        os._exit(0)
+    writers.append(child)
+loads = 0
+while writers:
+    read(path)
+    loads += 1
+    if os.waitpid(writers[0], os.WNOHANG)[0]:
+        writers.pop(0)
+print("done" if loads > 3 else loads)
+"""
+
+
+@posix
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_writers_of_one_file_do_not_disturb_each_other(tmp_path, suffix):
+    path = tmp_path / f"file{suffix}"
+    ended = python(WRITERS, path)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert names(tmp_path) == [path.name]
+
+
+# --- the writer and the lock --------------------------------------------------------------------------
+
+
+@posix
+def test_a_file_has_the_permissions_of_any_other_and_keeps_its_own(tmp_path):
+    path, other = tmp_path / "rotor.toml", tmp_path / "other"
+    train().save(path)
+    other.touch()
+    assert path.stat().st_mode == other.stat().st_mode
+    path.chmod(0o600)
+    train().save(path)
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+@posix
+def test_a_link_stays_a_link_and_a_device_a_device(tmp_path):
+    (tmp_path / "folder").mkdir()
+    link = tmp_path / "rotor.toml"
+    link.symlink_to(tmp_path / "folder" / "rotor.toml")
+    train().save(link)
+    assert link.is_symlink()
+    assert read(tmp_path / "folder" / "rotor.toml") == train().description
+    os.mkfifo(tmp_path / "pipe")
+    for target in (tmp_path / "pipe", tmp_path / "folder"):
+        with pytest.raises(OSError, match="cannot be written and is unchanged") as caught:
+            train().save(target)
+        assert str(target) in str(caught.value)
+    with pytest.raises(FileNotFoundError, match="missing"):
+        train().save(tmp_path / "missing" / "rotor.toml")
+    assert names(tmp_path) == ["folder", "pipe", "rotor.toml"]
+
+
+@posix
+def test_remains_are_removed_and_files_of_living_writers_are_not(tmp_path):
+    path = tmp_path / "file"
+    remains = tmp_path / f".file.{16 * '0'}.part"
+    foreign = tmp_path / ".file.notes.part"
+    for left in (remains, foreign):
+        left.touch()
+    with replacing(path) as first:
+        first.write(b"1")
+        assert not remains.exists()
+        with replacing(path) as second:
+            second.write(b"2")
+            assert len(names(tmp_path)) == 3
+    assert path.read_bytes() == b"1"
+    assert names(tmp_path) == [foreign.name, path.name]
+
+
+@posix
+def test_a_lock_is_released_with_its_file(tmp_path):
+    first, second = FileLock(tmp_path / "run.npz"), FileLock(tmp_path / "run.npz")
+    first.acquire()
+    assert names(tmp_path) == [".run.npz.lock"]
+    first.release()
+    first.release()
+    assert names(tmp_path) == []
+    second.acquire()
+    second.release()
+    (tmp_path / ".run.npz.lock").touch()  # that of a run that was killed
+    first.acquire()
+    first.release()
+    assert names(tmp_path) == []
+
+
+def test_a_folder_without_locks_is_an_error_that_says_so(tmp_path, monkeypatch):
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+
+    def none(*_: object) -> None:
+        raise OSError(30, os.strerror(30))
+
+    monkeypatch.setattr("gearbow._files._lock", none)
+    with pytest.raises(
+        gb.SceneError, match=r"^checkpoint: .*run\.npz cannot be protected from other runs"
+    ):
+        system.simulate(**options, checkpoint=tmp_path / "run.npz")

@@ -1,0 +1,554 @@
+"""Invalid response files: each is a `GearbowError` that names the file, before memory is allocated for it."""
+
+from __future__ import annotations
+
+import copy
+import json
+import struct
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow import storage
+from gearbow._container import seal
+from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
+from test_persistence import assert_same
+from test_response import recorded, train
+
+SUFFIXES = [".npz", ".nc"]
+SEAL = len(seal(b""))
+
+
+def refused(path: Path, match: str | None = None) -> None:
+    with pytest.raises(gb.GearbowError, match=match) as caught:
+        gb.Response.load(path)
+    assert str(path) in str(caught.value)
+    assert len(str(caught.value)) < 1000
+
+
+def same_or_refused(path: Path, written: gb.Response) -> None:
+    try:
+        read = gb.Response.load(path)
+    except gb.GearbowError as error:
+        assert str(path) in str(error)  # noqa: PT017
+    else:
+        assert_same(read, written)
+
+
+def content(response: gb.Response) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    return json.loads(storage._metadata(response, {})), storage._arrays(response)
+
+
+def write_npz(path: Path, metadata: str, arrays: dict[str, np.ndarray]) -> None:
+    np.savez(path, metadata=np.array(metadata), **arrays)  # type: ignore[arg-type]
+
+
+def edit_netcdf(path: Path, edit: Callable[[Any], None]) -> None:
+    """Change a netCDF file, and seal it anew: what only an author who means it can do."""
+    import h5py
+
+    buffer = BytesIO(path.read_bytes()[:-SEAL])
+    with h5py.File(buffer, "r+") as file:
+        edit(file)
+    path.write_bytes(buffer.getvalue() + seal(buffer.getvalue()))
+
+
+def rewrite(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
+    """Write a valid file, but for a change of its metadata."""
+    response = recorded()
+    metadata, arrays = content(response)
+    change(metadata)
+    if path.suffix == ".npz":
+        write_npz(path, json.dumps(metadata), arrays)
+        return
+    response.save(path)
+
+    def edit(file: Any) -> None:
+        file.attrs["metadata"] = json.dumps(metadata)
+
+    edit_netcdf(path, edit)
+
+
+# --- damaged ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_that_was_cut_short_is_refused(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    recorded().save(path)
+    whole = path.read_bytes()
+    for length in {0, 1, 7, 8, 39, 40, 41, len(whole) - 1, *range(50, len(whole), 997)}:
+        path.write_bytes(whole[:length])
+        refused(path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_changed_bit_is_found_or_changes_nothing(tmp_path, suffix):
+    path, written = tmp_path / f"run{suffix}", recorded()
+    written.save(path)
+    whole = path.read_bytes()
+    numbers = np.random.default_rng(5)
+    # Every byte of the end, where an archive has its list of contents, and others anywhere.
+    places = [*range(len(whole) - 250, len(whole)), *numbers.integers(0, len(whole), 500)]
+    for at in places:
+        damaged = bytearray(whole)
+        damaged[at] ^= 1 << int(numbers.integers(8))
+        path.write_bytes(damaged)
+        same_or_refused(path, written)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_other_content_is_refused(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    for other in (b"", b"notes", b"PK\x05\x06" + bytes(18), b"\x89HDF\r\n\x1a\n" + bytes(200)):
+        path.write_bytes(other)
+        refused(path)
+    path.write_bytes(b"notes" + seal(b"notes"))
+    refused(path)
+
+
+# --- metadata -----------------------------------------------------------------------------------------
+
+
+def entries(value: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Give the places of all entries of the metadata."""
+    inner = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
+    return [
+        found for key, entry in inner for found in [(*place, key), *entries(entry, (*place, key))]
+    ]
+
+
+def changed(
+    metadata: dict[str, Any], place: tuple[Any, ...], change: Callable[[Any, Any], None]
+) -> dict[str, Any]:
+    metadata = copy.deepcopy(metadata)
+    owner: Any = metadata
+    for key in place[:-1]:
+        owner = owner[key]
+    change(owner, place[-1])
+    return metadata
+
+
+def drop(owner: Any, key: Any) -> None:
+    del owner[key]
+
+
+def rename(owner: Any, key: Any) -> None:
+    if isinstance(owner, dict):
+        owner[f"{key}x"] = owner.pop(key)
+    else:
+        owner.insert(key, owner[key])
+
+
+WRONG: list[Any] = [
+    None,
+    "",
+    "?",
+    -1,
+    10**400,
+    1e300,
+    float("nan"),
+    True,
+    [],
+    {},
+    [None],
+    [[]],
+    {"a": 1},
+]
+
+
+def test_every_metadata_entry_is_checked(tmp_path):
+    """A changed entry is refused, or gives a response that works: a different number or name is as valid."""
+    path, written = tmp_path / "run.npz", recorded()
+    metadata, arrays = content(written)
+    places = entries(metadata)
+    assert len(places) > 60
+    refusals = 0
+    for place in places:
+        for change in [
+            drop,
+            rename,
+            *(lambda owner, key, value=value: owner.__setitem__(key, value) for value in WRONG),
+        ]:
+            write_npz(path, json.dumps(changed(metadata, place, change)), arrays)
+            try:
+                read = gb.Response.load(path)
+            except gb.GearbowError as error:
+                refusals += 1
+                assert str(path) in str(error)  # noqa: PT017
+            else:
+                works(read)
+    assert refusals > 0.7 * len(places) * (len(WRONG) + 2)
+
+
+def works(response: gb.Response) -> None:
+    """Use everything that a response holds."""
+    assert repr(response)
+    assert len(response.events) == len(response._data["events"])
+    assert response.speeds.shape == response.time.shape
+    for name in response.recorded:
+        if isinstance(name, str) and name != "energy":
+            assert response.displacement(name).shape == (response.time.size, 2)
+    list(response.statistics)
+    storage._metadata(response, {})
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize(
+    ("place", "value", "text"),
+    [
+        (("format",), 99, "format 99, this version reads 1"),
+        (("format",), "1", "format: must be a whole number"),
+        (("points",), {}, r"points: must be a list, got \{\}"),
+        (("points", 0, 1), "left", r"points\[0\]\[1\]: must be a finite number, got 'left'"),
+        (
+            ("points",),
+            [],
+            r"displacement: must be float64 of shape \(5, 0, 2\), is float64 of shape \(5, 3, 2\)",
+        ),
+        (("meshes",), [["g1", "g2"]] * 2, r"mesh_deflection: must be .* of shape \(5, 2\)"),
+        (("statistics", "steps"), 1.5, r"statistics\.steps: must be a whole number"),
+        (("final", "elapsed"), -1e300, r"initial\.elapsed: must not be negative, got -1e300"),
+        (("final", "elapsed"), 1e300, r"initial\.elapsed: must not be after the end of the run"),
+        (("final", "elapsed"), float("nan"), r"initial\.elapsed: must be finite"),
+        (("final", "carry"), -1e300, r"initial\.carry: must not be longer than the run"),
+        (("final", "count"), 2**64 - 1, r"initial\.count: must be a whole number"),
+        (
+            ("final", "anchor"),
+            [0.0, 1.0],
+            r"initial\.anchor: must be a time and an angle in two parts",
+        ),
+        (("final", "speed"), {"breaks": []}, "speed"),
+        (("final", "method"), 3, r"initial\.method: must be a text"),
+        (("empty",), {"time": [[0, 10**18], "f8"]}, "time: must be float64 of shape"),
+        (("empty",), {"time": [[2**40], "f8"]}, "must have no elements"),
+    ],
+)
+def test_the_message_names_the_entry(tmp_path, suffix, place, value, text):
+    path = tmp_path / f"run{suffix}"
+
+    def change(metadata: dict[str, Any]) -> None:
+        metadata.update(changed(metadata, place, lambda owner, key: owner.__setitem__(key, value)))
+
+    rewrite(path, change)
+    refused(path, text)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        "3",
+        '{"format": 1',
+        "[" * 100_000,
+        '{"a":' * 100_000,
+        "1" * 5000,
+        '{"format": 1}',
+    ],
+    ids=lambda text: f"{text[:6]} of {len(text)}",
+)
+def test_metadata_that_are_no_valid_json_are_refused(tmp_path, suffix, text):
+    path = tmp_path / f"run{suffix}"
+    if suffix == ".npz":
+        write_npz(path, text, content(recorded())[1])
+    else:
+        recorded().save(path)
+        edit_netcdf(path, lambda file: file.attrs.__setitem__("metadata", text))
+    refused(path)
+
+
+# --- arrays -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_array_is_checked(tmp_path, suffix):
+    written = recorded()
+    metadata, arrays = content(written)
+    path = tmp_path / f"run{suffix}"
+    for name, values in arrays.items():
+        if not values.size:
+            continue
+        wrong = {
+            "missing": None,
+            "longer": np.concatenate([values, values]),
+            "flat": values.reshape(-1)[None, None, None],
+            "single": values.astype(np.float32),
+            "complex": values.astype(np.complex128),
+            "text": values.astype("U3"),
+        }
+        for kind, other in wrong.items():
+            if name.startswith("final") and kind == "longer":
+                continue  # Its length depends on the method; the core compares it with the system.
+            if suffix == ".npz":
+                changed_arrays = {**arrays, name: other} if other is not None else {**arrays}
+                if other is None:
+                    del changed_arrays[name]
+                write_npz(path, json.dumps(metadata), changed_arrays)
+            elif kind in {"text", "flat"}:
+                continue
+            else:
+                written.save(path)
+
+                def edit(file: Any, name: str = name, other: Any = other) -> None:
+                    del file[name]
+                    if other is not None:
+                        file[name] = other
+
+                edit_netcdf(path, edit)
+            # Of a longer time, all others are too short.
+            refused(path, None if (name, kind) == ("time", "longer") else name)
+
+
+def test_an_array_of_objects_is_not_unpickled(tmp_path):
+    metadata, arrays = content(recorded())
+    path = tmp_path / "run.npz"
+    write_npz(path, json.dumps(metadata), {**arrays, "time": np.array([{}], dtype=object)})
+    refused(path, "time")
+
+
+def test_data_outside_the_file_are_refused(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "run.nc"
+
+    def linked(file: Any) -> None:
+        file["time"] = h5py.ExternalLink("other.nc", "/time")
+
+    def external(file: Any) -> None:
+        file.create_dataset("time", (5,), "f8", external=[("other.bin", 0, 40)])
+
+    def group(file: Any) -> None:
+        file.create_group("time")
+
+    for make in (linked, external, group):
+        recorded().save(path)
+
+        def edit(file: Any, make: Callable[[Any], None] = make) -> None:
+            del file["time"]
+            make(file)
+
+        edit_netcdf(path, edit)
+        refused(path, "time: ")
+
+
+# --- memory -------------------------------------------------------------------------------------------
+
+#: Loads files in a process that may take 300 MB more than it has; each must be refused for what it declares.
+LIMITED = """
+import resource, sys
+import gearbow as gb
+import h5py, h5netcdf, xarray
+pages = int(open("/proc/self/statm").read().split()[0])
+most = pages * resource.getpagesize() + 300_000_000
+resource.setrlimit(resource.RLIMIT_AS, (most, most))
+for path in sys.argv[1:]:
+    try:
+        gb.Response.load(path)
+    except gb.GearbowError as error:
+        assert path in str(error) and "MemoryError" not in str(error), str(error)
+    else:
+        raise SystemExit(f"{path} was read")
+print("refused", len(sys.argv) - 1)
+"""
+
+
+def member(shape: str, dtype: str = "<f8") -> bytes:
+    header = f"{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header
+
+
+def bombs(folder: Path) -> list[Path]:
+    """Files that declare gigabytes."""
+    metadata, arrays = content(recorded())
+    paths = []
+
+    def archive(name: str, kind: int = zipfile.ZIP_STORED, **replaced: bytes) -> None:
+        paths.append(folder / f"{name}.npz")
+        write_npz(paths[-1], json.dumps(metadata), arrays)
+        with zipfile.ZipFile(paths[-1]) as old:
+            members = {entry: old.read(entry) for entry in old.namelist()}
+        with zipfile.ZipFile(paths[-1], "w", kind) as new:
+            for entry, data in members.items():
+                new.writestr(entry, replaced.get(entry.removesuffix(".npy"), data))
+
+    for shape in (
+        "(2000000000,)",
+        "(10000000000000000000,)",
+        "(-1,)",
+        f"({2**62}, 4)",
+        "(3, 0, 2)",
+    ):
+        archive(f"header{len(paths)}", time=member(shape))
+    archive("text", metadata=member("()", "<U900000000"))
+    archive("void", time=member("(1,)", "|V2000000000"))
+    archive("deep", time=member("(" * 3000 + "5" + ",)" * 3000))
+    zeros = member("(100000000,)") + bytes(800_000_000)
+    archive("compressed", zipfile.ZIP_DEFLATED, time=zeros)
+    # The size that the list of contents gives is not that of the data.
+    paths.append(folder / "sizes.npz")
+    write_npz(paths[-1], json.dumps(metadata), {**arrays, "time": np.zeros(5)})
+    data = bytearray(paths[-1].read_bytes())
+    at = data.rfind(b"time.npy")
+    struct.pack_into("<II", data, at - 46 + 20, 2_000_000_000, 2_000_000_000)
+    paths[-1].write_bytes(data)
+
+    def netcdf(name: str, **options: Any) -> None:
+        paths.append(folder / f"{name}.nc")
+        recorded().save(paths[-1])
+
+        def edit(file: Any) -> None:
+            del file["time"]
+            file.create_dataset("time", dtype="f8", **options)
+
+        edit_netcdf(paths[-1], edit)
+
+    netcdf("late", shape=(2_000_000_000,))
+    netcdf("chunked", shape=(2_000_000_000,), chunks=(1_000_000,), fillvalue=1.0)
+    netcdf("packed", shape=(2_000_000_000,), chunks=(1_000_000,), compression="gzip")
+    netcdf("huge", shape=(2**60,))
+    return paths
+
+
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="limits of the memory of a process"
+)
+def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
+    pytest.importorskip("h5netcdf")
+    paths = bombs(tmp_path)
+    ended = subprocess.run(
+        [sys.executable, "-c", LIMITED, *map(str, paths)],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert ended.stdout == f"refused {len(paths)}\n", ended.stderr
+
+
+# --- states that no run left ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"state": np.zeros(4)}, r"^initial: has 2 degrees of freedom"),
+        ({"state": None}, r"^initial\.state: must be a contiguous array"),
+        ({"contact_modes": np.zeros(3, dtype=np.int64)}, r"^initial\.contact_modes: are 3 numbers"),
+        (
+            {"contact_modes": np.zeros(500, dtype=np.int64)},
+            r"^initial\.contact_modes: are 500 numbers",
+        ),
+        (
+            {"contact_modes": np.array([0, 0, 2**62, 0, 0])},
+            r"^initial\.contact_modes: are 5 numbers",
+        ),
+        ({"contact_modes": np.array([9, 0, 0, 0, 0])}, r"^initial\.contact_modes: are 5 numbers"),
+        ({"contact_modes": "none"}, r"^initial\.contact_modes: must be"),
+        ({"memory": 3}, r"^initial\.memory: must be"),
+        ({"elapsed": -1e300}, r"^initial\.elapsed: must not be negative"),
+        ({"origin": -1e300}, r"^initial\.elapsed: is 1e300 s before the end"),
+        ({"carry": 1e300}, r"^initial\.carry: must not be longer"),
+        ({"count": 2**63}, r"^initial\.count: must be a whole number"),
+        ({"count": -1}, r"^initial\.count: must be a whole number"),
+        ({"next_step": float("inf")}, r"^initial\.next_step: must be finite"),
+        ({"setting": "wide"}, r"^initial\.setting: must be a number"),
+        ({"speed": float("nan")}, r"^initial\.speed: must be finite"),
+        ({"time": "now"}, r"^initial\.time: must be a number"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("method", ["exponential", "rk45"])
+def test_a_state_that_no_run_left_is_a_scene_error(changes, text, method):
+    system = train()
+    options: dict[str, Any] = {"speed": 100.0, "output_step": 1e-4, "method": method}
+    final = system.simulate(1e-3, **options).final
+    with pytest.raises(gb.SceneError, match=text):
+        system.simulate(1e-3, **options, initial={**final, **changes})
+
+
+@pytest.mark.parametrize("count", [0, 5, 2**53, 2**63 - 1])
+@pytest.mark.parametrize("method", ["exponential", "rk45", "rk4"])
+def test_a_wrong_count_of_steps_does_not_stop_the_interpreter(count, method):
+    system = train()
+    options: dict[str, Any] = {"speed": 100.0, "output_step": 1e-4, "method": method}
+    final = system.simulate(1e-3, **options).final
+    try:
+        further = system.simulate(1e-3, **options, initial={**final, "count": count})
+    except gb.SceneError as error:
+        assert "step" in str(error)  # noqa: PT017
+    else:
+        assert further.time[-1] == 2e-3
+
+
+# --- checkpoints ----------------------------------------------------------------------------------------
+
+
+def stopped(
+    path: Path,
+) -> tuple[gb.RotorSystem, dict[str, Any], dict[str, Any], dict[str, np.ndarray]]:
+    """Stop a run, and give it with the content of its file."""
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    with pytest.raises(EnoughError):
+        system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
+    response, about = storage.read(path)
+    return system, options, about, storage._arrays(response)
+
+
+def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):
+    path = tmp_path / "run.npz"
+    system, options, about, arrays = stopped(path)
+    pauses = [("checkpoint", "checkpoint", key) for key in about["checkpoint"]["checkpoint"]]
+    places = [("checkpoint",), ("checkpoint", "asked"), ("checkpoint", "checkpoint"), *pauses]
+    nested: list[Any] = []
+    for _ in range(500):
+        nested = [nested]
+    for place in places:
+        for value in ("?", -1, [], {"a": 1}, nested, [[-1.0]] * 3, 2**63, [float("nan")] * 6):
+            if place[-1] == "until" and value == -1:
+                continue  # a number like any other
+            wrong = changed(
+                about, place, lambda owner, key, value=value: owner.__setitem__(key, value)
+            )
+            write_npz(path, json.dumps(wrong), arrays)
+            before = path.read_bytes()
+            with pytest.raises(gb.SceneError, match=r"^checkpoint: .*run\.npz") as caught:
+                system.simulate(**options, checkpoint=path)
+            assert len(str(caught.value)) < 2000
+            assert path.read_bytes() == before
+        write_npz(path, json.dumps(changed(about, place, drop)), arrays)
+        with pytest.raises(gb.SceneError, match=r"^checkpoint: .*run\.npz"):
+            system.simulate(**options, checkpoint=path)
+
+
+def test_a_checkpoint_of_too_many_meshes_is_refused(tmp_path):
+    path = tmp_path / "run.npz"
+    system, options, about, arrays = stopped(path)
+    about["checkpoint"]["checkpoint"]["margins"] *= 2
+    write_npz(path, json.dumps(about), arrays)
+    with pytest.raises(
+        gb.SceneError, match=r"^checkpoint: .*run\.npz.*pause: is of a run of another system"
+    ):
+        system.simulate(**options, checkpoint=path)
+
+
+def test_a_system_that_is_no_text_is_refused(tmp_path):
+    path = tmp_path / "rotor.toml"
+    path.write_bytes(b"\xff\xfe name")
+    with pytest.raises(gb.SceneError, match=r"rotor\.toml: must be text in UTF-8"):
+        gb.RotorSystem.load(path)
