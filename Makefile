@@ -11,7 +11,7 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
-.PHONY: help demo test check random fuzz bench bench-check bench-accept compare fmt wheel readme figures study measure structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz faults bench bench-check bench-accept compare fmt wheel readme figures study measure structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -20,6 +20,7 @@ help:
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
 	@echo "make random        what holds for every scene, on 2,000 random ones, other ones every time"
 	@echo "make fuzz          a million descriptions that nobody would write: each gets an answer"
+	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
@@ -52,6 +53,10 @@ random: $(VENV)/.dev
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 cargo test --locked --test fuzz
 	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py
+
+# Takes minutes; tests/mutation/faults.py lists the faults.
+faults: $(VENV)/.dev
+	$(BIN)/python tests/mutation/run.py
 
 check: lint types documents test
 

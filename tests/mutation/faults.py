@@ -1,0 +1,441 @@
+"""Faults that the tests of the Python package must catch.
+
+Each fault is the kind of mistake that a programmer makes: a wrong sign, unit, factor, index or
+default, an argument that is ignored, a label that does not fit its values, metadata that is lost.
+`run.py` plants one fault at a time and runs the named tests, of which at least one must fail.
+
+The text of a fault occurs exactly once in its module; `tests/python/test_planted_faults.py` checks
+this. Whoever changes such a line adapts the entry here.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """One fault in one line of the package.
+
+    Parameters
+    ----------
+    module : str
+        The file, relative to the folder of the package.
+    text : str
+        Source text, which occurs once in the file.
+    replacement : str
+        The faulty source text.
+    tests : tuple of str
+        Names of the test files in `tests/python` that must catch the fault, without "test_".
+    """
+
+    module: str
+    text: str
+    replacement: str
+    tests: tuple[str, ...]
+
+
+def _faults(module: str, tests: str, *changes: tuple[str, str]) -> list[Fault]:
+    """Give faults of one module that the same test files catch."""
+    return [Fault(module, *change, tuple(tests.split())) for change in changes]
+
+
+FAULTS: list[Fault] = [
+    *_faults(
+        "results.py",
+        "static_answers",
+        ("self.state[self.system._lateral(name)]", "self.state[self.system._lateral(name)][::-1]"),
+        (
+            "float(self.state[self.system._twist(name)])",
+            "-float(self.state[self.system._twist(name)])",
+        ),
+        ('self._data["bearing_force"][i]', 'self._data["bearing_force"][-1 - i]'),
+        ("i = meshes.index((driver, driven))", "i = 0"),
+    ),
+    *_faults(
+        "response.py",
+        "signals figure_labels",
+        (
+            'self._data["displacement"][:, self._point(name)]',
+            'self._data["displacement"][:, self._point(name), ::-1]',
+        ),
+        (
+            'self._data["twist"][:, self._point(name)]',
+            'np.degrees(self._data["twist"][:, self._point(name)])',
+        ),
+        ("np.full(self.time.shape, self.speed)", "np.full(self.time.shape, abs(self.speed))"),
+        ("i = meshes.index((driver, driven))", "i = 0"),
+        ('self._data["bearing_force"][:, i]', '-self._data["bearing_force"][:, i]'),
+        ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
+        ("settle=settle,", "settle=0.0,"),
+        ("sidebands=sidebands,", "sidebands=1,"),
+        ("shaft_harmonics=shaft_harmonics,", "shaft_harmonics=4,"),
+        ("mesh_harmonics=mesh_harmonics,", "mesh_harmonics=3,"),
+        ("spectrum(self, of, quantity, window=window)", "spectrum(self, of, quantity)"),
+        ("plots.KINDS[kind](self, names)", "plots.KINDS[kind](self, None)"),
+    ),
+    *_faults(
+        "energy.py",
+        "signals response",
+        (
+            "self.kinetic + self.shafts + self.bearings + self.meshes",
+            "self.kinetic + self.shafts + self.bearings",
+        ),
+        ("(total - total[:1]) - (work - work[:1])", "(total - total[:1]) + (work - work[:1])"),
+        ("(total - total[:1]) - (work - work[:1])", "(total - total[:1]) - work"),
+        ('f"{name} [J]": getattr(self, name)', 'f"{name} [kJ]": getattr(self, name)'),
+    ),
+    *_faults(
+        "orders/spectrum.py",
+        "signals",
+        ('"hann": (0.5, 0.5)', '"hann": (0.54, 0.46)'),
+        ("amplitude = 2.0 * np.abs(", "amplitude = np.sqrt(2.0) * np.abs("),
+        ("* column, axis=0)) / column.sum()", "* column, axis=0)) / time.size"),
+        ("(column * values).sum(axis=0) / column.sum()", "values.mean(axis=0)"),
+        ("amplitude[-1] /= 2.0", "amplitude[-1] /= 1.0"),
+        ("if time.size % 2 == 0:", "if time.size % 2 == 1:"),
+        ("np.arange(time.size) / time.size", "np.arange(time.size) / (time.size - 1)"),
+        ("frequencies[1:], amplitude[1:]", "frequencies[:-1], amplitude[1:]"),
+        (
+            "np.fft.rfftfreq(time.size, steps.mean())",
+            "2 * np.pi * np.fft.rfftfreq(time.size, steps.mean())",
+        ),
+        (
+            "amplitudes(response.time, signal.values, window)",
+            "amplitudes(response.time, signal.values)",
+        ),
+    ),
+    *_faults(
+        "orders/fit.py",
+        "signals",
+        ("response.time.size else 0.0) + settle", "response.time.size else 0.0) + 0.0 * settle"),
+        ("(response.time[0] if response.time.size else 0.0) + settle", "settle"),
+        ("abs(response.speed) / (2.0 * np.pi)", "abs(response.speed)"),
+        ("* abs(response.speed) /", "* response.speed /"),
+        ("fitted[1 : count + 1] - 1j *", "fitted[1 : count + 1] + 1j *"),
+        ("turned = np.exp(-2j * np.pi", "turned = np.exp(2j * np.pi"),
+        (
+            "np.sqrt(np.mean((values - columns @ fitted) ** 2))",
+            "np.sqrt(np.sum((values - columns @ fitted) ** 2))",
+        ),
+        ("step * frequencies[-1] >= 0.5", "step * frequencies[-1] >= 1.0"),
+        ("np.diff(time).max()", "np.diff(time).min()"),
+        ("if span * gap < _APART:", "if span * gap < 0.5 * _APART:"),
+        ("return float(abs(value))", "return float(value.real)"),
+        ("{self.frequencies_hz[j]:>9.4g}", "{self.frequencies_hz[j - 1]:>9.4g}"),
+        ("{abs(self.amplitudes[j]):>10.4g}", "{2 * abs(self.amplitudes[j]):>10.4g}"),
+    ),
+    *_faults(
+        "orders/channel.py",
+        "signals",
+        (
+            '_POINT = {"v": "m", "w": "m", "twist": "rad"}',
+            '_POINT = {"w": "m", "v": "m", "twist": "rad"}',
+        ),
+        ('"twist": "rad"}', '"twist": "°"}'),
+        ('_BEARING = {"y": "N", "z": "N"}', '_BEARING = {"z": "N", "y": "N"}'),
+        ('"stiffness": "N/m",', '"stiffness": "N",'),
+        ('"deflection": "m",', '"deflection": "µm",'),
+        (
+            'return Channel("energy", "J", response.energy)',
+            'return Channel("energy", "J", response.energy - response.energy[0])',
+        ),
+    ),
+    *_faults(
+        "orders/kinematics.py",
+        "signals",
+        (
+            "tooth = driver.teeth * ratios[driver.shaft]",
+            "tooth = driven.teeth * ratios[driver.shaft]",
+        ),
+        ("abs(float(ratio))", "float(ratio)"),
+        ('((1.0, "+"), (-1.0, "−"))', '((-1.0, "+"), (1.0, "−"))'),
+        ("sign * n * ratios[shaft]", "sign * ratios[shaft]"),
+        ("for n in range(1, harmonics + 1):", "for n in range(1, harmonics):"),
+        ("for m in range(1, harmonics + 1):", "for m in range(1, harmonics):"),
+        ("if value > 0.0:", "if value > 1.0:"),
+    ),
+    *_faults(
+        "orders/waterfall.py",
+        "signals",
+        ("spectrum(run, of, quantity, window=window)", "spectrum(run, of, quantity)"),
+        ("spectrum(run, of, quantity, window=window)", "spectrum(run, of, window=window)"),
+        ("for each in spectra])[order]", "for each in spectra])"),
+        ("np.array(speeds)[order]", "np.array(speeds)"),
+        ("speeds.append(abs(run.speed))", "speeds.append(run.speed)"),
+        ("runs[0].kinematics", "None"),
+        ("rtol=1e-6, atol=0.0", "rtol=1e-1, atol=0.0"),
+    ),
+    *_faults(
+        "orders/figures.py",
+        "figure_labels",
+        (
+            "panel.semilogy(result.frequencies_hz, result.amplitudes)",
+            "panel.semilogy(result.frequencies_hz, 1e6 * result.amplitudes)",
+        ),
+        (
+            "panel.barh(np.arange(len(chosen)), amplitudes[chosen]",
+            "panel.barh(np.arange(len(chosen)), amplitudes[: len(chosen)]",
+        ),
+        (
+            'xlabel=f"amplitude of {result.label} [{result.unit}]"',
+            'xlabel=f"amplitude of {result.label}"',
+        ),
+        ("[:count])", "[: count - 1])"),
+        ("ax=panel, label=f", "ax=panel, location='right'); (f"),
+        ("order.value * result.speeds / (2.0 * np.pi)", "order.value * result.speeds"),
+        (
+            'ylabel="speed of the reference shaft [rad/s]"',
+            'ylabel="speed of the reference shaft [rpm]"',
+        ),
+        ("panel.set_xlim(0.0, highest)", "panel.set_xlim(0.0, 2.0 * highest)"),
+    ),
+    *_faults(
+        "storage.py",
+        "units_of_files",
+        (
+            '"displacement": ("m", ("time", "point", "axis"))',
+            '"displacement": ("mm", ("time", "point", "axis"))',
+        ),
+        ('"twist": ("rad", ("time", "point"))', '"twist": ("deg", ("time", "point"))'),
+        ('"bearing_force": ("N", ', '"bearing_force": ("kN", '),
+        ('f"energy_{name}": ("J", ', 'f"energy_{name}": ("W", '),
+        ('"mesh_stiffness": ("N/m", ', '"mesh_stiffness": ("N", '),
+        ('"mesh_centre_line_angle": ("rad", ', '"mesh_centre_line_angle": ("°", '),
+        ('"mesh_contact_ratio": ("1", ', '"mesh_contact_ratio": ("%", '),
+        ('{"units": unit}', "{}"),
+        ('np.array(["y", "z"])', 'np.array(["z", "y"])'),
+        ('response.time, {"units": "s"}', 'response.time, {"units": "ms"}'),
+        ('"mesh": ["/".join(pair)', '"mesh": ["/".join(pair[::-1])'),
+        (
+            'columns[f"{name} w [m]"] = data["displacement"][:, i, 1]',
+            'columns[f"{name} w [m]"] = data["displacement"][:, i, 0]',
+        ),
+        ('columns[f"{name} twist [rad]"]', 'columns[f"{name} twist [mrad]"]'),
+        ('enumerate("yz")', 'enumerate("zy")'),
+        ("name in ENERGIES else", "name not in ENERGIES else"),
+        ('"expected_error": response.expected_error', '"expected_error": None'),
+        ('"accuracy": response.accuracy', '"accuracy": None'),
+        ('"events": data["events"]', '"events": []'),
+    ),
+    *_faults(
+        "balance.py",
+        "balance",
+        ("lstsq(table, -before.reshape(-1)", "lstsq(table, before.reshape(-1)"),
+        ("residual=before + influence @ unbalances", "residual=before"),
+        ('found.elastic if of == "elastic" else found.displacement', "found.displacement"),
+        ("unbalance=body.unbalance + unbalance", "unbalance=unbalance"),
+        (
+            "np.linalg.norm(self.residual) / np.linalg.norm(self.before)",
+            "np.linalg.norm(self.before) / np.linalg.norm(self.residual)",
+        ),
+        ("source = found.shafts.index(shaft)", "source = 0"),
+        ('"unbalance") - still for plane', '"unbalance") for plane'),
+        ('before = read(base, "both")', 'before = read(base, "bow")'),
+    ),
+    *_faults(
+        "peak.py",
+        "synchronous_orbits",
+        (
+            "return self.speed / (self.upper - self.lower)",
+            "return 2.0 * self.speed / (self.upper - self.lower)",
+        ),
+        ("/ (factor - 1.5)", "/ (factor - 1.0)"),
+        ("else 10.0 + margin", "else margin"),
+        ("(low - self.speed) / low", "(low - self.speed) / self.speed"),
+        ("(self.speed - high) / high", "(self.speed - high) / self.speed"),
+        ("CRITICALLY_DAMPED = 2.5", "CRITICALLY_DAMPED = 3.5"),
+    ),
+    *_faults(
+        "synchronous.py",
+        "synchronous_orbits",
+        ("(np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0", "np.hypot(np.abs(v), np.abs(w))"),
+        ("circle = v + 1j * w", "circle = v - 1j * w"),
+        ("[:, :, 2 * i : 2 * i + 2]", "[:, :, i : i + 2]"),
+        ("elastic[:, own] -= self._bow[indices]", "elastic[:, own] += self._bow[indices]"),
+        ("elastic[:, own] -= self._bow[indices]", "elastic[:, 0] -= self._bow[indices]"),
+        ("amplitudes=self.amplitudes - run_out", "amplitudes=self.amplitudes + run_out"),
+        (
+            "self.amplitudes[:, :, self.system._twist(name)]",
+            "self.amplitudes[:, :, self.system._twist(name)].conj()",
+        ),
+        ("synchronous(np.array([slow]), self.excitation)", 'synchronous(np.array([slow]), "both")'),
+    ),
+    *_faults(
+        "campbell.py",
+        "tables",
+        ("frequency_hz=float(value.imag) / (2.0 * np.pi)", "frequency_hz=float(value.imag)"),
+        ("self.eigenvalues.imag / (2.0 * np.pi)", "np.abs(self.eigenvalues) / (2.0 * np.pi)"),
+        ("size > 0.0, -eigenvalues.real /", "size > 0.0, eigenvalues.real /"),
+        ("{intersection.mode + 1:>4}", "{intersection.mode:>4}"),
+        ("{100.0 * intersection.damping_ratio:>11.3f}", "{intersection.damping_ratio:>11.3f}"),
+        ('"frequency [Hz]": intersection.frequency_hz', '"frequency [Hz]": intersection.speed'),
+        (
+            '"damping ratio": intersection.damping_ratio',
+            '"damping ratio": 100.0 * intersection.damping_ratio',
+        ),
+        ('intersection.line.kind == "shaft"', 'intersection.line.kind != "shaft"'),
+        ('whole(harmonics, "harmonics")', "1"),
+    ),
+    *_faults(
+        "critical.py",
+        "tables",
+        (
+            'bearing["stiffness"] = float(stiffness)',
+            'bearing["stiffness"] = 2.0 * float(stiffness)',
+        ),
+        ('critical_speeds(number(excitation, "excitation"))', "critical_speeds(1.0)"),
+        ("wanted, float(excitation),", "wanted, 1.0,"),
+    ),
+    *_faults(
+        "modes.py",
+        "tables",
+        ('{"v": "v", "G": "v", "w": "w", "B": "w"', '{"v": "w", "G": "w", "w": "v", "B": "v"'),
+        ("self.shapes.conj() *", "self.shapes *"),
+        ("{100.0 * ratio:>11.3f}", "{ratio:>11.3f}"),
+        ('"damping ratio": self.damping_ratios', '"damping ratio": 100.0 * self.damping_ratios'),
+    ),
+    *_faults(
+        "frequency_plots.py",
+        "figure_labels",
+        ("_MICRO = 1e6", "_MICRO = 1e3"),
+        ("np.degrees(np.unwrap(phase[known]))", "np.unwrap(phase[known])"),
+        ("np.degrees(np.unwrap(phase[known]))", "np.degrees(phase[known])"),
+        ("own if source is None else source", "own"),
+        ('ylabel="phase [°]"', 'ylabel="phase [rad]"'),
+        ('ylabel="amplitude [µm]"', 'ylabel="amplitude [mm]"'),
+        ("100.0 * diagram.damping_ratios[:, mode]", "diagram.damping_ratios[:, mode]"),
+        ("line.order * ends / (2.0 * np.pi)", "line.order * ends"),
+        ('ylabel="frequency [Hz]"', 'ylabel="frequency [rad/s]"'),
+        ('ylabel="critical speed [rad/s]"', 'ylabel="critical speed [rpm]"'),
+        ("found.lines(whirl)[:, :count]", "found.lines(whirl)[:, :4]"),
+        ('f"ω = {found.excitation:g} Ω"', 'f"ω = Ω"'),
+    ),
+    *_faults(
+        "plots.py",
+        "figure_labels",
+        ("_MICRO = 1e6", "_MICRO = 1e3"),
+        ('xlabel="v [µm]", ylabel="w [µm]"', 'xlabel="w [µm]", ylabel="v [µm]"'),
+        ("v[-1:], w[-1:]", "v[:1], w[:1]"),
+        (
+            '_MICRO * response.displacement(name), label=["v", "w"]',
+            '_MICRO * response.displacement(name), label=["w", "v"]',
+        ),
+        ('_MICRO * amplitude, label=["v", "w"]', 'amplitude, label=["v", "w"]'),
+        ("1e3 * response.twist(name)", "1e6 * response.twist(name)"),
+        ('ylabel=f"{_label(name)} [mrad]"', 'ylabel=f"{_label(name)} [rad]"'),
+        ("np.degrees(pair.centre_line_angle)", "np.degrees(pair.pressure_angle)"),
+        ('"pressure angle [°]"', '"pressure angle [rad]"'),
+        ('f"{driver} – {driven}"', 'f"{driven} – {driver}"'),
+        ('xlabel="frequency [Hz]"', 'xlabel="frequency [rad/s]"'),
+        (
+            'xlabel="speed of the reference shaft [rad/s]"',
+            'xlabel="speed of the reference shaft [Hz]"',
+        ),
+        ("label=shaft,", "label=name,"),
+        ('ylabel=f"{label} [J]"', 'ylabel=f"{label} [kJ]"'),
+        ('xlabel="position [m]"', 'xlabel="position [mm]"'),
+        ("return np.real(shape / largest)", "return np.imag(shape / largest)"),
+        ('{"v": "-", "w": "--"}', '{"w": "-", "v": "--"}'),
+    ),
+    *_faults(
+        "shape_plot.py",
+        "shape_plot frequency_plots",
+        ("modes.shapes[number - 1]", "modes.shapes[number - 2]"),
+        ("distance * np.cos(angle)", "-distance * np.cos(angle)"),
+        ("body.module * body.teeth / 2.0", "body.module * body.teeth"),
+        (
+            "np.sqrt(2.0 * body.polar_inertia / body.mass)",
+            "np.sqrt(body.polar_inertia / body.mass)",
+        ),
+        ("position - gamma * y + beta * z", "position + gamma * y + beta * z"),
+        (
+            "np.cos(around + twist), radius * np.sin(around + twist)",
+            "np.cos(around - twist), radius * np.sin(around - twist)",
+        ),
+        ('ylabel="y [m]", zlabel="z [m]"', 'ylabel="z [m]", zlabel="y [m]"'),
+        (
+            "{100.0 * modes.damping_ratios[number - 1]:.2f} %",
+            "{modes.damping_ratios[number - 1]:.2f} %",
+        ),
+        ("np.conj(largest) / np.abs(largest)", "largest / np.abs(largest)"),
+        ("segment.outer_diameter / 2.0", "segment.outer_diameter"),
+    ),
+    *_faults(
+        "tradeoff/signals.py",
+        "tradeoff_numbers",
+        ("_rms(mine - others) / swing", "_rms(mine - others)"),
+        ("_rms(values - values.mean(axis=0))", "_rms(values)"),
+        ("np.sum(values**2, axis=1)", "np.sum(np.abs(values), axis=1)"),
+        (
+            "return max(self.errors(other, scale).values())",
+            "return min(self.errors(other, scale).values())",
+        ),
+    ),
+    *_faults(
+        "tradeoff/trial.py",
+        "tradeoff_numbers",
+        ("return max(self.errors.values())", "return min(self.errors.values())"),
+        ("return max(self.error, self.floor)", "return self.error"),
+        ("return self.stepping / self.duration", "return self.seconds / self.duration"),
+        ("self.setup + self.rate * duration", "self.rate * duration"),
+        ("if error > floor else", "if error >= 0.0 else"),
+        ('f"{trial.setup:.2g}"', 'f"{trial.stepping:.2g}"'),
+    ),
+    *_faults(
+        "tradeoff/result.py",
+        "tradeoff_numbers",
+        ("if trial.bound <= wanted:", "if trial.error <= wanted:"),
+        ("(trial.cost(duration), trial.bound)", "(trial.cost(), trial.bound)"),
+        ("simplified or trial.model == GIVEN", "trial.model == GIVEN"),
+        ('"set-up seconds": trial.setup', '"set-up seconds": trial.stepping'),
+        ('"model error": trial.model_error', '"model error": trial.integration_error'),
+        ('"front": trial in front', '"front": trial not in front'),
+    ),
+    *_faults(
+        "tradeoff/study.py",
+        "tradeoff",
+        ("run.swing.error(own.swing, reference)", "run.swing.error(reference, reference)"),
+        ("model_error=own.swing.error(", "model_error=run.swing.error("),
+        (
+            "self.reference.swing.errors(run.swing, run.swing)",
+            "run.swing.errors(run.swing, run.swing)",
+        ),
+    ),
+    *_faults(
+        "tradeoff/figure.py",
+        "tradeoff_numbers",
+        (
+            "[trial.bound for trial in trials], [trial.cost(duration)",
+            "[trial.error for trial in trials], [trial.cost(duration)",
+        ),
+        ("[trial.cost(duration) for trial in trials]", "[trial.cost() for trial in trials]"),
+        ('f"CPU time of {simulated:g} s [s]"', 'f"CPU time of {simulated:g} s [ms]"'),
+    ),
+    *_faults(
+        "speed.py",
+        "speed_and_bow",
+        (
+            "cls.table([begin, begin + duration], [start, end])",
+            "cls.table([0.0, duration], [start, end])",
+        ),
+        ("np.array([slopes, values[:-1]])", "np.array([slopes, values[1:]])"),
+        ("speed = speed * since + row[piece]", "speed = speed * t + row[piece]"),
+        ("(-5.5 * a + 9.0 * b - 4.5 * c + d) / h", "(-5.5 * a + 9.0 * b - 4.5 * c + d)"),
+    ),
+    *_faults(
+        "bow.py",
+        "speed_and_bow",
+        (
+            'cls("half_sine", amplitude=amplitude, phase=phase)',
+            'cls("half_sine", amplitude=amplitude)',
+        ),
+        (
+            'cls("sag", amplitude=amplitude, phase=phase)',
+            'cls("half_sine", amplitude=amplitude, phase=phase)',
+        ),
+        ("phase=phase, number=number", "phase=phase, number=1"),
+        ("np.abs(curve), np.angle(curve)", "np.abs(curve), -np.angle(curve)"),
+        ("np.linspace(0.0, length, SAMPLES)", "np.linspace(0.0, 1.0, SAMPLES)"),
+        ("[angles] * len(deflections)", "[0.0] * len(deflections)"),
+    ),
+]

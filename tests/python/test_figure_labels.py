@@ -1,0 +1,245 @@
+"""Labels, units and scales of all figures against a table that is written here by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference import scenes
+from reference.bows import HalfSine
+from reference.records import of_series, response
+from test_synchronous import jeffcott
+
+TIME = 1e-3 * np.arange(64)
+
+
+def labels(figure) -> list[tuple[str, str]]:
+    """Labels (x, y) of all panels."""
+    return [(panel.get_xlabel(), panel.get_ylabel()) for panel in figure.axes]
+
+
+def curves(panel) -> dict[str, np.ndarray]:
+    """Points of the labelled lines of a panel, shape (k, 2)."""
+    return {
+        str(line.get_label()): np.asarray(line.get_xydata())
+        for line in panel.get_lines()
+        if not str(line.get_label()).startswith("_")
+    }
+
+
+class TestResponse:
+    """Figures of a time history."""
+
+    def test_orbits(self):
+        made = response(TIME)
+        figure = made.plot("orbits", ["g2", ("output", 0.3)])
+        assert labels(figure) == [("v [µm]", "w [µm]")] * 2
+        assert [panel.get_title() for panel in figure.axes] == ["g2", "output at 0.3 m"]
+        path, end = figure.axes[0].get_lines()
+        np.testing.assert_allclose(path.get_xydata(), 1e6 * made.displacement("g2"))
+        np.testing.assert_allclose(end.get_xydata(), 1e6 * made.displacement("g2")[-1:])
+
+    def test_history(self):
+        made = response(TIME)
+        figure = made.plot("history", ["g1", "wheel"])
+        assert labels(figure) == [("", "g1 [µm]"), ("time [s]", "wheel [µm]")]
+        for panel, name in zip(figure.axes, ("g1", "wheel"), strict=True):
+            for component, label in enumerate(("v", "w")):
+                expected = np.column_stack([TIME, 1e6 * made.displacement(name)[:, component]])
+                np.testing.assert_allclose(curves(panel)[label], expected)
+
+    def test_twist(self):
+        made = response(TIME)
+        figure = made.plot("twist", ["g3"])
+        assert labels(figure) == [("time [s]", "g3 [mrad]")]
+        (line,) = figure.axes[0].get_lines()
+        np.testing.assert_allclose(
+            line.get_xydata(), np.column_stack([TIME, 1e3 * made.twist("g3")])
+        )
+
+    def test_mesh(self):
+        made = response(TIME)
+        figure = made.plot("mesh", [("g3", "g4")])
+        assert labels(figure) == [
+            ("", "contact ratio"),
+            ("", "pressure angle [°]"),
+            ("time [s]", "line of centres [°]"),
+        ]
+        assert figure.axes[0].get_title() == "g3 – g4"
+        mesh = made.mesh("g3", "g4")
+        degrees = 180.0 / np.pi
+        expected = (
+            mesh.contact_ratio,
+            degrees * mesh.pressure_angle,
+            degrees * mesh.centre_line_angle,
+        )
+        for panel, values in zip(figure.axes, expected, strict=True):
+            np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
+
+    def test_spectrum(self):
+        # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both on lines of the record
+        made = response(TIME)
+        motion = made._data["displacement"]
+        motion[:, 0, 0] = 2e-6 * np.cos(2 * np.pi * 125.0 * TIME)
+        motion[:, 0, 1] = 5e-6 * np.cos(2 * np.pi * 250.0 * TIME)
+        figure = made.plot("spectrum", ["g1"])
+        assert labels(figure) == [("frequency [Hz]", "g1 [µm]")]
+        for label, frequency, amplitude in (("v", 125.0, 2.0), ("w", 250.0, 5.0)):
+            line = curves(figure.axes[0])[label]
+            assert line[np.argmax(line[:, 1])] == pytest.approx([frequency, amplitude])
+
+    def test_energy_balance(self):
+        balance = response(TIME).energy_balance()
+        figure = balance.plot()
+        assert labels(figure) == [
+            ("", "energy [J]"),
+            ("", "work [J]"),
+            ("time [s]", "residual [J]"),
+        ]
+        energy, work, residual = (curves(panel) for panel in figure.axes)
+        for drawn, terms, total in (
+            (energy, ("kinetic", "shafts", "bearings", "meshes"), balance.total),
+            (
+                work,
+                ("torque", "gravity", "drive", "unbalance", "teeth", "damping"),
+                balance.work,
+            ),
+            (residual, (), balance.residual),
+        ):
+            assert set(drawn) == {*terms, "all"}
+            for name in terms:
+                np.testing.assert_array_equal(drawn[name][:, 1], getattr(balance, name))
+            np.testing.assert_array_equal(drawn["all"][:, 1], total)
+
+
+class TestOrders:
+    """Figures of spectra, orders and waterfalls."""
+
+    def test_spectrum(self):
+        found = response(TIME).spectrum(("g1", "g2"), "stiffness")
+        figure = found.plot()
+        assert labels(figure) == [("frequency [Hz]", "g1/g2 stiffness [N/m]")]
+        (line,) = figure.axes[0].get_lines()
+        np.testing.assert_array_equal(
+            line.get_xydata(), np.column_stack([found.frequencies_hz, found.amplitudes])
+        )
+
+    def test_bars_are_the_largest_orders(self):
+        time = 1e-3 * np.arange(6000)
+        content = {0.16: 5e-6, 0.4: 1e-6, 1.0: 3e-6}  # of output, middle, input
+        made = of_series(time, sum(a * np.cos(100 * r * time) for r, a in content.items()))
+        figure = made.orders("g1", "w", shaft_harmonics=2, mesh_harmonics=0).plot(2)
+        (panel,) = figure.axes
+        assert panel.get_xlabel() == "amplitude of g1 w [m]"
+        assert [bar.get_width() for bar in panel.patches] == pytest.approx([5e-6, 3e-6])
+        hertz = 100.0 / (2 * np.pi)
+        assert [text.get_text() for text in panel.get_yticklabels()] == [
+            f"1× output ({0.16 * hertz:.4g} Hz)",
+            f"1× input ({hertz:.4g} Hz)",
+        ]
+
+    def test_waterfall(self):
+        speeds = 2 * np.pi * np.array([20.0, 40.0])
+        time = 1e-3 * np.arange(500)
+        runs = [of_series(time, 1e-6 * np.cos(s * time), s) for s in speeds]
+        figure = gb.waterfall(runs, "g1", "w").plot(60.0)
+        panel, bar = figure.axes
+        assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
+        assert bar.get_ylabel() == "g1 w [m]"
+        assert panel.get_xlim() == (0.0, 60.0)
+        # at 20 and 40 turns a second the input shaft is at 20 Hz and 40 Hz, the middle one at 8 Hz and 16 Hz
+        lines = [line.get_xydata() for line in panel.get_lines()]
+        for ratio in (1.0, 0.4, 0.16):
+            expected = np.column_stack([ratio * np.array([20.0, 40.0]), speeds])
+            assert any(np.allclose(line, expected) for line in lines), ratio
+
+
+class TestSpeed:
+    """Figures over the speed."""
+
+    def test_campbell(self):
+        # damping that is not small: 0.4 and 40 are far apart
+        system = jeffcott(damping=4e3)
+        found = system.campbell([0.0, 100.0, 200.0, 300.0], count=4)
+        figure = found.plot()
+        assert labels(figure) == [
+            ("", "frequency [Hz]"),
+            ("speed of the reference shaft [rad/s]", "damping ratio [%]"),
+        ]
+        upper, lower = figure.axes
+        drawn = np.concatenate([np.ravel(line.get_ydata()) for line in lower.get_lines()])
+        for value in found.damping_ratios.flat:
+            assert np.abs(drawn - 100.0 * value).min() <= 1e-12 * abs(100.0 * value)
+        # the excitation by the shaft ends at 300 rad/s, which is 47.7 Hz
+        ends = [
+            tuple(line.get_xydata()[-1]) for line in upper.get_lines() if len(line.get_xdata()) == 2
+        ]
+        assert any(end == pytest.approx((300.0, 300.0 / (2 * np.pi))) for end in ends)
+
+    @pytest.mark.parametrize("count", [1, 3])
+    def test_critical_speed_map(self, count: int):
+        found = scenes.v2().critical_speed_map([1e6, 1e7], excitation=2.0)
+        figure = found.plot(count)
+        assert labels(figure) == [("stiffness of every bearing [N/m]", "critical speed [rad/s]")]
+        assert figure.axes[0].get_title() == "ω = 2 Ω"
+        assert len(figure.axes[0].get_lines()) == 2 * count  # forward and backward
+        for label in ("forward", "backward"):
+            expected = np.column_stack([[1e6, 1e7], found.lines(label)[:, 0]])
+            np.testing.assert_array_equal(curves(figure.axes[0])[label], expected)
+
+    def test_bode(self):
+        # the unbalance stands at -2.5 rad: through the critical speed the phase passes -180 degrees
+        system = jeffcott(eccentricity=1e-5 * np.exp(-2.5j))
+        critical = abs(system.modes(count=1).eigenvalues[0])
+        found = system.synchronous(critical * np.linspace(0.5, 2.0, 60))
+        figure = found.bode(["disk"])
+        assert labels(figure) == [
+            ("", "phase [°]"),
+            ("speed of the reference shaft [rad/s]", "amplitude [µm]"),
+        ]
+        phase = figure.axes[0].get_lines()[0].get_ydata()
+        assert np.abs(np.diff(phase)).max() < 180.0
+        ends = np.degrees(-2.5 + np.array([0.0, -np.pi]))
+        assert phase[[0, -1]] == pytest.approx(ends, abs=2.0)  # damping of 0.8 %: 1.2° at 0.5 and 2
+        amplitude = figure.axes[1].get_lines()[0].get_ydata()
+        np.testing.assert_allclose(amplitude, 1e6 * found.orbit("disk")[:, 0])
+
+    def test_a_shaft_that_is_named_as_the_source(self):
+        system = scenes.Geared(bows={"middle": HalfSine(1e-4, 0.5)}).package()
+        found = system.synchronous(np.linspace(10.0, 300.0, 12))
+        lower = found.bode(["g1"], source="middle").axes[1]
+        np.testing.assert_allclose(lower.get_lines()[0].get_ydata(), 1e6 * found.orbit("g1")[:, 1])
+
+    def test_synchronous(self):
+        bows = {"input": HalfSine(1e-4), "output": HalfSine(5e-5)}
+        found = scenes.Geared(bows=bows).package().synchronous([50.0, 100.0, 150.0])
+        figure = found.plot(["g1", "g4"])
+        assert labels(figure) == [
+            ("", "g1 [µm]"),
+            ("speed of the reference shaft [rad/s]", "g4 [µm]"),
+        ]
+        for panel, name in zip(figure.axes, ("g1", "g4"), strict=True):
+            drawn = curves(panel)
+            assert set(drawn) == {"input", "output"}
+            for shaft, label in ((0, "input"), (2, "output")):
+                expected = np.column_stack([found.speeds, 1e6 * found.orbit(name)[:, shaft]])
+                np.testing.assert_allclose(drawn[label], expected)
+
+
+def test_mode_shapes():
+    # soft along y: the first bending mode is one of v alone, the second one of w alone
+    rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 1e9)) for x in (0.0, 1.0)]
+    modes = gb.RotorSystem([rotor], bearings=bearings, motion="lateral").modes(count=2)
+    figure = modes.plot(count=2)
+    assert labels(figure) == [("position [m]", "v (w dashed)")] * 2
+    for mode, panel in enumerate(figure.axes):
+        solid, dashed = panel.get_lines()
+        assert (solid.get_linestyle(), dashed.get_linestyle()) == ("-", "--")
+        moving, still = (solid, dashed) if mode == 0 else (dashed, solid)
+        np.testing.assert_allclose(moving.get_xdata(), [0.0, 0.25, 0.5, 0.75, 1.0])
+        assert np.max(moving.get_ydata()) == pytest.approx(1.0)
+        assert np.abs(still.get_ydata()).max() < 1e-6
+        # one half wave, symmetric about the middle
+        np.testing.assert_allclose(moving.get_ydata(), moving.get_ydata()[::-1], atol=1e-6)

@@ -1,0 +1,40 @@
+"""The table of planted faults fits the source code; `tests/mutation/run.py` plants them."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+from pathlib import Path
+
+import pytest
+
+import gearbow
+
+TABLE = runpy.run_path(str(Path(__file__).parents[1] / "mutation" / "faults.py"))["FAULTS"]
+PACKAGE = Path(gearbow.__file__).parent
+MODULES = sorted({fault.module for fault in TABLE})
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_fault_changes_one_place_of_its_module(module: str):
+    source = (PACKAGE / module).read_text(encoding="utf-8")
+    original = ast.dump(ast.parse(source))
+    changed = set()
+    for fault in TABLE:
+        if fault.module != module:
+            continue
+        assert source.count(fault.text) == 1, (
+            f"{module} must hold {fault.text!r} once: adapt the entry in tests/mutation/faults.py"
+        )
+        planted = ast.dump(ast.parse(source.replace(fault.text, fault.replacement)))
+        assert planted != original, f"{fault.replacement!r} is no fault"
+        assert planted not in changed, f"{fault.replacement!r} is planted twice"
+        changed.add(planted)
+
+
+def test_every_fault_names_tests_that_exist():
+    assert len(TABLE) >= 40
+    for fault in TABLE:
+        assert fault.tests
+        for name in fault.tests:
+            assert (Path(__file__).parent / f"test_{name}.py").is_file(), name

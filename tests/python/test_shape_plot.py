@@ -1,0 +1,91 @@
+"""A mode in space: geometry of circles that move, radii, titles, axes and orbits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.shape_plot import _outer, _radius, _ring, _turned
+
+
+def rotor() -> gb.RotorSystem:
+    """A disk on a shaft with a step, whose bearings are softer along y."""
+    return gb.RotorSystem(
+        [
+            gb.Shaft(
+                "s",
+                segments=[
+                    gb.Segment(length=0.3, outer_diameter=0.04, elements=2),
+                    gb.Segment(length=0.5, outer_diameter=0.06, elements=2),
+                ],
+            )
+        ],
+        disks=[gb.Disk("disk", "s", 0.3, 10.0, 0.05, 0.1)],
+        bearings=[gb.Bearing("s", x, stiffness=(1e6, 2e6), damping=3e2) for x in (0.0, 0.8)],
+        motion="lateral",
+    )
+
+
+def test_a_circle_moves_as_a_cross_section_does():
+    # at an angle of 90 degrees a point of the circle is at (y, z) = (0, r), at 0 degrees at (r, 0)
+    x, r, quarter = 0.3, 0.1, np.pi / 2
+    around = np.array([0.0, quarter])
+    rest = [[x, r, 0.0], [x, 0.0, r]]
+    assert _ring(x, r, np.zeros(5), around) == pytest.approx(np.array(rest))
+    # a translation moves all points alike
+    moved = _ring(x, r, np.array([0.01, 0.02, 0.0, 0.0, 0.0]), around)
+    assert moved == pytest.approx(np.add(rest, [0.0, 0.01, 0.02]))
+    # plane sections: u = -y dv/dx - z dw/dx, with dv/dx = Γ and dw/dx = -B
+    tilted = _ring(x, r, np.array([0.0, 0.0, 0.1, 0.2, 0.0]), around)
+    assert tilted == pytest.approx(np.array([[x - 0.1 * r, r, 0.0], [x + 0.2 * r, 0.0, r]]))
+    # a positive twist turns y towards z
+    twisted = _ring(x, r, np.array([0.0, 0.0, 0.0, 0.0, 0.3]), np.array([0.0]))
+    assert twisted == pytest.approx(np.array([[x, r * np.cos(0.3), r * np.sin(0.3)]]))
+
+
+def test_radii():
+    gear = gb.Gear("g", "s", 0.1, 25, module=3e-3, face_width=0.03)
+    assert _radius(gear) == pytest.approx(0.0375)
+    # I_p = m r² / 2 of a thin disk
+    assert _radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
+    (shaft,) = rotor().shafts
+    assert [_outer(shaft, x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
+        [0.02, 0.02, 0.03, 0.03]
+    )
+
+
+def test_a_shape_is_drawn_where_it_is_largest():
+    shape = np.array([1.0 + 1.0j, 3.0j, -1.0])
+    turned = _turned(shape, shape)
+    assert turned[1] == pytest.approx(3.0)
+    assert np.abs(turned) == pytest.approx(np.abs(shape))
+    assert turned[0] == pytest.approx(1.0 - 1.0j)
+
+
+@pytest.mark.parametrize(("number", "moving"), [(1, 1), (2, 2)])
+def test_a_mode_is_drawn_in_its_plane(number: int, moving: int):
+    # the first mode moves along y, the second along z
+    modes = rotor().modes(count=2)
+    figure = modes.plot(number)
+    (axes,) = figure.axes
+    assert [axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()] == ["x [m]", "y [m]", "z [m]"]
+    title = figure.get_suptitle()
+    assert title.startswith(f"mode {number}: {modes.frequencies_hz[number - 1]:.1f} Hz, ")
+    assert modes.damping_ratios[number - 1] > 1e-3
+    assert f"damping {100 * modes.damping_ratios[number - 1]:.2f} %" in title
+    lines = [np.array(line.get_data_3d()) for line in axes.get_lines()]
+    # the orbit of the disk: it stays at x = 0.3 m and moves in one plane
+    radius = np.sqrt(2 * 0.1 / 10.0)
+    orbits = [
+        line
+        for line in lines
+        if line.shape[1] > 2 and np.ptp(line[0]) < 1e-12 and np.abs(line[1:]).max() < 0.9 * radius
+    ]
+    (orbit,) = orbits
+    assert orbit[0, 0] == pytest.approx(0.3)
+    assert np.ptp(orbit[moving]) > 0.02
+    assert np.ptp(orbit[3 - moving]) < 1e-3 * np.ptp(orbit[moving])
+    # it begins at its largest
+    first = {1: [0.3, np.abs(orbit[1]).max(), 0.0], 2: [0.3, 0.0, np.abs(orbit[2]).max()]}[moving]
+    assert orbit[:, 0] == pytest.approx(first, abs=1e-3)
