@@ -72,6 +72,8 @@ FAULTS: list[Fault] = [
         ("mesh_harmonics=mesh_harmonics,", "mesh_harmonics=3,"),
         ("spectrum(self, of, quantity, window=window)", "spectrum(self, of, quantity)"),
         ("plots.KINDS[kind](self, names)", "plots.KINDS[kind](self, None)"),
+        ("shaft_harmonics: int = 4,", "shaft_harmonics: int = 3,"),
+        ("mesh_harmonics: int = 3,", "mesh_harmonics: int = 2,"),
     ),
     *_faults(
         "energy.py",
@@ -103,6 +105,8 @@ FAULTS: list[Fault] = [
             "amplitudes(response.time, signal.values, window)",
             "amplitudes(response.time, signal.values)",
         ),
+        ('values: Array, window: str = "hann"', 'values: Array, window: str = "flat top"'),
+        ("> 1e-6 * abs(steps[0])", "> 1e-2 * abs(steps[0])"),
     ),
     *_faults(
         "orders/fit.py",
@@ -123,6 +127,9 @@ FAULTS: list[Fault] = [
         ("return float(abs(value))", "return float(value.real)"),
         ("{self.frequencies_hz[j]:>9.4g}", "{self.frequencies_hz[j - 1]:>9.4g}"),
         ("{abs(self.amplitudes[j]):>10.4g}", "{2 * abs(self.amplitudes[j]):>10.4g}"),
+        ("time.size <= 2 * frequencies.size + 1:", "time.size < 2 * frequencies.size + 1:"),
+        ("if value < 0:", "if value < -1:"),
+        ("np.diff(frequencies, prepend=0.0)", "np.diff(frequencies)"),
     ),
     *_faults(
         "orders/channel.py",
@@ -153,6 +160,11 @@ FAULTS: list[Fault] = [
         ("for n in range(1, harmonics + 1):", "for n in range(1, harmonics):"),
         ("for m in range(1, harmonics + 1):", "for m in range(1, harmonics):"),
         ("if value > 0.0:", "if value > 1.0:"),
+        (
+            "shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 1",
+            "shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 2",
+        ),
+        ("SAME = 1e-9", "SAME = 2e-2"),
     ),
     *_faults(
         "orders/waterfall.py",
@@ -219,7 +231,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "balance.py",
-        "balance",
+        "balance_numbers balance",
         ("lstsq(table, -before.reshape(-1)", "lstsq(table, before.reshape(-1)"),
         ("residual=before + influence @ unbalances", "residual=before"),
         ('found.elastic if of == "elastic" else found.displacement', "found.displacement"),
@@ -231,6 +243,9 @@ FAULTS: list[Fault] = [
         ("source = found.shafts.index(shaft)", "source = 0"),
         ('"unbalance") - still for plane', '"unbalance") for plane'),
         ('before = read(base, "both")', 'before = read(base, "bow")'),
+        ("for x in nodes)", "for x in list(nodes)[:-1])"),
+        ("planes=chosen,", "planes=chosen[::-1],"),
+        ('of: str = "total"', 'of: str = "elastic"'),
     ),
     *_faults(
         "peak.py",
@@ -259,6 +274,11 @@ FAULTS: list[Fault] = [
             "self.amplitudes[:, :, self.system._twist(name)].conj()",
         ),
         ("synchronous(np.array([slow]), self.excitation)", 'synchronous(np.array([slow]), "both")'),
+        ("np.unique(self.speeds),", "self.speeds,"),
+        (
+            '(number(low, "operating"), number(high, "operating"))',
+            '(number(low, "operating"), number(low, "operating"))',
+        ),
     ),
     *_faults(
         "campbell.py",

@@ -137,6 +137,35 @@ class TestSpectrum:
         assert ratio == pytest.approx(a[1] / (2 * a[0]), abs=1e-9)
         assert np.abs(made.spectrum("g1", "v", window=window).amplitudes).max() == 0.0
 
+    def test_the_default_window_is_hann(self):
+        time = 1e-3 * np.arange(200)
+        made = of_series(time, 2e-6 * np.cos(2 * np.pi * 50.0 * time))
+        expected = amplitudes(time, made.displacement("g1")[:, 1], "hann")[1]
+        direct = amplitudes(time, made.displacement("g1")[:, 1])[1]
+        for found in (
+            direct,
+            made.spectrum("g1", "w").amplitudes,
+            gb.waterfall([made], "g1", "w").amplitudes[0],
+        ):
+            np.testing.assert_array_equal(found, expected)
+
+    @pytest.mark.parametrize("window", list(COSINES))
+    def test_signals_stand_side_by_side(self, window: str):
+        time = 1e-3 * np.arange(200)
+        both = np.stack([np.cos(300.0 * time), 2.0 + np.sin(700.0 * time)], axis=1)
+        found = amplitudes(time, both, window)[1]
+        assert found.shape == (100, 2)
+        for column in range(2):
+            alone = amplitudes(time, both[:, column], window)[1]
+            np.testing.assert_allclose(found[:, column], alone, atol=1e-14)
+
+    def test_unequal_steps_are_refused(self):
+        # one time in a hundred is late by 0.1 % of a step
+        time = 1e-3 * np.arange(100)
+        time[50] += 1e-6
+        with pytest.raises(gb.GearbowError, match="equally spaced"):
+            of_series(time, np.cos(time)).spectrum("g1", "w")
+
 
 class TestOrders:
     """Least squares on the orders of a train."""
@@ -185,6 +214,35 @@ class TestOrders:
         assert {name for order in found.orders for name in order.names} == {
             f"{n}× {shaft}" for n in (1, 2, 3) for shaft in ("input", "middle", "output")
         }
+
+    def test_the_default_orders(self):
+        # four harmonics of each shaft, three of each mesh, one sideband of each of its shafts
+        time = 5e-4 * np.arange(24000)
+        found = of_series(time, np.cos(SPEED * time)).orders("g1", "w")
+        names = {name for order in found.orders for name in order.names}
+        expected = {f"{n}× {shaft}" for n in range(1, 5) for shaft in ("input", "middle", "output")}
+        for pair, shafts in (("g1–g2", ("input", "middle")), ("g3–g4", ("middle", "output"))):
+            for m in (1, 2, 3):
+                expected.add(f"{m}× mesh {pair}")
+                expected |= {f"{m}× mesh {pair} {s} 1× {shaft}" for s in "+−" for shaft in shafts}
+        assert names == expected
+        assert names == {name for order in KINEMATICS.orders() for name in order.names}
+
+    def test_there_must_be_more_times_than_unknowns(self):
+        # three orders and a mean are seven unknowns
+        asked = {"shaft_harmonics": 1, "mesh_harmonics": 0}
+        for count in (7, 8):
+            time = np.linspace(0.0, 0.05 * count, count)
+            made = of_series(time, np.cos(5.0 * time), speed=5.0)
+            with pytest.raises(gb.GearbowError) as caught:
+                made.orders("g1", "w", **asked)
+            assert ("need more than 7 times" in str(caught.value)) == (count == 7)
+
+    @pytest.mark.parametrize("name", ["shaft_harmonics", "mesh_harmonics", "sidebands"])
+    def test_a_negative_number_is_refused(self, name: str):
+        time = 1e-3 * np.arange(100)
+        with pytest.raises(gb.SceneError, match=f"{name}: must not be negative"):
+            of_series(time, time).orders("g1", "w", **{name: -1})
 
     def test_a_table_has_the_values_in_its_columns(self):
         time = 1e-3 * np.arange(6000)

@@ -10,7 +10,7 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.bows import HalfSine
-from test_synchronous import BOWED
+from test_synchronous import BOWED, jeffcott
 
 SPEEDS = np.array([60.0, 250.0])
 
@@ -105,3 +105,16 @@ def test_the_required_margin_of_api_684(factor: float, speed: float):
     distance = 100 * 30 / (90 if speed < 100 else 110)
     assert peak.separation_margin == pytest.approx(distance)
     assert peak.acceptable == (factor < 2.5 or distance >= margin)
+
+
+@pytest.mark.parametrize("operating", [700.0, (650.0, 700.0)])
+def test_peaks_keep_the_operating_speeds(operating: float | tuple[float, float]):
+    # speeds in any order, and twice
+    system = jeffcott()
+    critical = abs(system.modes(count=1).eigenvalues[0])
+    speeds = critical * np.linspace(0.2, 3.0, 30)
+    given = np.concatenate([speeds[::-1], speeds[:3]])
+    (peak,) = system.synchronous(given).peaks("disk", operating=operating)
+    assert peak.operating == (operating if isinstance(operating, tuple) else (700.0, 700.0))
+    assert peak.speed == pytest.approx(critical, rel=1e-2)
+    assert peak.lower < peak.speed < peak.upper

@@ -68,6 +68,9 @@ def test_a_netcdf_file_has_units_and_labels(tmp_path):
     # without the default decoding, as a program that knows nothing of gearbow reads it
     with xarray.open_dataset(tmp_path / "run.nc", engine="h5netcdf", decode_times=False) as dataset:
         check_dataset(dataset, made)
+        np.testing.assert_array_equal(dataset["final_state"], np.arange(4.0))
+        # no value stands for a missing one
+        assert all("_FillValue" not in dataset[name].encoding for name in VARIABLES)
 
 
 def test_a_table_has_a_column_for_every_series():

@@ -52,7 +52,15 @@ def response(time: np.ndarray, speed: float = 100.0, **data: Any) -> gb.Response
         "energy": 5.0 + numbers.standard_normal(rows),
         "energy_terms": {name: numbers.standard_normal(rows) for name in (*ENERGIES, *WORKS)},
         "events": [(0.25, "g3", "g4", "separation"), (0.5, "g1", "g2", "contact")],
-        "final": {"method": "rk45", "time": float(time[-1]), "state": np.arange(4.0)},
+        "final": {
+            "method": "rk45",
+            "time": float(time[-1]),
+            "tick": 2**62 + 1,
+            "state": np.arange(4.0),
+            "modes": np.array([1.0 + 2.0j, -3.0j]),
+            "ticks": np.array([2**53 + 1, -1], dtype=np.int64),
+            "none": np.empty(0),
+        },
         "statistics": {
             "steps": 4,
             "rejected": 1,
