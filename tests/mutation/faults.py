@@ -413,7 +413,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "tradeoff/study.py",
-        "tradeoff",
+        "tradeoff_numbers tradeoff",
         ("run.swing.error(own.swing, reference)", "run.swing.error(reference, reference)"),
         ("model_error=own.swing.error(", "model_error=run.swing.error("),
         (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import gearbow as gb
 from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.signals import Signal, Swing
 from gearbow.tradeoff.trial import Trial
+from reference.bows import HalfSine
 from reference.records import response
 from reference.scenes import PAIR
 
@@ -190,3 +192,23 @@ def test_the_diagram(duration: float | None):
     expected = np.column_stack([[3e-4, FLOOR], costs])
     np.testing.assert_allclose(lines["exponential"], expected)
     np.testing.assert_allclose(lines["4 modes"], [[8e-3, {None: 0.15, 10.0: 2.05}[duration]]])
+
+
+def test_the_error_of_a_model_is_that_of_its_tight_run():
+    # the tight run of a simplified model is the last of its rows
+    study = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2).package().tradeoff(
+        2e-3, 100.0, of="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
+        initial="rest", repeats=1, budget=60.0,
+    )  # fmt: skip
+    models = {trial.model for trial in study.trials} - {"as given"}
+    assert models
+    for model in models:
+        *others, tight = [trial for trial in study.trials if trial.model == model]
+        assert others
+        assert tight.integration_error == 0.0
+        assert tight.model_error == tight.error
+        for other in others:
+            assert other.model_error == tight.error
+            # a looser run has an error of its own
+            assert other.integration_error > 0.0
+            assert other.error != tight.error
