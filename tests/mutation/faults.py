@@ -123,6 +123,7 @@ FAULTS: list[Fault] = [
         ),
         ("step * frequencies[-1] >= 0.5", "step * frequencies[-1] >= 1.0"),
         ("np.diff(time).max()", "np.diff(time).min()"),
+        ("span = float(time[-1] - time[0])", "span = float(time[-1])"),
         ("if span * gap < _APART:", "if span * gap < 0.5 * _APART:"),
         ("return float(abs(value))", "return float(value.real)"),
         ("{self.frequencies_hz[j]:>9.4g}", "{self.frequencies_hz[j - 1]:>9.4g}"),
