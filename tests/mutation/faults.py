@@ -246,6 +246,7 @@ FAULTS: list[Fault] = [
         ('before = read(base, "both")', 'before = read(base, "bow")'),
         ("for x in nodes)", "for x in list(nodes)[:-1])"),
         ("planes=chosen,", "planes=chosen[::-1],"),
+        ("float(plane[1]), 0.0, 0.0, 0.0)", "float(plane[1]), 0.0, 1.0, 0.0)"),
         ('of: str = "total"', 'of: str = "elastic"'),
     ),
     *_faults(

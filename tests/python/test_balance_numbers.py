@@ -54,3 +54,11 @@ def test_the_reduction_is_the_residual_over_what_was_there():
     expected = np.sqrt(np.sum(np.abs(found.residual) ** 2) / np.sum(np.abs(found.before) ** 2))
     assert found.reduction == pytest.approx(expected, rel=1e-12)
     assert expected < 1.0
+
+
+def test_a_plane_without_a_body_has_no_mass():
+    found = rotor().balance([("s", 0.25)], SPEEDS)
+    (plane,) = (disk for disk in found.system.disks if disk.name == "balance s 0.25")
+    assert (plane.shaft, plane.position) == ("s", 0.25)
+    assert (plane.mass, plane.diametral_inertia, plane.polar_inertia) == (0.0, 0.0, 0.0)
+    assert plane.unbalance == pytest.approx(found.unbalances[0], rel=1e-15)
