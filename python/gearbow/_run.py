@@ -1,21 +1,32 @@
 """Around a simulation: its speed, the times to record, the order of the rows, the progress bar."""
 
+import sys
+import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from operator import index
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from gearbow._types import Array, Plain, Progress, RunData
-from gearbow.errors import SceneError
+from gearbow.errors import RunTimeWarning, SceneError
 from gearbow.speed import SpeedProfile
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 #: What the speed of a run may be given as.
 SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
+
+#: A run that is estimated to take longer than this is worth a warning [s].
+LONG_RUN = 3600.0
+#: How long a run is watched before its run time is estimated [s].
+WATCHED = 1.0
 
 #: More recorded times than this are refused: the gears of a pair alone would fill 10 GB.
 MOST_TIMES = 100_000_000
@@ -128,19 +139,64 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
 
 @contextmanager
 def reported(
-    progress: bool | Progress | None, total: float, unit: str = "s"
+    progress: bool | Progress | None, total: float, unit: str = "s", *, estimate: bool = True
 ) -> Iterator[Progress | None]:
-    """Give what is called with the fraction done; True is a bar, in simulated seconds or else."""
+    """Give what is called with the fraction done; True is a bar, in simulated seconds or else.
+
+    With `estimate`, a run of more than an hour is warned of.
+    """
     if progress is not True:
-        yield progress or None
+        report = progress or None
+        yield _Estimate(report) if estimate else report
         return
     with tqdm(
         total=total,
         bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} " + unit + " [{elapsed}<{remaining}]",
+        # Every report is shown, however little was done: the remaining time stands beside it.
+        miniters=0,
     ) as bar:
 
-        def report(fraction: float) -> None:
+        def show(fraction: float) -> None:
             bar.update(fraction * total - bar.n)
 
-        yield report
-        report(1.0)
+        yield _Estimate(show) if estimate else show
+        show(1.0)
+
+
+class _Estimate:
+    """Passes the fraction done on, and warns once of a run of more than an hour."""
+
+    def __init__(self, report: Progress | None) -> None:
+        self._report = report
+        self._first: tuple[float, float] | None = None
+        self._told = False
+
+    def __call__(self, fraction: float) -> None:
+        if self._report is not None:
+            self._report(fraction)
+        now = time.perf_counter()
+        # A run that is continued begins with a part done; the set-up before the first report counts
+        # for nothing.
+        begin, done = self._first = self._first or (now, fraction)
+        elapsed = now - begin
+        if self._told or elapsed < WATCHED or fraction <= done:
+            return
+        self._told = True
+        left = elapsed * (1.0 - fraction) / (fraction - done)
+        if elapsed + left > LONG_RUN:
+            warnings.warn(
+                f"simulate: takes about {(elapsed + left) / 3600.0:.3g} h at the pace of the first "
+                f"{elapsed:.2g} s; shorten the duration, loosen rtol, use fewer elements, or keep "
+                'the run in a file by checkpoint="run.npz"',
+                RunTimeWarning,
+                stacklevel=_outside(),
+            )
+
+
+def _outside() -> int:
+    """Count the frames up to the first one outside the package: the line that asked for the run."""
+    level = 0
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":
+        level, frame = level + 1, frame.f_back
+    return level + 1

@@ -13,6 +13,7 @@ __all__ = [
     "ConvergenceError",
     "GearbowError",
     "MissingExtraError",
+    "RunTimeWarning",
     "SceneError",
     "SceneWarning",
     "StabilityError",
@@ -74,6 +75,14 @@ class CheckpointWarning(UserWarning):
 
 class SceneWarning(UserWarning):
     """A description that is possible but looks like a slip, e.g. unlike base pitches."""
+
+
+class RunTimeWarning(RuntimeWarning):
+    """A run that takes longer than an hour at the pace of its first second.
+
+    The text gives the estimate. An error in its place, by `warnings.simplefilter("error",
+    gb.RunTimeWarning)`, ends the run; the exception carries `.response`, what was computed.
+    """
 
 
 class AccuracyWarning(UserWarning):

@@ -435,7 +435,7 @@ class RotorSystem:
             If the base circles of a pair overlap.
         KeyboardInterrupt
             At Ctrl-C. This and every other error that ends a run has `.response`: what was
-            computed.
+            computed, or None before the first step.
 
         Warns
         -----
@@ -535,6 +535,8 @@ class RotorSystem:
             if partial is not None:
                 error.response = self._response(partial, rows, speed)  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
+            elif not hasattr(error, "response"):
+                error.response = None  # type: ignore[attr-defined]  # it ended before the first step
             raise
         return self._response(data, rows, speed)
 

@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 use nalgebra::{Complex, DVector};
 
-use super::AnalysisError;
+use super::{AnalysisError, Interrupt};
 use crate::modal::{self, CachedModel, OnLine, Quadratic, Whirl};
 use crate::scene::EntryPath;
 
@@ -108,8 +108,14 @@ pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
 /// The `count` lowest modes over ascending `speeds`, with the lines of [`lines`].
 ///
 /// # Errors
-/// [`AnalysisError`] if the speeds do not ascend from zero or above, or a decomposition fails.
-pub fn campbell(cached: &CachedModel, speeds: &[f64], count: usize, harmonics: u32) -> Result<Campbell, AnalysisError> {
+/// [`AnalysisError`] if the speeds do not ascend from zero or above, a decomposition fails, or `interrupt` asks to stop.
+pub fn campbell(
+    cached: &CachedModel,
+    speeds: &[f64],
+    count: usize,
+    harmonics: u32,
+    interrupt: &Interrupt,
+) -> Result<Campbell, AnalysisError> {
     for (index, speed) in speeds.iter().enumerate() {
         let place = EntryPath::entry("speeds", index);
         place.non_negative(*speed)?;
@@ -117,7 +123,7 @@ pub fn campbell(cached: &CachedModel, speeds: &[f64], count: usize, harmonics: u
             return Err(place.error(format!("must be above the one before, got {speed}")).into());
         }
     }
-    let mut tracker = Tracker::new(cached, speeds, count, harmonics)?;
+    let mut tracker = Tracker::new(cached, speeds, count, harmonics, interrupt)?;
     let mut diagram = Campbell {
         eigenvalues: Vec::new(),
         whirl: Vec::new(),
@@ -138,6 +144,7 @@ pub fn campbell(cached: &CachedModel, speeds: &[f64], count: usize, harmonics: u
 /// Where the modes have been followed to.
 struct Tracker<'a> {
     cached: &'a CachedModel,
+    interrupt: &'a Interrupt,
     quadratic: Quadratic,
     lines: Vec<ExcitationLine>,
     /// None before the first of the speeds.
@@ -154,9 +161,16 @@ struct Assignment {
 }
 
 impl<'a> Tracker<'a> {
-    fn new(cached: &'a CachedModel, speeds: &[f64], count: usize, harmonics: u32) -> Result<Self, AnalysisError> {
+    fn new(
+        cached: &'a CachedModel,
+        speeds: &[f64],
+        count: usize,
+        harmonics: u32,
+        interrupt: &'a Interrupt,
+    ) -> Result<Self, AnalysisError> {
         let mut tracker = Self {
             cached,
+            interrupt,
             quadratic: Quadratic::new(cached, 1.0)?,
             lines: lines(cached, harmonics),
             speed: None,
@@ -173,6 +187,7 @@ impl<'a> Tracker<'a> {
     }
 
     fn at(&self, speed: f64) -> Result<Rc<Vec<State>>, AnalysisError> {
+        self.interrupt.check()?;
         let real = self.cached.real_modes(speed)?;
         let weighted = self.cached.model.mass_matrix() * &real.vectors;
         let n = real.frequencies.len();
@@ -263,6 +278,7 @@ impl<'a> Tracker<'a> {
             let order = self.lines[line].order;
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
+                self.interrupt.check()?;
                 let met = self.intersection(order, ends, 0)?;
                 let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
                 let OnLine { speed, eigenvalue, .. } = met;

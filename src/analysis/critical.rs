@@ -1,6 +1,6 @@
 //! Undamped critical speeds, straight from the eigenproblem.
 
-use super::AnalysisError;
+use super::{AnalysisError, Interrupt};
 use crate::modal::{self, CachedModel, Quadratic, Whirl};
 use crate::scene::EntryPath;
 
@@ -17,11 +17,16 @@ pub struct Critical {
 /// 1976, who write it over the whirl ratio).
 ///
 /// # Errors
-/// [`AnalysisError`] if `excitation` is not positive, or a decomposition fails.
-pub fn critical_speeds(cached: &CachedModel, excitation: f64) -> Result<Vec<Critical>, AnalysisError> {
+/// [`AnalysisError`] if `excitation` is not positive, a decomposition fails, or `interrupt` asks to stop.
+pub fn critical_speeds(
+    cached: &CachedModel,
+    excitation: f64,
+    interrupt: &Interrupt,
+) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
     let found = Quadratic::new(cached, 1.0)?.critical(excitation)?;
     let named = |met: modal::OnLine| {
+        interrupt.check()?;
         let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
         Ok(Critical { speed: met.speed, whirl })
     };

@@ -21,9 +21,9 @@ pub enum AnalysisError {
     /// An iteration did not converge.
     #[error("{0}")]
     Convergence(String),
-    /// The observer stopped the run.
-    #[error("interrupted at {0} s")]
-    Interrupted(f64),
+    /// The analysis was asked to stop.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 impl AnalysisError {

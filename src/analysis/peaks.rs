@@ -1,14 +1,15 @@
 //! Peaks of the synchronous response at one place, with the speeds at which it is 1/√2 of them.
 //!
 //! API RP 684 calls the speed of a peak N_c, the two others N₁ and N₂, and N_c/(N₂ − N₁) the amplification factor. Here
-//! all three are found on the response itself, not between the speeds at which it was asked for.
+//! all three are found on the response itself, not between the speeds at which it was asked for. Each sense of rotation
+//! is searched from standstill to its highest speed, so that N₁ is always nearer to standstill than N₂.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Complex;
 
 use super::synchronous::synchronous_of;
-use super::{AnalysisError, ExcitationPart};
+use super::{AnalysisError, ExcitationPart, Interrupt};
 use crate::modal::CachedModel;
 
 /// A maximum is flat: closer than this part of its speed, round-off hides where it is.
@@ -36,18 +37,24 @@ pub struct Peak {
     pub speed: f64,
     /// The semi-axis there, m.
     pub amplitude: f64,
-    /// N₁, rad/s, where the response falls so far within the range.
+    /// N₁, rad/s, between standstill and the peak; none where the response does not fall so far within the range.
     pub lower: Option<f64>,
-    /// N₂, rad/s.
+    /// N₂, rad/s, beyond the peak; none likewise.
     pub upper: Option<f64>,
 }
 
 /// The peaks between ascending `speeds`, each of which shows on these speeds as a local maximum.
 ///
 /// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found.
-pub fn peaks(cached: &CachedModel, probe: Probe, speeds: &[f64]) -> Result<Vec<Peak>, AnalysisError> {
+/// [`AnalysisError`] if the undamped modes cannot be found, or `interrupt` asks to stop.
+pub fn peaks(
+    cached: &CachedModel,
+    probe: Probe,
+    speeds: &[f64],
+    interrupt: &Interrupt,
+) -> Result<Vec<Peak>, AnalysisError> {
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
+        interrupt.check()?;
         let amplitudes = synchronous_of(cached, speed, speed, probe.source, probe.part)?;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
@@ -57,19 +64,36 @@ pub fn peaks(cached: &CachedModel, probe: Probe, speeds: &[f64]) -> Result<Vec<P
         let (v, w) = (v - run_out[0], (w - run_out[1]) * Complex::i());
         Ok(f64::midpoint((v + w).norm(), (v - w).norm()))
     };
+    let backward: Vec<f64> = speeds.iter().rev().filter(|speed| **speed <= 0.0).map(|speed| -speed).collect();
+    let forward: Vec<f64> = speeds.iter().copied().filter(|speed| *speed >= 0.0).collect();
+    let mirrored = |peak: Peak| Peak {
+        speed: -peak.speed,
+        lower: peak.lower.map(|speed| -speed),
+        upper: peak.upper.map(|speed| -speed),
+        ..peak
+    };
+    let found = from_standstill(&|speed| size(-speed), &backward)?.into_iter().rev().map(mirrored);
+    Ok(found.chain(from_standstill(&size, &forward)?).collect())
+}
+
+/// The peaks of `size` between ascending `speeds` that are not negative.
+fn from_standstill(
+    size: &impl Fn(f64) -> Result<f64, AnalysisError>,
+    speeds: &[f64],
+) -> Result<Vec<Peak>, AnalysisError> {
     let sizes = speeds.iter().map(|speed| size(*speed)).collect::<Result<Vec<_>, _>>()?;
     let mut peaks = Vec::new();
     for at in 1..sizes.len().saturating_sub(1) {
         if sizes[at] <= sizes[at - 1] || sizes[at] < sizes[at + 1] {
             continue;
         }
-        let (speed, amplitude) = highest(&size, speeds[at - 1], speeds[at + 1])?;
+        let (speed, amplitude) = highest(size, speeds[at - 1], speeds[at + 1])?;
         let half = FRAC_1_SQRT_2 * amplitude;
         let below = (0..=at).rev().find(|index| speeds[*index] < speed && sizes[*index] < half);
         let above = (at..sizes.len()).find(|index| speeds[*index] > speed && sizes[*index] < half);
         // From the neighbour on the peak's side, or from the peak itself.
-        let lower = below.map(|index| falls(&size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
-        let upper = above.map(|index| falls(&size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
+        let lower = below.map(|index| falls(size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
+        let upper = above.map(|index| falls(size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
         peaks.push(Peak { speed, amplitude, lower, upper });
     }
     Ok(peaks)

@@ -40,7 +40,7 @@ impl From<AnalysisError> for PyErr {
             AnalysisError::Stability(_) => StabilityError::new_err(text),
             AnalysisError::Contact(_) => ContactError::new_err(text),
             AnalysisError::Convergence(_) => ConvergenceError::new_err(text),
-            AnalysisError::Interrupted(_) => PyKeyboardInterrupt::new_err(text),
+            AnalysisError::Interrupted => PyKeyboardInterrupt::new_err(text),
         }
     }
 }

@@ -9,7 +9,7 @@ use super::convert::{stack, table};
 use super::errors::warn;
 use super::model::PyModel;
 use super::simulate;
-use crate::analysis::{self, ExcitationPart, ExcitationSource};
+use crate::analysis::{self, AnalysisError, Dense, ExcitationPart, ExcitationSource};
 use crate::scene::{EntryPath, SceneError};
 
 /// The part of the excitation of this name.
@@ -40,7 +40,10 @@ pub fn campbell<'py>(
     harmonics: u32,
 ) -> PyResult<Bound<'py, PyDict>> {
     let speeds = speeds.as_array().to_vec();
-    let found = py.detach(|| analysis::campbell(&model.cached, &speeds, count, harmonics))?;
+    let rows = speeds.len();
+    let found = model.run(py, Dense::Damped, move |cached, interrupt| {
+        analysis::campbell(cached, &speeds, count, harmonics, interrupt)
+    })?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
     let line = |line: &analysis::ExcitationLine| match line.source {
@@ -52,7 +55,7 @@ pub fn campbell<'py>(
     let intersections = &found.intersections;
     let list = |of: fn(&analysis::Intersection) -> usize| intersections.iter().map(of).collect::<Vec<_>>();
     let dict = PyDict::new(py);
-    dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), speeds.len(), modes)?)?;
+    dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), rows, modes)?)?;
     dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
     dict.set_item("lines", found.lines.iter().map(line).collect::<Vec<_>>())?;
     dict.set_item("orders", found.lines.iter().map(|line| line.order).collect::<Vec<_>>().into_pyarray(py))?;
@@ -71,7 +74,8 @@ pub fn campbell<'py>(
 
 /// Undamped critical speeds with their whirl.
 pub fn critical_speeds(model: &PyModel, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
-    let found = py.detach(|| analysis::critical_speeds(&model.cached, excitation))?;
+    let found = model
+        .run(py, Dense::Undamped, move |cached, interrupt| analysis::critical_speeds(cached, excitation, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
@@ -83,9 +87,15 @@ pub fn synchronous<'py>(
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
-    let at = |speed: &f64| analysis::synchronous(&model.cached, *speed, part);
-    model.warn_of_ill_conditioning(py, 0.0)?;
-    let amplitudes = py.detach(|| speeds.iter().map(at).collect::<Result<Vec<_>, _>>())?;
+    model.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
+    let asked = speeds.clone();
+    let amplitudes = model.run(py, Dense::Undamped, move |cached, interrupt| {
+        let at = |speed: &f64| {
+            interrupt.check()?;
+            analysis::synchronous(cached, *speed, part)
+        };
+        asked.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()
+    })?;
     let assembled = &model.cached.model;
     for (index, amplitudes) in amplitudes.iter().enumerate() {
         let largest = assembled
@@ -128,7 +138,8 @@ pub fn peaks(
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    let found = py.detach(|| analysis::peaks(&model.cached, probe, &speeds))?;
+    let found =
+        model.run(py, Dense::Undamped, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;
     let row =
         |peak: &analysis::Peak| (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open));

@@ -1,5 +1,6 @@
 //! `gearbow._core`: the core as Python sees it. The only place that knows of pyo3.
 
+mod background;
 mod convert;
 mod errors;
 mod frequency;

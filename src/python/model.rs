@@ -1,5 +1,6 @@
 //! `_core.Model`: a checked and assembled system.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::Complex;
@@ -10,8 +11,9 @@ use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{outside_matrix, outside_vector, table};
 use super::errors::warn;
-use super::{frequency, simulate, state};
-use crate::analysis::{self, AnalysisError};
+use super::{background, frequency, simulate, state};
+use crate::analysis::{self, AnalysisError, Dense, Interrupt};
+use crate::linalg::DecompositionError;
 use crate::mesh::Geometry;
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
@@ -21,7 +23,8 @@ use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError};
 #[pyclass(name = "Model", module = "gearbow._core", frozen)]
 pub struct PyModel {
     system: SceneDescription,
-    pub(super) cached: CachedModel,
+    /// Shared with the threads that analyse it.
+    pub(super) cached: Arc<CachedModel>,
     /// Whether it was said that round-off takes digits.
     warned: AtomicBool,
 }
@@ -36,16 +39,35 @@ enum At {
 impl PyModel {
     fn build(system: SceneDescription) -> Result<Self, SceneError> {
         let model = Model::new(Scene::new(&system)?)?;
-        Ok(Self { system, cached: CachedModel::new(model), warned: AtomicBool::new(false) })
+        Ok(Self { system, cached: Arc::new(CachedModel::new(model)), warned: AtomicBool::new(false) })
     }
 
     fn model(&self) -> &Model {
         &self.cached.model
     }
 
-    /// Warns once of digits that round-off takes.
-    pub(super) fn warn_of_ill_conditioning(&self, py: Python<'_>, speed: f64) -> PyResult<()> {
-        let found = py.detach(|| analysis::ill_conditioning(&self.cached, speed))?;
+    /// Runs an analysis that Ctrl-C ends, if its matrices fit into memory.
+    pub(super) fn run<T, E>(
+        &self,
+        py: Python<'_>,
+        dense: Dense,
+        work: impl FnOnce(&CachedModel, &Interrupt) -> Result<T, E> + Send + 'static,
+    ) -> PyResult<T>
+    where
+        T: Send + 'static,
+        E: Send + 'static,
+        PyErr: From<E>,
+    {
+        dense.require(self.model())?;
+        let cached = Arc::clone(&self.cached);
+        let (result, raised) = background::run(py, None, move |interrupt, _| work(&cached, interrupt))?;
+        raised.map_or(Ok(()), Err)?;
+        Ok(result?)
+    }
+
+    /// Warns once of digits that round-off takes, before an analysis that needs the matrices of `dense`.
+    pub(super) fn warn_of_ill_conditioning(&self, py: Python<'_>, speed: f64, dense: Dense) -> PyResult<()> {
+        let found = self.run(py, dense, move |cached, _| analysis::ill_conditioning(cached, speed))?;
         match found {
             Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
             _ => Ok(()),
@@ -137,16 +159,20 @@ impl PyModel {
     }
 
     fn matrices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let model = self.model();
-        let matrices = [
-            ("mass", model.mass_matrix()),
-            ("stiffness", model.stiffness_matrix(0.0)),
-            ("damping", self.cached.damping_matrix(0.0)?),
-            ("gyroscopic", model.gyroscopic_matrix()),
-        ];
+        // Modal damping is made of the modes.
+        let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
+        let matrices = self.run(py, dense, |cached, _| -> Result<_, DecompositionError> {
+            let model = &cached.model;
+            Ok([
+                ("mass", model.mass_matrix()),
+                ("stiffness", model.stiffness_matrix(0.0)),
+                ("damping", cached.damping_matrix(0.0)?),
+                ("gyroscopic", model.gyroscopic_matrix()),
+            ])
+        })?;
         let dict = PyDict::new(py);
         for (name, matrix) in matrices {
-            dict.set_item(name, outside_matrix(py, &model.numbering, &matrix))?;
+            dict.set_item(name, outside_matrix(py, &self.model().numbering, &matrix))?;
         }
         Ok(dict)
     }
@@ -154,8 +180,8 @@ impl PyModel {
     #[pyo3(signature = (speed, count=None))]
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
-        self.warn_of_ill_conditioning(py, speed)?;
-        let mut modes = py.detach(|| modal::modes(&self.cached, speed))?;
+        self.warn_of_ill_conditioning(py, speed, Dense::Damped)?;
+        let mut modes = self.run(py, Dense::Damped, move |cached, _| modal::modes(cached, speed))?;
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
@@ -215,8 +241,8 @@ impl PyModel {
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str) -> PyResult<Bound<'py, PyDict>> {
         let geometry = self::geometry(geometry)?;
         let model = self.model();
-        self.warn_of_ill_conditioning(py, 0.0)?;
-        let found = py.detach(|| analysis::equilibrium(&self.cached, geometry, 0.0))?;
+        self.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
+        let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, 0.0))?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {
@@ -284,7 +310,7 @@ impl PyModel {
             start,
             checkpoint: checkpoint.map(state::checkpoint).transpose()?,
         };
-        self.warn_of_ill_conditioning(py, 0.0)?;
-        simulate::simulate(self, py, &options, record, progress)
+        self.warn_of_ill_conditioning(py, 0.0, options.dense(&self.cached.model))?;
+        simulate::simulate(self, py, options, record, progress.as_ref())
     }
 }

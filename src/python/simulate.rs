@@ -1,5 +1,7 @@
 //! `_core.Model.simulate`: a run with the interpreter released, what it recorded, and the state it left.
 
+use std::sync::Arc;
+
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -7,7 +9,7 @@ use pyo3::types::PyDict;
 use super::convert::{stack, table};
 use super::errors::warn;
 use super::model::PyModel;
-use super::speed;
+use super::{background, speed};
 use crate::analysis::simulate::{
     self, Final, MESH_FIELDS, Method, Options, RecordPlan, RecorderState, Request, Response, round_below, sample_step,
 };
@@ -69,31 +71,30 @@ impl Recorded {
     }
 }
 
-/// Runs, asking Python every 50 ms whether to go on.
+/// Runs, and tells `progress` the fraction that is done.
 pub fn simulate<'py>(
     owner: &PyModel,
     py: Python<'py>,
-    options: &Options,
+    options: Options,
     record: Vec<Recorded>,
-    progress: Option<Py<PyAny>>,
+    progress: Option<&Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
     let plan = RecordPlan::new(&owner.cached.model, &requests.collect::<Result<Vec<_>, _>>()?)?;
-    let mut raised: Option<PyErr> = None;
-    let mut watch = |done: f64| {
-        let asked = Python::attach(|py| {
-            py.check_signals()?;
-            progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (done,)).map(|_| ()))
-        });
-        raised = asked.err();
-        raised.is_none()
-    };
-    let outcome = py.detach(|| simulate::simulate(&owner.cached, options, &plan, &mut watch));
+    let cached = Arc::clone(&owner.cached);
+    let ((outcome, plan), raised) = background::run(py, progress, move |_, watch| {
+        let outcome = simulate::simulate(&cached, &options, &plan, watch);
+        (outcome, plan)
+    })?;
     match outcome {
         Ok(response) => {
             let largest = response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let response = response_dict(owner, py, &plan, response)?;
-            let mut told = small_displacement_check(&owner.cached.model, largest).map_or(Ok(()), |text| warn(py, text));
+            // Python may have raised after the last report.
+            let mut told = raised.map_or(Ok(()), Err);
+            if let Some(text) = small_displacement_check(&owner.cached.model, largest).filter(|_| told.is_ok()) {
+                told = warn(py, text);
+            }
             if let Some(progress) = progress.filter(|_| told.is_ok()) {
                 told = progress.call1(py, (1.0,)).map(|_| ());
             }
@@ -105,7 +106,7 @@ pub fn simulate<'py>(
         }
         Err(stopped) => {
             let error = match (stopped.error, raised) {
-                (AnalysisError::Interrupted(_), Some(raised)) => raised,
+                (AnalysisError::Interrupted, Some(raised)) => raised,
                 (error, _) => error.into(),
             };
             if let Some(response) = stopped.response {

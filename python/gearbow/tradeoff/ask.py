@@ -119,5 +119,5 @@ def tradeoff(
     seconds = number(budget, "budget")
     if not seconds > 0.0:
         raise SceneError(f"budget: must be positive, got {budget!r}")
-    with reported(progress, 100.0, "%") as report:
+    with reported(progress, 100.0, "%", estimate=False) as report:
         return carry_out(made, seconds, report or (lambda _: None))

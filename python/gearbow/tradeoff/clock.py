@@ -2,11 +2,13 @@
 
 import math
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from gearbow.errors import RunTimeWarning
 from gearbow.response import Response
 from gearbow.tradeoff.models import copy
 
@@ -156,9 +158,12 @@ def _once(
     if setup > max(_WATCHED, allowance):
         raise TooSlowError(setup)
     again, _ = _timed(lambda: fresh.simulate(0.0, speed, **nothing))
-    whole, response = _timed(
-        lambda: fresh.simulate(duration, speed, progress=_watch(allowance), **options)
-    )
+    with warnings.catch_warnings():
+        # The allowance ends a run that takes too long, and says so.
+        warnings.simplefilter("ignore", RunTimeWarning)
+        whole, response = _timed(
+            lambda: fresh.simulate(duration, speed, progress=_watch(allowance), **options)
+        )
     return response, (setup, max(0.0, whole - again))
 
 

@@ -27,7 +27,7 @@ use crate::integrate::{
     Trajectory, run,
 };
 use crate::modal::CachedModel;
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
 use modal_setup::{ModalSetup, enter, leave};
 use record::Recorder;
@@ -105,11 +105,9 @@ pub fn simulate(
         statistics = checkpoint.statistics;
         observer.recorder.take_up(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
-    // Where the speed changes, the modes do too, and modal damping is a matrix over all displacements.
-    let modal = cached.model.scene.modal_damping > 0.0 && matches!(options.speed, Speed::Constant(_));
     let exact = matches!(options.method, Method::Exponential | Method::ExactRk4);
     let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
-    let outcome = if exact || modal {
+    let outcome = if options.in_modes(&cached.model) {
         let selection = plan.selection(&cached.model);
         let coordinates = ModalSetup::new(cached, options, motion, &start, selection)?;
         condition = Some(coordinates.linear.condition);
@@ -230,7 +228,7 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
             AnalysisError::overlap(driver, driven, &format!("at {time} s"), overlap)
         }
         Halt::Diverged => AnalysisError::Stability(format!("the motion diverged after {time} s")),
-        Halt::Interrupted => AnalysisError::Interrupted(time),
+        Halt::Interrupted => AnalysisError::Interrupted,
     }
 }
 

@@ -1,9 +1,11 @@
 //! What a run is asked to do, and the state that it leaves.
 
 use super::Checkpoint;
+use crate::analysis::Dense;
 use crate::exponential::MOST_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
+use crate::model::Model;
 use crate::motion::{Anchor, ShaftRotation, Speed};
 use crate::scene::{EntryPath, SceneError};
 
@@ -113,6 +115,18 @@ pub struct Options {
 }
 
 impl Options {
+    /// Whether the damped modes carry the linear motion. Where the speed changes, the modes do too, and modal damping is
+    /// a matrix over all displacements.
+    pub(super) fn in_modes(&self, model: &Model) -> bool {
+        let modal = model.scene.modal_damping > 0.0 && matches!(self.speed, Speed::Constant(_));
+        modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
+    }
+
+    /// The dense matrices that the run needs.
+    pub fn dense(&self, model: &Model) -> Dense {
+        if self.in_modes(model) { Dense::Damped } else { Dense::Undamped }
+    }
+
     /// Checks what does not depend on the scene.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let duration = EntryPath::root("duration").non_negative(self.duration)?;
