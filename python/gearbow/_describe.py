@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from gearbow._types import Plain
+from gearbow._types import At, Plain
 from gearbow.errors import SceneError
 
 P = TypeVar("P", bound="Part")
@@ -93,6 +93,28 @@ def place(at: object) -> Any:
     if isinstance(at, (tuple, list)):
         return tuple(item if isinstance(item, str) else plain(item, "at") for item in at)
     return at
+
+
+def is_place(at: object) -> bool:
+    """Tell whether this is (shaft, position)."""
+    return (
+        isinstance(at, tuple)
+        and len(at) == 2
+        and isinstance(at[0], str)
+        and isinstance(at[1], numbers.Real)
+    )
+
+
+def is_pair(at: object) -> bool:
+    """Tell whether this is (driver, driven)."""
+    return isinstance(at, tuple) and len(at) == 2 and all(isinstance(name, str) for name in at)
+
+
+def places(given: At | Iterable[At]) -> list[At]:
+    """Collect names and (shaft, position) from one of them or from several."""
+    if isinstance(given, str) or is_place(given):
+        return [place(given)]
+    return [place(at) for at in given]
 
 
 def complex_number(value: Plain) -> complex | float:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._describe import place
+from gearbow._describe import places
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import SceneError
 from gearbow.scene import Disk, Gear
@@ -20,7 +21,7 @@ __all__ = ["Balance", "balance"]
 
 
 @dataclass(frozen=True, eq=False)
-class Balance:
+class Balance(ReadOnly):
     """A correction, and the deflection that is left with it.
 
     Parameters
@@ -88,11 +89,11 @@ class Balance:
 
 def balance(
     system: "RotorSystem",
-    planes: Sequence[At],
+    planes: At | Sequence[At],
     speed: ArrayLike,
     *,
     of: str = "total",
-    points: Sequence[At] | None = None,
+    points: At | Sequence[At] | None = None,
 ) -> Balance:
     """Find the unbalance in given planes that best cancels the deflection of a bowed rotor.
 
@@ -100,13 +101,13 @@ def balance(
     ----------
     system : RotorSystem
         The system.
-    planes : sequence of str or tuple of (str, float)
+    planes : str, tuple of (str, float), or sequence of them
         Balancing planes on one shaft: gears, disks or (shaft, position [m]).
     speed : array_like, shape (speeds,) or scalar
         Speeds of the reference shaft to balance at [rad/s], not zero.
     of : {"total", "elastic"}
         What to cancel: the displacement, or the displacement less the bow.
-    points : sequence of str or tuple of (str, float), optional
+    points : str, tuple of (str, float), or sequence of them, optional
         Where to measure; None is every node of the shaft.
 
     Returns
@@ -123,9 +124,9 @@ def balance(
     """
     if of not in ("total", "elastic"):
         raise SceneError(f'of: must be "total" or "elastic", got {of!r}')
-    chosen = tuple(place(plane) for plane in ([planes] if isinstance(planes, str) else planes))
+    chosen = tuple(places(planes))
     shaft = _shaft(system, chosen)
-    speeds = np.atleast_1d(np.asarray(speed, dtype=np.float64))
+    speeds = np.atleast_1d(np.array(speed, dtype=np.float64))
     if not np.all(np.isfinite(speeds) & (speeds != 0.0)):
         raise SceneError(f"speed: must be finite and not zero, got {speed!r}")
 
@@ -135,7 +136,7 @@ def balance(
         nodes = dict.fromkeys(x for name, x, _ in base.dofs if name == shaft)
         measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)
     else:
-        measured = tuple(place(point) for point in points)
+        measured = tuple(places(points))
 
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, of=of)
     one = np.ones(1, dtype=np.complex128)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._run import whole
 from gearbow._types import Array, CampbellData, ComplexArray
 
@@ -88,7 +89,7 @@ class Intersection:
 
 
 @dataclass(frozen=True, eq=False)
-class Campbell:
+class Campbell(ReadOnly):
     """Modes followed by their shapes over the speed, and where they meet what excites them.
 
     Parameters
@@ -295,7 +296,7 @@ def campbell(
     SceneError
         If an argument is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+    wanted = np.atleast_1d(np.array(speeds, dtype=np.float64))
     count = whole(count, "count")
     harmonics = 0 if harmonics == 0 else whole(harmonics, "harmonics")
     return Campbell._from_data(wanted, system._model.campbell(wanted, count, harmonics), system)

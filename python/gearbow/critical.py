@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._core import Model
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._run import number
 from gearbow._types import Array
 from gearbow.errors import GearbowError
@@ -21,7 +22,7 @@ __all__ = ["CriticalSpeedMap", "critical_speed_map"]
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalSpeedMap:
+class CriticalSpeedMap(ReadOnly):
     """Undamped critical speeds against the stiffness of the bearings.
 
     Parameters
@@ -132,7 +133,7 @@ def critical_speed_map(
     SceneError
         If the excitation is not positive, or a stiffness is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(stiffnesses, dtype=np.float64))
+    wanted = np.atleast_1d(np.array(stiffnesses, dtype=np.float64))
     speeds, whirl = [], []
     for stiffness in wanted:
         description = system.description

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyBalance:
+class EnergyBalance(ReadOnly):
     """Energies of a system and the work that was done on it, at the k times of a response.
 
     Parameters

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from gearbow._describe import places
 from gearbow._types import Array, At
 from gearbow.errors import GearbowError
 from gearbow.plots import PALETTE, _colour, _figure, _label, _legend
@@ -129,14 +130,14 @@ def critical_speed_map(found: "CriticalSpeedMap", count: int = 4) -> Figure:
     return figure
 
 
-def bode(response: "Synchronous", names: Sequence[At], source: str | None = None) -> Figure:
+def bode(response: "Synchronous", names: At | Sequence[At], source: str | None = None) -> Figure:
     """Draw phase and amplitude against the speed.
 
     Parameters
     ----------
     response : Synchronous
         The linear response.
-    names : sequence of str or tuple of (str, float)
+    names : str, tuple of (str, float), or sequence of them
         Gears, disks or (shaft, position [m]).
     source : str, optional
         The shaft that excites; None is the shaft of each place.
@@ -147,7 +148,7 @@ def bode(response: "Synchronous", names: Sequence[At], source: str | None = None
         Phase [°] above, the largest semi-axis of the orbits [µm] below.
     """
     with _figure(2, 3.6, columns=1, sharex=True) as (figure, (upper, lower)):
-        for number, name in enumerate([names] if isinstance(names, str) else names):
+        for number, name in enumerate(places(names)):
             own = response.system.dofs[response.system._lateral(name)[0]][0]
             shaft = response.shafts.index(own if source is None else source)
             style: dict[str, Any] = {

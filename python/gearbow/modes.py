@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist"}
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(ReadOnly):
     """Natural modes at one speed, in ascending order of frequency.
 
     Parameters

@@ -14,6 +14,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gearbow._describe import is_pair, places
 from gearbow._types import Array, At, ComplexArray
 from gearbow.energy import ENERGIES, WORKS
 from gearbow.errors import GearbowError
@@ -61,14 +62,14 @@ STYLE: dict[Any, Any] = {
 _MICRO = 1e6
 
 
-def orbits(response: "Response", names: Sequence[At] | None = None) -> Figure:
+def orbits(response: "Response", names: At | Sequence[At] | None = None) -> Figure:
     """Draw the path of each centre in the plane of rotation.
 
     Parameters
     ----------
     response : Response
         The response.
-    names : sequence of str or tuple of (str, float), optional
+    names : str, tuple of (str, float), or sequence of them, optional
         What to draw; None is all that has a name, or else all that there is.
 
     Returns
@@ -88,14 +89,14 @@ def orbits(response: "Response", names: Sequence[At] | None = None) -> Figure:
     return figure
 
 
-def history(response: "Response", names: Sequence[At] | None = None) -> Figure:
+def history(response: "Response", names: At | Sequence[At] | None = None) -> Figure:
     """Draw the displacement of each centre against time.
 
     Parameters
     ----------
     response : Response
         The response.
-    names : sequence of str or tuple of (str, float), optional
+    names : str, tuple of (str, float), or sequence of them, optional
         What to draw; None is all that has a name, or else all that there is.
 
     Returns
@@ -113,14 +114,14 @@ def history(response: "Response", names: Sequence[At] | None = None) -> Figure:
     return figure
 
 
-def twist(response: "Response", names: Sequence[At] | None = None) -> Figure:
+def twist(response: "Response", names: At | Sequence[At] | None = None) -> Figure:
     """Draw the twist of each point against time.
 
     Parameters
     ----------
     response : Response
         The response.
-    names : sequence of str or tuple of (str, float), optional
+    names : str, tuple of (str, float), or sequence of them, optional
         What to draw; None is all that has a name, or else all that there is.
 
     Returns
@@ -137,14 +138,16 @@ def twist(response: "Response", names: Sequence[At] | None = None) -> Figure:
     return figure
 
 
-def mesh(response: "Response", names: Sequence[tuple[str, str]] | None = None) -> Figure:
+def mesh(
+    response: "Response", names: tuple[str, str] | Sequence[tuple[str, str]] | None = None
+) -> Figure:
     """Draw the geometry of the meshes, which follows their moving centres.
 
     Parameters
     ----------
     response : Response
         The response.
-    names : sequence of tuple of (str, str), optional
+    names : tuple of (str, str), or sequence of them, optional
         Pairs (driver, driven); None is all of them.
 
     Returns
@@ -153,7 +156,8 @@ def mesh(response: "Response", names: Sequence[tuple[str, str]] | None = None) -
         A column for each pair: contact ratio, pressure angle and angle of the line of centres
         [degrees].
     """
-    pairs = list(response._data["meshes"] if names is None else names)
+    given: Any = response._data["meshes"] if names is None else names
+    pairs: list[tuple[str, str]] = [given] if is_pair(given) else list(given)
     if not pairs:
         raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
     columns = len(pairs)
@@ -179,14 +183,14 @@ def mesh(response: "Response", names: Sequence[tuple[str, str]] | None = None) -
     return figure
 
 
-def spectrum(response: "Response", names: Sequence[At] | None = None) -> Figure:
+def spectrum(response: "Response", names: At | Sequence[At] | None = None) -> Figure:
     """Draw the amplitude spectrum of the displacement of each centre.
 
     Parameters
     ----------
     response : Response
         The response, recorded at equally spaced times.
-    names : sequence of str or tuple of (str, float), optional
+    names : str, tuple of (str, float), or sequence of them, optional
         What to draw; None is all that has a name, or else all that there is.
 
     Returns
@@ -219,14 +223,14 @@ def spectrum(response: "Response", names: Sequence[At] | None = None) -> Figure:
     return figure
 
 
-def synchronous(response: "Synchronous", names: Sequence[At]) -> Figure:
+def synchronous(response: "Synchronous", names: At | Sequence[At]) -> Figure:
     """Draw the largest semi-axis of the orbits against the speed.
 
     Parameters
     ----------
     response : Synchronous
         The linear response.
-    names : sequence of str or tuple of (str, float)
+    names : str, tuple of (str, float), or sequence of them
         Gears, disks or (shaft, position [m]).
 
     Returns
@@ -234,8 +238,9 @@ def synchronous(response: "Synchronous", names: Sequence[At]) -> Figure:
     matplotlib.figure.Figure
         One panel for each name, one line for each shaft that excites the train.
     """
-    with _figure(len(names), 2.8, columns=1, sharex=True) as (figure, panels):
-        for panel, name in zip(panels, names, strict=True):
+    chosen = places(names)
+    with _figure(len(chosen), 2.8, columns=1, sharex=True) as (figure, panels):
+        for panel, name in zip(panels, chosen, strict=True):
             orbit = _MICRO * response.orbit(name)
             for source, shaft in enumerate(response.shafts):
                 if np.any(orbit[:, source] > 0.0):
@@ -349,9 +354,9 @@ def _legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), title=title)
 
 
-def _points(response: "Response", names: Sequence[At] | None) -> list[At]:
+def _points(response: "Response", names: At | Sequence[At] | None) -> list[At]:
     if names is not None:
-        return [names] if isinstance(names, str) else list(names)
+        return places(names)
     points = response._data["points"]
     named: list[At] = [names[0] for _, _, names in points if names]
     chosen = named or [(shaft, position) for shaft, position, _ in points]

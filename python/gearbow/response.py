@@ -9,6 +9,7 @@ import numpy as np
 
 from gearbow._extras import extra
 from gearbow._lookup import locate
+from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
 from gearbow.errors import ChannelError, GearbowError
@@ -51,7 +52,7 @@ class Event(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MeshResponse:
+class MeshResponse(ReadOnly):
     """Time history of one mesh, each field at the k times of the response.
 
     Parameters
@@ -172,13 +173,13 @@ class Response:
     """
 
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
+        self._data = read_only(data)
         self.time = data["time"]
         self.speed = speed
         self.statistics = Statistics(**data["statistics"])
         self.expected_error: float | None = None
         self.accuracy: str | None = None
         self.kinematics: Kinematics | None = None
-        self._data = data
 
     @property
     def speeds(self) -> Array:
@@ -204,7 +205,7 @@ class Response:
             and angle [rad] with the digits that rounding took), and the state as that method keeps
             it.
         """
-        return self._data["final"]
+        return dict(self._data["final"])
 
     @property
     def recorded(self) -> list[Record]:
@@ -453,7 +454,7 @@ class Response:
             settle=settle,
         )
 
-    def plot(self, kind: str = "orbits", names: Sequence[At] | None = None) -> "Figure":
+    def plot(self, kind: str = "orbits", names: At | Sequence[At] | None = None) -> "Figure":
         """Draw what was recorded.
 
         Parameters
@@ -462,9 +463,9 @@ class Response:
             The paths of the centres, displacement or twist against time, the geometry of the meshes
             (contact ratio, pressure angle and angle of the line of centres), or the amplitude
             spectrum of the displacement.
-        names : sequence of str or tuple of (str, float), optional
+        names : str, tuple or sequence of them, optional
             What to draw: gears, disks or (shaft, position [m]), or pairs (driver, driven) for
-            "mesh". None is all that has a name, or else all that there is.
+            "mesh"; one or several. None is all that has a name, or else all that there is.
 
         Returns
         -------

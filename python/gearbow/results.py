@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearbow._lookup import locate
+from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Dof, StaticData
 from gearbow.errors import ChannelError
 
@@ -14,7 +15,7 @@ __all__ = ["Matrices", "MeshState", "Static"]
 
 
 @dataclass(frozen=True, eq=False)
-class Matrices:
+class Matrices(ReadOnly):
     """Matrices of M q̈ + (C + Ω G) q̇ + K q = f, with Ω the speed of the reference shaft.
 
     Parameters
@@ -113,8 +114,8 @@ class Static:
     """
 
     def __init__(self, data: StaticData, system: "RotorSystem") -> None:
+        self._data = read_only(data)
         self.state = data["state"]
-        self._data = data
         self.system = system
 
     def displacement(self, name: At) -> Array:

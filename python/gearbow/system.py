@@ -27,7 +27,7 @@ from gearbow._run import (
     reported,
     whole,
 )
-from gearbow._types import Array, At, Dof, CoreCheckpoint, Plain, Progress, Record, RunData
+from gearbow._types import Array, At, CoreCheckpoint, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
 from gearbow.balance import balance
 from gearbow.campbell import campbell

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -30,7 +31,7 @@ _APART = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Orders:
+class Orders(ReadOnly):
     """Amplitude of a signal at each order of a train.
 
     The signal is mean + Re Σ A_j exp(i ω_j t), and what is left over.

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -27,7 +28,7 @@ WINDOWS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(ReadOnly):
     """Amplitudes over frequency; a sine of amplitude 1 on a line stands there as 1.
 
     Parameters

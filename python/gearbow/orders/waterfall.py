@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError
 from gearbow.orders.kinematics import Kinematics
@@ -22,7 +23,7 @@ __all__ = ["Waterfall", "waterfall"]
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall:
+class Waterfall(ReadOnly):
     """Spectra of one signal over the speed.
 
     Parameters

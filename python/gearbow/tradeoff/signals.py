@@ -2,12 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._describe import place
+from gearbow._describe import is_pair, is_place, place
 from gearbow._types import Array, At
 from gearbow.errors import SceneError
 from gearbow.response import Response
@@ -159,7 +158,7 @@ def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
         if not names:
             raise SceneError("of: give (shaft, position) where there is no gear or disk")
         of = names[0]
-    given = [of] if isinstance(of, str) or _is_place(of) or _is_pair(of) else of
+    given = [of] if isinstance(of, str) or is_place(of) or is_pair(of) else of
     if not isinstance(given, Iterable):
         raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {of!r}")
     wanted = tuple(_signal(system, item) for item in given)
@@ -169,11 +168,11 @@ def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
 
 
 def _signal(system: "RotorSystem", item: Any) -> Signal:
-    if _is_pair(item):
+    if is_pair(item):
         if tuple(item) not in {(mesh.driver, mesh.driven) for mesh in system.meshes}:
             raise SceneError(f"of: no gear {item[0]!r} drives a gear {item[1]!r}")
         return Signal(tuple(item))
-    if not (isinstance(item, str) or _is_place(item)):
+    if not (isinstance(item, str) or is_place(item)):
         raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {item!r}")
     at: At = place(item)
     try:
@@ -183,19 +182,6 @@ def _signal(system: "RotorSystem", item: Any) -> Signal:
     if v is None:
         raise SceneError(f"of: {item!r} only twists here; name a mesh, (driver, driven)")
     return Signal(at)
-
-
-def _is_place(item: object) -> bool:
-    return (
-        isinstance(item, tuple)
-        and len(item) == 2
-        and isinstance(item[0], str)
-        and isinstance(item[1], Real)
-    )
-
-
-def _is_pair(item: object) -> bool:
-    return isinstance(item, tuple) and len(item) == 2 and all(isinstance(i, str) for i in item)
 
 
 def _rms(values: Array) -> float:
