@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from gearbow._extras import extra
 from gearbow._lookup import locate
+from gearbow._read_only import ReadOnly
 from gearbow._run import number
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import ChannelError, GearbowError
-from gearbow.peak import Peak
+from gearbow.peak import Peak, operating_range
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +24,7 @@ __all__ = ["Synchronous", "synchronous"]
 
 
 @dataclass(frozen=True, eq=False)
-class Synchronous:
+class Synchronous(ReadOnly):
     """Linear response to bow and unbalance, without time stepping.
 
     Every shaft s excites the whole train at its own speed r_s Ω: the motion is Σ_s Re(a_s exp(i r_s
@@ -241,26 +242,27 @@ class Synchronous:
         source : str, optional
             The shaft that excites; None is the shaft of the place.
         operating : float or tuple of (float, float), optional
-            Operating speed, or the lowest and the highest, of the reference shaft [rad/s].
+            Operating speed, or the lowest and the highest, of the reference shaft [rad/s]; of one
+            sign and not zero.
 
         Returns
         -------
         list of Peak
-            The peaks that show on `speeds`, refined on the response itself.
+            The peaks that show on `speeds`, refined on the response itself. Each sense of rotation
+            is searched from standstill on.
 
         Raises
         ------
         GearbowError
             If there is no such place or shaft.
+        SceneError
+            If the operating speeds are impossible.
         """
         indices = self.system._lateral(name)
         shaft = self.system.dofs[indices[0]][0] if source is None else source
         if shaft not in self.shafts:
             raise GearbowError(f"no shaft is called {shaft!r}; there are {list(self.shafts)}")
-        span = None
-        if operating is not None:
-            low, high = operating if isinstance(operating, tuple) else (operating, operating)
-            span = (number(low, "operating"), number(high, "operating"))
+        span = operating_range(operating)
         found = self.system._model.peaks(
             np.unique(self.speeds),
             indices[0],
@@ -270,13 +272,13 @@ class Synchronous:
         )
         return [Peak(*row, operating=span) for row in found]
 
-    def bode(self, names: Sequence[At], source: str | None = None) -> "Figure":
+    def bode(self, names: At | Sequence[At], source: str | None = None) -> "Figure":
         """Draw amplitude and phase against the speed.
 
         Parameters
         ----------
-        names : sequence of str or tuple of (str, float)
-            Gears, disks or (shaft, position [m]).
+        names : str, tuple of (str, float), or sequence of them
+            A gear or disk by name, (shaft, position [m]), or several.
         source : str, optional
             The shaft that excites; None is the shaft of each place.
 
@@ -290,13 +292,13 @@ class Synchronous:
 
         return frequency_plots.bode(self, names, source)
 
-    def plot(self, names: Sequence[At]) -> "Figure":
+    def plot(self, names: At | Sequence[At]) -> "Figure":
         """Draw the largest semi-axis of the orbits against the speed.
 
         Parameters
         ----------
-        names : sequence of str or tuple of (str, float)
-            Gears, disks or (shaft, position [m]).
+        names : str, tuple of (str, float), or sequence of them
+            A gear or disk by name, (shaft, position [m]), or several.
 
         Returns
         -------
@@ -333,7 +335,7 @@ def synchronous(
     SceneError
         If a speed or the excitation is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+    wanted = np.atleast_1d(np.array(speeds, dtype=np.float64))
     data = system._model.synchronous(wanted, excitation)
     return Synchronous(
         speeds=wanted,

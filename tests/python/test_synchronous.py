@@ -176,3 +176,119 @@ def test_peaks_of_a_train_name_their_shaft():
         found.peaks("g1", source="other")
     with pytest.raises(gb.ChannelError, match="no bearing at"):
         found.bearing_force("input", 0.1)
+
+
+class TestBackwards:
+    """A shaft without a mesh that turns backwards is the mirror image of one that turns forwards."""
+
+    SPEEDS = np.linspace(20.0, 600.0, 60)
+
+    def pairs(self, speeds, operating):
+        system = jeffcott(damping=2000.0, bow=1e-4)
+        mirrored = tuple(-speed for speed in operating)
+        forwards = system.synchronous(speeds).peaks("disk", operating=operating)
+        backwards = system.synchronous(-speeds).peaks("disk", operating=mirrored)
+        return list(zip(forwards, reversed(backwards), strict=True))
+
+    @pytest.mark.parametrize("operating", [(300.0, 400.0), (150.0, 290.0), (100.0, 120.0)])
+    def test_peaks_are_judged_alike(self, operating):
+        (pair,) = self.pairs(self.SPEEDS, operating)
+        forwards, backwards = pair
+        assert forwards.amplification_factor > 2.5
+        # both are found by the same search: they differ by the round-off of their equations
+        for name in ("speed", "lower", "upper"):
+            assert getattr(backwards, name) == pytest.approx(-getattr(forwards, name), rel=1e-7)
+        for name in ("amplitude", "amplification_factor", "separation_margin", "required_margin"):
+            assert getattr(backwards, name) == pytest.approx(getattr(forwards, name), rel=1e-7)
+        assert backwards.acceptable == forwards.acceptable
+
+    def test_a_range_through_standstill_has_the_peaks_of_both_senses(self):
+        system = jeffcott(damping=2000.0, bow=1e-4)
+        peaks = system.synchronous(np.linspace(-600.0, 600.0, 121)).peaks(
+            "disk", operating=(300, 400)
+        )
+        low, high = peaks
+        assert low.speed == pytest.approx(-high.speed, rel=1e-7)
+        assert abs(low.lower) < abs(low.speed) < abs(low.upper)
+        # the other sense of rotation is far from where it operates
+        assert low.separation_margin == pytest.approx(100.0 * (300.0 - low.speed) / 300.0)
+        assert low.acceptable
+
+    def test_a_half_power_speed_lies_on_the_side_of_its_peak(self):
+        # so far bowed and damped that the response at standstill is more than 1/√2 of the peak
+        system = jeffcott(damping=6000.0, bow=1e-4, eccentricity=0.0)
+        (_, peak) = system.synchronous(np.linspace(-600.0, 600.0, 121)).peaks("disk")
+        assert np.isnan(peak.lower)
+        assert peak.upper > peak.speed > 0.0
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_no_peak_inside_the_operating_range_is_acceptable(sense):
+    for speed in (200.0, 450.0, 700.0):
+        peak = gb.Peak(
+            sense * speed,
+            1.0,
+            sense * (speed - 10.0),
+            sense * (speed + 10.0),
+            (sense * 200.0, sense * 700.0),
+        )
+        assert peak.amplification_factor == pytest.approx(speed / 20.0)
+        assert peak.separation_margin == 0.0
+        assert peak.required_margin > 10.0
+        assert not peak.acceptable
+
+
+def test_backward_operating_speeds_may_ascend_either_way():
+    below, above = (
+        gb.Peak(-100.0, 1.0, -95.0, -105.0, span) for span in ((-700, -200), (-200, -700))
+    )
+    assert below == above
+    assert below.operating == (-200.0, -700.0)
+
+
+@pytest.mark.parametrize(
+    ("operating", "text"),
+    [
+        ((700.0, 200.0), "lowest speed comes first"),
+        (0.0, "above 0"),
+        ((0.0, 100.0), "above 0"),
+        ((-100.0, 100.0), "above 0"),
+        (np.nan, "finite"),
+        ((100.0, np.nan), "finite"),
+        (np.inf, "finite"),
+        ((1.0, 2.0, 3.0), "one speed or"),
+        ((), "one speed or"),
+        ("fast", "must be a number"),
+    ],
+)
+def test_operating_speeds_that_cannot_be_are_refused(operating, text):
+    with pytest.raises(gb.SceneError, match=f"operating: .*{text}"):
+        gb.Peak(100.0, 1.0, 95.0, 105.0, operating)
+    response = jeffcott().synchronous([1.0, 2.0])  # has no peak
+    with pytest.raises(gb.SceneError, match=f"operating: .*{text}"):
+        response.peaks("disk", operating=operating)
+
+
+def test_a_peak_without_width_is_undamped():
+    peak = gb.Peak(100.0, 1.0, 100.0, 100.0, (150.0, 150.0))
+    assert peak.amplification_factor == np.inf
+    assert peak.required_margin == 17.0
+
+
+@pytest.mark.parametrize("part", ["both", "bow", "unbalance"])
+def test_only_a_bow_that_excites_is_taken_off(part):
+    # the sum of the parts is the whole, in displacement and in deflection; the bow counts once
+    bow = 1e-4 * np.exp(0.4j)
+    found = jeffcott(bow=bow).synchronous([150.0, -90.0], excitation=part)
+    taken = found.displacement("disk") - found.elastic("disk")
+    expected = np.zeros(2) if part == "unbalance" else bow * np.array([1.0, -1.0j])
+    assert taken[:, 0] == pytest.approx(np.tile(expected, (2, 1)), abs=1e-18)
+
+
+def test_a_plot_takes_one_place_or_several():
+    found = jeffcott(bow=1e-4).synchronous(np.linspace(10.0, 100.0, 5))
+    for draw in (found.plot, found.bode):
+        for names in ("disk", ("s", 0.5), ["disk"], [("s", 0.5)], ("disk", ("s", 0.5))):
+            assert draw(names).axes
+    assert len(found.plot("disk").axes) == 1
+    assert len(found.plot(["disk", ("s", 0.5)]).axes) == 2
