@@ -395,3 +395,20 @@ def test_flanks_that_part_shorten_what_can_be_expected():
     assert "flanks parted" in response.accuracy
     closed = SCENE.package().simulate(1e-3, SPEED, accuracy="draft")
     assert "parted" not in closed.accuracy
+
+
+def test_a_linear_rotor_is_known_to_round_off(tmp_path):
+    # the exponential method is exact without meshes: reference and check are equal to the last bit
+    rotor = gb.Shaft(
+        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    found = gb.RotorSystem([rotor], bearings=bearings).tradeoff(
+        0.01, 100.0, of=("rotor", 0.5), initial="rest", methods="exponential", repeats=1
+    )
+    assert found.floor >= np.finfo(float).eps
+    assert "0.0e+00" not in str(found)
+    figure = found.plot()
+    (panel,) = figure.axes
+    assert panel.get_xlim()[0] > 0.0
+    figure.savefig(tmp_path / "figure.png")

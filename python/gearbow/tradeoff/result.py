@@ -72,7 +72,7 @@ class Tradeoff:
     check : str
         The independent setting that the reference was verified with.
     floor : float
-        The distance of the two: how well the reference is known.
+        The distance of the two, at least round-off: how well the reference is known.
     discretisation : tuple of (str, mapping of {str: float}), optional
         A model with more elements, and how far the system as given is from it in each signal.
     duration : float

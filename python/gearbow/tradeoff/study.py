@@ -1,5 +1,6 @@
 """The study: a reference and its check, then every setting against it, within a budget of time."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,8 @@ from gearbow.tradeoff.trial import Skipped, Trial
 
 __all__ = ["carry_out"]
 
+#: Relative error of rounding, of double precision.
+ROUND_OFF = sys.float_info.epsilon
 #: Part of the budget that a reference may take, and another that its check may.
 _FOR_REFERENCE = 0.3
 #: What one run may take, over an equal share of what is left of the budget.
@@ -78,7 +81,8 @@ class _Study:
         plan = self.plan
         reference = self.reference = self._reference()
         check = self._check()
-        self.floor = check.swing.error(reference.swing, reference.swing)
+        # Runs that agree to the last bit are still rounded: no error below that is known.
+        self.floor = max(check.swing.error(reference.swing, reference.swing), ROUND_OFF)
         discretisation = self._discretisation()
         known = (reference.setting.options, check.setting.options)
         settings = [setting for setting in plan.settings if setting.options not in known]
