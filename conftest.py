@@ -1,7 +1,8 @@
-"""The documents are tests: their Python blocks run in order, each with the names of those before.
+"""Run the code blocks of the Markdown documents as tests.
 
-What a block prints stands in the `text` block after it. A `toml` block is the file `scene.toml` of
-the blocks that follow. Everything runs in an empty folder.
+The Python blocks of a document run in order and share their names. A `text` block contains the
+expected output of the Python block before it. A `toml` block becomes the file `scene.toml` for the
+blocks after it. Each document runs in an empty folder.
 """
 
 import contextlib
@@ -48,7 +49,7 @@ class Examples(pytest.Item):
                 elif language == "python":
                     self.compare("", printed.getvalue(), line)
                     printed = io.StringIO()
-                    # Lines before the block, so that a traceback points into the document.
+                    # Empty lines before the block give a traceback the line numbers of the document.
                     code = compile("\n" * line + text, self.path, "exec")
                     with contextlib.redirect_stdout(printed):
                         exec(code, names)

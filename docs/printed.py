@@ -1,11 +1,13 @@
-"""Keep the blocks of the documents that a command prints.
+"""Update the blocks of the documents that contain the output of a command.
 
-Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. This script
-writes what the commands print now; with ``--check`` it changes nothing and fails if a block
-differs. Blocks that are ``measured by`` their command hold times, which are never twice the same,
-or errors near round-off, which are not on two machines: only ``--measured`` writes these, and
-nothing else. Blocks that are ``studied by`` their command
-take minutes unless the runs of the study are kept: they are for ``--studied``.
+Such a block stands between ``<!-- printed by: COMMAND -->`` and ``<!-- end -->``. The script runs
+each command and writes its output into the block. ``--check`` changes no file; the script then
+fails if a block differs from the output. There are two more kinds of block:
+
+- ``measured by``: the output contains times, which differ in every run, or errors near round-off,
+  which differ between machines. ``--measured`` updates only these blocks.
+- ``studied by``: the runs take minutes unless stored runs exist. ``--studied`` updates only these
+  blocks.
 """
 
 import argparse
@@ -22,7 +24,7 @@ BLOCK = r"(<!-- {} by: (.+?) -->\n).*?(<!-- end -->)"
 
 
 def printed(command: str) -> str:
-    """Run a Python script of the repository."""
+    """Run a Python script of the repository and return its output."""
     _, *arguments = shlex.split(command)
     done = subprocess.run(
         [sys.executable, *arguments],
@@ -36,11 +38,11 @@ def printed(command: str) -> str:
 
 
 def main() -> None:
-    """Write or check the documents."""
+    """Update or check the documents."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--check", action="store_true", help="only say whether a block differs")
-    parser.add_argument("--measured", action="store_true", help="write the blocks that hold times")
-    parser.add_argument("--studied", action="store_true", help="write the blocks of the bow study")
+    parser.add_argument("--check", action="store_true", help="change nothing; fail if a block differs")
+    parser.add_argument("--measured", action="store_true", help="update the measured blocks")
+    parser.add_argument("--studied", action="store_true", help="update the blocks of the bow study")
     given = parser.parse_args()
     check: bool = given.check
     kind = "measured" if given.measured else "studied" if given.studied else "printed"
@@ -54,7 +56,7 @@ def main() -> None:
             if not check:
                 document.write_text(new, encoding="utf-8")
     if check and stale:
-        sys.exit(f"{', '.join(stale)}: differs from what its commands print; run: make readme")
+        sys.exit(f"{', '.join(stale)}: differs from the output of its commands. Run: make readme")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
-"""What bent shafts do to a double-stage train: displacement, contact ratio and pressure angle.
+"""Effect of shaft bow on a double-stage train: displacement, contact ratio, pressure angle.
 
-Three steel shafts on six equal bearings, two meshes, 250 N m at the input. All shafts have a
-half-sine bow in the same plane, from straight to a twentieth of their radius.
+The train has three steel shafts on six equal bearings, two meshes and an input torque of 250 N m.
+All shafts have a half-sine bow in the same plane. Its amplitude ranges from zero to 0.05 of the
+shaft radius.
 Run with ``python examples/bowed_train.py``.
 """
 
@@ -18,15 +19,15 @@ from gearbow import plots
 
 RADIUS = 0.025  # m
 LENGTH = 0.5  # m
-BOWS = (0.0, 0.01, 0.03, 0.05)  # over the radius
+BOWS = (0.0, 0.01, 0.03, 0.05)  # divided by the shaft radius
 SPEED = 100.0  # of the input shaft, rad/s
-TURNS = 3  # of the output shaft; the first belongs to the transient
+TURNS = 3  # revolutions of the output shaft; the first one is the transient
 GEARS = ("g1", "g2", "g3", "g4")
 MESHES = (("g1", "g2"), ("g3", "g4"))
 
 
 def train(bow: float) -> gb.RotorSystem:
-    """Describe the train; the bow is a deflection at mid-length [m]."""
+    """Return the train; `bow` is the deflection at mid-length [m]."""
     shafts = [
         gb.Shaft(
             name,
@@ -60,19 +61,22 @@ def train(bow: float) -> gb.RotorSystem:
 
 
 def simulate(system: gb.RotorSystem) -> gb.Response:
-    """Follow the train for a few turns of its slowest shaft."""
+    """Simulate a few revolutions of the slowest shaft."""
     turn = 2.0 * math.pi / (SPEED * float(np.abs(system.speed_ratios).min()))
     return system.simulate(TURNS * turn, SPEED, output_step=turn / 1000, progress=True)
 
 
 def settled(response: gb.Response) -> slice:
-    """Leave the first turn of the slowest shaft to the transient."""
+    """Return the samples after the transient, which is the first revolution of the slowest shaft."""
     return slice(response.time.size // TURNS, None)
 
 
 def displacement_table(responses: dict[float, gb.Response]) -> str:
-    """Peak-to-peak displacement of each gear, larger of v and w, and how often it holds the bow."""
-    lines = ["peak-to-peak displacement of the gears [µm] (over the bow)"]
+    """Return a table of the peak-to-peak displacement of each gear.
+
+    Each entry is the larger value of v and w; the ratio to the bow stands in parentheses.
+    """
+    lines = ["peak-to-peak displacement of the gears [µm] (ratio to the bow)"]
     lines.append(f"{'bow [µm]':>10}" + "".join(f"{gear:>18}" for gear in GEARS))
     for ratio, response in responses.items():
         bow = ratio * RADIUS
@@ -85,10 +89,10 @@ def displacement_table(responses: dict[float, gb.Response]) -> str:
 
 
 def mesh_table(responses: dict[float, gb.Response]) -> str:
-    """Contact ratio and pressure angle of each pair."""
-    lines = ["geometry of the meshes"]
+    """Return a table of the contact ratio and pressure angle of each mesh."""
+    lines = ["contact ratio and pressure angle of the meshes"]
     lines.append(
-        f"{'bow [µm]':>10}  {'pair':<7}  {'contact ratio: min':>18} {'mean':>8} {'max':>8}"
+        f"{'bow [µm]':>10}  {'mesh':<7}  {'contact ratio: min':>18} {'mean':>8} {'max':>8}"
         f"  {'pressure angle [°]: min':>23} {'max':>8}"
     )
     for ratio, response in responses.items():
@@ -105,7 +109,7 @@ def mesh_table(responses: dict[float, gb.Response]) -> str:
 
 
 def figure(responses: dict[float, gb.Response]) -> Figure:
-    """Draw orbits, contact ratio and pressure angle for every bow."""
+    """Draw orbits, contact ratio and pressure angle for each bow."""
     with mpl.rc_context(plots.STYLE):
         drawing = Figure(figsize=(15.0, 11.5))
         grid = drawing.add_gridspec(3, 4, height_ratios=[1.25, 1.0, 1.0])
@@ -113,7 +117,7 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
         orbits = [drawing.add_subplot(grid[0, column]) for column in range(4)]
         contacts = [drawing.add_subplot(grid[1, half]) for half in halves]
         angles = [drawing.add_subplot(grid[2, half]) for half in halves]
-        # The largest bow first, so that the smaller ones lie above it.
+        # Draw the largest bow first: the smaller orbits remain visible on top.
         for ratio, response in reversed(responses.items()):
             colour = plots.PALETTE[BOWS.index(ratio)]
             for panel, gear in zip(orbits, GEARS, strict=True):
@@ -134,16 +138,16 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
             labels[::-1],
             loc="outside upper center",
             ncols=len(labels),
-            title="bow over the radius of the shaft",
+            title="bow / shaft radius",
         )
     return drawing
 
 
 def main() -> None:
-    """Print the tables and write the figure."""
+    """Print the tables and save the figure."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     default = Path(__file__).parent / "output" / "bowed_train.png"
-    parser.add_argument("--output", type=Path, default=default, help="where to write the figure")
+    parser.add_argument("--output", type=Path, default=default, help="file of the figure")
     output: Path = parser.parse_args().output
 
     print("natural frequencies at rest")

@@ -1,6 +1,6 @@
-"""Figures of docs/frequency.md: a geared pair and a bowed rotor over the speed.
+"""Draw the figures of docs/frequency.md: a geared pair and a bowed rotor over the speed range.
 
-Run with ``python examples/frequency.py``; it writes into ``docs/figures``.
+Run with ``python examples/frequency.py``. The script writes the figures to ``docs/figures``.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ FIGURES = Path(__file__).parent.parent / "docs" / "figures"
 
 
 def train() -> gb.RotorSystem:
-    """Describe two shafts with a gear each, the second with an overhung flywheel."""
+    """Return a geared pair whose output shaft carries an overhung flywheel."""
     return gb.RotorSystem(
         disks=[gb.Disk("flywheel", "output", 0.7, 15.0, 0.15, 0.3)],
         shafts=[
@@ -40,7 +40,7 @@ def train() -> gb.RotorSystem:
 
 
 def rotor() -> gb.RotorSystem:
-    """Describe a bowed shaft with two disks."""
+    """Return a bowed rotor with two disks."""
     return gb.RotorSystem(
         shafts=[
             gb.Shaft(
@@ -56,7 +56,7 @@ def rotor() -> gb.RotorSystem:
 
 
 def main() -> None:
-    """Draw."""
+    """Draw and save all figures."""
     bowed = rotor()
     pair = train()
     response = bowed.synchronous(np.linspace(5.0, 600.0, 400))

@@ -1,8 +1,9 @@
-"""What a mesh does when its centres move: stiffness models, separation, transmission error.
+"""Effect of moving gear centres on a mesh: stiffness models, separation, transmission error.
 
-A pinion of 25 teeth drives a wheel of 50, module 3 mm. For each stiffness model the script draws
-the stiffness over two mesh cycles for the centres at rest, mounted 0.3 mm further apart, and pulled
-0.3 mm apart by a load. It writes the figures of docs/mesh.md.
+A pinion with 25 teeth drives a wheel with 50 teeth, module 3 mm. For each stiffness model the
+script draws the mesh stiffness over two mesh cycles in three conditions: nominal centre distance,
+a centre distance that is 0.3 mm larger as mounted, and a centre distance that a load increases by
+0.3 mm. The script writes the figures of docs/mesh.md.
 Run with ``python examples/mesh_models.py``.
 """
 
@@ -20,11 +21,11 @@ from gearbow import plots
 
 TEETH = (25, 50)
 MODULE = 3e-3  # m
-DISTANCE = MODULE * sum(TEETH) / 2  # of the centres, m
-OPENED = 3e-4  # m
+DISTANCE = MODULE * sum(TEETH) / 2  # nominal centre distance, m
+OPENED = 3e-4  # increase of the centre distance, m
 CYCLES = 2
-ROWS = 1201
-SLOW = 1.0  # rad/s: the teeth follow their places, nothing swings
+ROWS = 1201  # output times
+SLOW = 1.0  # rad/s: so slow that the response is quasi-static
 
 MODELS = {
     "constant": gb.Stiffness.constant(3e8),
@@ -41,11 +42,11 @@ MODELS = {
 def pair(
     mesh: gb.Mesh, *, torque: float = 10.0, sideways: float = 0.0, motion: str = "coupled"
 ) -> gb.RotorSystem:
-    """Describe pinion and wheel; `sideways` is an acceleration [m/s²] along the line of centres."""
+    """Return the gear pair; `sideways` is an acceleration [m/s²] along the line of centres."""
     shafts = [
         gb.Shaft(name, length=0.2, outer_diameter=0.05, elements=2) for name in ("input", "output")
     ]
-    # The pinion stands firm; the wheel gives way.
+    # Stiff bearings hold the pinion; soft bearings let the wheel move.
     bearings = [
         gb.Bearing(shaft, x, stiffness=stiffness, damping=1e4)
         for shaft, stiffness in (("input", 1e9), ("output", 2e7))
@@ -66,14 +67,14 @@ def pair(
 
 
 def over_cycles(system: gb.RotorSystem, speed: float = SLOW) -> tuple[gb.Response, float]:
-    """Follow the pair over a few mesh cycles; gives the response and the length of a cycle [s]."""
+    """Simulate a few mesh cycles; return the response and the duration of one cycle [s]."""
     cycle = 2.0 * math.pi / (TEETH[0] * speed)
     times = np.linspace(0.0, CYCLES * cycle, ROWS)
     return system.simulate(CYCLES * cycle, speed, times=times, initial="static"), cycle
 
 
 def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
-    """Simulate the mesh at rest, mounted further apart, and pulled apart."""
+    """Simulate the mesh with nominal, with mounted larger and with loaded larger distance."""
 
     def mesh(more: float = 0.0) -> gb.Mesh:
         return gb.Mesh(
@@ -89,9 +90,9 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
 
     pull = 1000.0 * OPENED / (distance(1000.0) - distance(0.0))
     systems = {
-        "at rest": pair(mesh()),
-        "mounted further apart": pair(mesh(OPENED)),
-        "pulled apart": pair(mesh(), sideways=pull),
+        "nominal distance": pair(mesh()),
+        "mounted +0.3 mm": pair(mesh(OPENED)),
+        "moved +0.3 mm by load": pair(mesh(), sideways=pull),
     }
     return {
         name: over_cycles(system)[0].mesh("pinion", "wheel") for name, system in systems.items()
@@ -99,7 +100,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
 
 
 def stiffness_figure(meshes: dict[str, gb.MeshResponse]) -> Figure:
-    """Draw the stiffness over the mesh cycles."""
+    """Draw the mesh stiffness against the mesh cycles."""
     with mpl.rc_context(plots.STYLE):
         figure = Figure(figsize=(10.0, 3.6))
         panel = figure.subplots()
@@ -116,7 +117,7 @@ def stiffness_figure(meshes: dict[str, gb.MeshResponse]) -> Figure:
 def separation_figure(
     torque: float = 10.0, speed: float = 150.0, error: float = 2e-5, cycles: int = 8
 ) -> Figure:
-    """Draw a lightly loaded mesh with backlash whose flanks part and meet again."""
+    """Draw a lightly loaded mesh with backlash: separation and impacts of the flanks."""
     mesh = gb.Mesh(
         "pinion",
         "wheel",
@@ -134,7 +135,8 @@ def separation_figure(
     with mpl.rc_context(plots.STYLE):
         figure = Figure(figsize=(10.0, 6.0))
         above, below = figure.subplots(2, sharex=True)
-        # The error is one of the driving flanks: it shifts the others as seen from them.
+        # The tooth error belongs to the driving flanks. The deflection is relative to them, so the
+        # error shifts the limit at which the back flanks touch.
         behind = -(1e-4 + error * np.cos(2.0 * math.pi * time))
         above.fill_between(time, 1e6 * behind, 0.0, color="0.9", label="clearance")
         above.plot(time, 1e6 * found.deflection)
@@ -151,7 +153,7 @@ def separation_figure(
 
 
 def error_figure(torques: tuple[float, ...] = (1.0, 100.0, 200.0, 300.0)) -> Figure:
-    """Draw the loaded transmission error: how far the pinion is ahead of its wheel."""
+    """Draw the loaded transmission error, the lead of the pinion over the wheel."""
     error = gb.TransmissionError(tooth=[(5e-6, 0.0), (2e-6, 1.0)])
     with mpl.rc_context(plots.STYLE):
         figure = Figure(figsize=(10.0, 3.8))
@@ -164,13 +166,13 @@ def error_figure(torques: tuple[float, ...] = (1.0, 100.0, 200.0, 300.0)) -> Fig
             radii = [MODULE * teeth / 2.0 * math.cos(math.radians(20.0)) for teeth in TEETH]
             ahead = radii[0] * response.twist("pinion") + radii[1] * response.twist("wheel")
             panel.plot(response.time / cycle, 1e6 * ahead, label=f"{torque:g} N m")
-        panel.set(xlabel="mesh cycles", ylabel="loaded error [µm]", xlim=(0.0, CYCLES))
+        panel.set(xlabel="mesh cycles", ylabel="loaded transmission error [µm]", xlim=(0.0, CYCLES))
         legend(figure, panel)
     return figure
 
 
 def legend(figure: Figure, *panels: Axes) -> None:
-    """Put one legend above the panels."""
+    """Draw one legend for all panels above them."""
     handles, labels = zip(
         *(
             pair
@@ -183,10 +185,10 @@ def legend(figure: Figure, *panels: Axes) -> None:
 
 
 def main() -> None:
-    """Write the figures."""
+    """Draw and save all figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     default = Path(__file__).parent.parent / "docs" / "figures"
-    parser.add_argument("--output", type=Path, default=default, help="the folder of the figures")
+    parser.add_argument("--output", type=Path, default=default, help="folder of the figures")
     output: Path = parser.parse_args().output
 
     output.mkdir(parents=True, exist_ok=True)

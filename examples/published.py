@@ -1,7 +1,8 @@
-"""Computed beside published numbers, as a Markdown table.
+"""Comparison of computed and published values, as a Markdown table.
 
-The rotors of the literature stand in ``examples/rotors``; closed forms and the geometry of a mesh
-need no file. Run with ``python examples/published.py``.
+The files in ``examples/rotors`` describe the rotors of the literature. The functions below define
+the systems of the closed-form solutions and of the mesh geometry.
+Run with ``python examples/published.py``.
 """
 
 import math
@@ -25,7 +26,7 @@ def row(
     computed: Iterable[float],
     decimals: int,
 ) -> str:
-    """Lay out one line of the table; numbers to the decimals that were published."""
+    """Return one row of the table; numbers have as many decimals as the published ones."""
     found = list(computed)
     largest = max(abs(c - p) / abs(p) for c, p in zip(found, published, strict=True))
     difference = "< 0.001 %" if largest < 1e-5 else f"{100.0 * largest:.1g} %"
@@ -34,14 +35,14 @@ def row(
 
 
 def load(name: str) -> gb.RotorSystem:
-    """Read a rotor of the literature, whose radii may be rounded."""
+    """Read a rotor of the literature; the warning for rounded base radii is ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gb.SceneWarning)
         return gb.RotorSystem.load(ROTORS / f"{name}.toml")
 
 
 def bisect(f: Callable[[float], float], low: float, high: float) -> float:
-    """Find where f changes sign, to a part in 1e9."""
+    """Find a root of `f` by bisection, to a relative tolerance of 1e-9."""
     sign = f(low) > 0.0
     while high - low > 1e-9 * high:
         middle = (low + high) / 2.0
@@ -50,19 +51,19 @@ def bisect(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 def rao() -> Iterable[str]:
-    """Couple two rotors by a mesh; Friswell et al. (2010) print the frequencies."""
+    """Compare the geared pair; Friswell et al. (2010) print its frequencies."""
     published = [
         *(11.641, 12.284, 17.268, 18.458, 23.956, 37.681, 49.889),
         *(50.861, 56.248, 57.752, 59.188, 63.113, 74.203),
     ]
-    # The first mode is the rolling of the train.
+    # Skip the first mode, the rigid-body rotation of the train.
     computed = load("rao_1998").modes(speed=1500.0 * RPM).frequencies_hz[1 : len(published) + 1]
     source = "geared pair, Rao, Shiau and Chang 1998"
     yield row(source, "damped frequencies at 1500 rpm [Hz]", published, computed, 3)
 
 
 def nelson() -> Iterable[str]:
-    """Find speeds at which a stepped rotor whirls with its own turning, or against it."""
+    """Compare forward and backward critical speeds of a stepped rotor."""
     campbell = load("nelson_1976").campbell(np.linspace(0.0, 1.1e5, 12) * RPM, count=8)
     published = {"backward": (15470, 46612, 64752), "forward": (17159, 49983, 96457)}
     for whirl, speeds in published.items():
@@ -73,11 +74,11 @@ def nelson() -> Iterable[str]:
 
 
 def friswell() -> Iterable[str]:
-    """Put two disks between bearings, at rest and turning."""
+    """Compare frequencies of a rotor with two disks, at rest and at 4000 rpm."""
     rotor = load("friswell_2010")
     source = "two disks, Friswell et al. 2010, example 5.9.1"
     at_rest = [86.66, 86.66, 274.31, 274.31, 650.41, 716.78]
-    # The first mode is the rotor turning as a whole.
+    # Skip the first mode, the rigid-body rotation of the rotor.
     computed = TAU * rotor.modes().frequencies_hz[1:7]
     yield row(source, "frequencies at rest [rad/s]", at_rest, computed, 2)
     turning = [85.39, 87.80, 251.78, 294.71, 600.18]
@@ -86,7 +87,7 @@ def friswell() -> Iterable[str]:
 
 
 def bowed_shaft() -> Iterable[str]:
-    """Turn a uniform shaft with a half-sine bow between rigid bearings."""
+    """Compare the synchronous response of a uniform shaft with a half-sine bow, rigid bearings."""
     speeds = (200.0, 400.0, 550.0, 700.0, 1200.0)
     published = {
         True: (1.110278, 1.659201, 4.018446, -4.613847, -0.388232),
@@ -109,15 +110,15 @@ def bowed_shaft() -> Iterable[str]:
         system = gb.RotorSystem(shafts=[shaft], bearings=bearings)
         middle = system.synchronous(speeds).displacement(("s", 0.5))[:, 0, 0].real / 1e-4
         beam = "Timoshenko" if shear else "Rayleigh"
-        quantity = f"midspan over bow at 200, 400, 550, 700, 1200 rad/s, {beam} beam"
+        quantity = f"midspan displacement / bow at 200, 400, 550, 700, 1200 rad/s, {beam} beam"
         yield row(source, quantity, numbers, middle, 4)
         if shear:
             frequency = TAU * system.modes(count=1).frequencies_hz
-            yield row(source, "first frequency [rad/s]", [633.630], frequency, 3)
+            yield row(source, "first natural frequency [rad/s]", [633.630], frequency, 3)
 
 
 def jeffcott() -> Iterable[str]:
-    """Turn a disk on a light shaft whose bow stands against its unbalance."""
+    """Compare the speed at which bow and opposite unbalance give zero response."""
     bow, eccentricity, mass = 2e-4, 1e-4, 200.0
     shaft = gb.Shaft(
         "s",
@@ -139,17 +140,17 @@ def jeffcott() -> Iterable[str]:
     critical = TAU * float(rotor.modes(count=1).frequencies_hz[0])
     still = bisect(whirl, 1.1 * critical, 2.0 * critical) / critical
     source = "Jeffcott rotor, Nicholas, Gunter and Allaire 1976"
-    quantity = "speed over critical at which a bow of twice the eccentricity, opposed, cancels it"
+    quantity = "speed / critical speed of zero response; bow opposite to and twice the eccentricity"
     yield row(source, quantity, [math.sqrt(bow / eccentricity)], [still], 5)
 
 
 def torsion() -> Iterable[str]:
-    """Twist a free shaft, and two gears on weightless shafts against their mesh."""
+    """Compare torsional frequencies: a free shaft, and two gears with light shafts and a mesh."""
     shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=64)
     rod = gb.RotorSystem(shafts=[shaft], motion="torsion")
     published = [n / 2.0 * math.sqrt(207e9 / 2.6 / 7850.0) for n in (1, 2, 3)]
     computed = rod.modes(count=4).frequencies_hz[1:]
-    yield row("free shaft, closed form", "frequencies in torsion [Hz]", published, computed, 1)
+    yield row("free shaft, closed form", "torsional frequencies [Hz]", published, computed, 1)
 
     stiffness, gears = 2e8, {"a": (25, 0.035, 0.003), "b": (50, 0.070, 0.05)}
     weightless = gb.Material(207e9, 1.0, poisson_ratio=0.3)
@@ -177,7 +178,7 @@ def torsion() -> Iterable[str]:
     published = [math.sqrt(stiffness * compliance) / TAU]
     computed = system.modes(count=2).frequencies_hz[1:]
     yield row(
-        "two gears on their mesh, closed form", "frequency in torsion [Hz]", published, computed, 2
+        "two gears and their mesh, closed form", "torsional frequency [Hz]", published, computed, 2
     )
 
 
@@ -187,7 +188,7 @@ def pair(
     torque: float = 0.0,
     stiffness: float | gb.Stiffness = 2e8,
 ) -> gb.RotorSystem:
-    """Describe two gears on rigid shafts; every centre has 2e8 N/m of bearings."""
+    """Return two gears on rigid shafts; each shaft has a total bearing stiffness of 2e8 N/m."""
     names = ("a", "b")
     rigid = gb.Material(1e15, 7850.0, poisson_ratio=0.3)
     return gb.RotorSystem(
@@ -208,7 +209,7 @@ def pair(
 
 
 def mesh() -> Iterable[str]:
-    """Measure how contact ratio, pressure angle and centre distance belong together."""
+    """Compare contact ratio, stiffness, pressure angle and their change with centre distance."""
     source = "involute pair, closed form"
     ratio = {
         z: pair(z, module).static().mesh("a", "b").contact_ratio
@@ -217,12 +218,12 @@ def mesh() -> Iterable[str]:
     yield row(source, "contact ratio of 25/50 teeth", [1.68316], [ratio[25, 50]], 5)
     yield row(source, "contact ratio of 62/62 teeth", [1.7897799], [ratio[62, 62]], 7)
 
-    # From 30 mm of face to one, from metres to micrometres.
+    # Divide by the face width of 30 mm; N/m² to N/(mm µm).
     standard = pair((25, 50), 3e-3, stiffness=gb.Stiffness.iso6336()).static().mesh("a", "b")
     quantity = "mesh stiffness of 25/50 teeth [N/(mm µm)]"
     yield row("ISO 6336-1, method B", quantity, [20.64], [standard.stiffness / 0.03 / 1e9], 2)
 
-    # A small torque moves the centres apart, its opposite moves them together.
+    # Central difference: the torque moves the centres apart, the opposite torque together.
     torque, distance, alpha = 10.0, 0.1125, math.radians(20.0)
     apart, together = (
         pair((25, 50), 3e-3, sign * torque).static().mesh("a", "b") for sign in (1.0, -1.0)
@@ -230,19 +231,19 @@ def mesh() -> Iterable[str]:
     moved = apart.centre_distance - together.centre_distance
     pitch = math.pi * 3e-3 * math.cos(alpha)
     slope = (apart.contact_ratio - together.contact_ratio) / moved
-    quantity = "contact ratio over centre distance, 25/50 teeth [1/m]"
+    quantity = "change of contact ratio per centre distance, 25/50 teeth [1/m]"
     yield row(source, quantity, [-1.0 / (pitch * math.sin(alpha))], [slope], 2)
     slope = (apart.pressure_angle - together.pressure_angle) / moved
-    quantity = "pressure angle over centre distance, 25/50 teeth [rad/m]"
+    quantity = "change of pressure angle per centre distance, 25/50 teeth [rad/m]"
     yield row(source, quantity, [1.0 / (distance * math.tan(alpha))], [slope], 4)
     force = torque / (distance / 3.0 * math.cos(alpha))
     separation = 2.0 * force * math.sin(alpha) / 2e8
-    quantity = "separation of the centres under 10 N m [µm]"
+    quantity = "static increase of the centre distance under 10 N m [µm]"
     yield row(source, quantity, [1e6 * separation], [5e5 * moved], 5)
 
 
 def main() -> None:
-    """Print the table."""
+    """Print all rows."""
     print("| source | quantity | published | computed | largest difference |")
     print("|---|---|---|---|---|")
     for rows in (rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh):

@@ -1,9 +1,11 @@
-"""A spur pair swept up and down through its mesh resonance: flanks that part make it jump.
+"""Speed sweep of a spur gear pair through its mesh resonance: loss of contact causes jumps.
 
-Two steel gears with 50 teeth, module 3 mm, 20 mm wide, on shafts that do nothing but hold them. A
-tooth error of 2 µm shakes them. Under a light load the flanks part near resonance; the mesh is then
-soft, the peak leans over to lower speeds, and what is found there depends on where one came from.
-Under a load that exceeds the dynamic force they never part, and the peak is a linear system's.
+Two steel gears have 50 teeth, module 3 mm and a face width of 20 mm. The model has torsion only. A
+tooth error of 2 µm excites the pair at the mesh frequency. Under a light load the flanks separate
+near resonance. Separation reduces the average mesh stiffness, so the resonance peak bends to lower
+speeds. In a range of speeds two steady motions exist: a sweep with rising speed finds one, a sweep
+with falling speed finds the other. Under a load that exceeds the dynamic mesh force the flanks stay
+in contact, and the peak is that of a linear system.
 Run with ``python examples/resonance_sweep.py``.
 """
 
@@ -24,13 +26,14 @@ TEETH = 50
 TORQUES = (200.0, 400.0, 1000.0)  # N m
 ERROR = 2e-6  # m, at the mesh frequency
 MESH = ("pinion", "wheel")
-SPEEDS = np.linspace(0.55, 1.2, 131)  # over that of the resonance
-SETTLE, MEASURE, SAMPLES = 150, 20, 40  # mesh cycles, mesh cycles, samples in each
+SPEEDS = np.linspace(0.55, 1.2, 131)  # divided by the resonance speed
+SETTLE, MEASURE, SAMPLES = 150, 20, 40  # mesh cycles, mesh cycles, samples per cycle
 
 
 def pair(torque: float) -> gb.RotorSystem:
-    """Describe the pair; tips a little above standard make the contact ratio 2."""
-    # The stiffness is moved by the spin, which a motor holds: twist would let the losses brake it.
+    """Return the gear pair. Its tip radii exceed the standard ones: the contact ratio is 2."""
+    # The engagement follows the prescribed rotation. With phase="twist" the damping losses would
+    # slow the free train down.
     stiffness = gb.Stiffness.potential_energy((0.025, 0.025), phase="prescribed")
     return gb.RotorSystem(
         shafts=[
@@ -63,12 +66,15 @@ def pair(torque: float) -> gb.RotorSystem:
 
 
 def resonance(system: gb.RotorSystem) -> float:
-    """Give the speed at which the teeth meet at the highest natural frequency, that of the mesh."""
+    """Return the speed [rad/s] at which the mesh frequency equals the natural frequency of the mesh."""
     return 2.0 * math.pi * float(system.modes().frequencies_hz.max()) / TEETH
 
 
 def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> NDArray[np.float64]:
-    """Give (rms, least) of the deflection at each speed, each begun where the one before ended."""
+    """Return (RMS, minimum) of the mesh deflection [m] at each speed.
+
+    Each run starts from the final state of the previous speed.
+    """
     last: str | gb.Response = "static"
     found = []
     for speed in speeds:
@@ -84,7 +90,7 @@ def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> NDArray[np.float64
 
 
 def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.float64]]]) -> Figure:
-    """Draw the sweeps, a panel for each torque."""
+    """Draw the sweeps, one panel for each torque."""
     with mpl.rc_context(plots.STYLE):
         drawing = Figure(figsize=(13.0, 5.0), layout="constrained")
         panels = drawing.subplots(1, len(curves), sharey=True)
@@ -101,20 +107,20 @@ def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.floa
                 where=down[:, 1] < 0.0,
                 transform=panel.get_xaxis_transform(),
                 color="0.93",
-                label="flanks part, speed falling",
+                label="loss of contact, speed falling",
             )
-            panel.set(title=f"{torque:g} N m: {1e6 * static:.1f} µm at rest")
-            panel.set_xlabel("mesh frequency over resonance")
-        panels[0].set_ylabel("deflection, rms about its mean [µm]")
+            panel.set(title=f"{torque:g} N m: static deflection {1e6 * static:.1f} µm")
+            panel.set_xlabel("mesh frequency / natural frequency")
+        panels[0].set_ylabel("RMS of the deflection about its mean [µm]")
         drawing.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return drawing
 
 
 def main() -> None:
-    """Sweep, print what was found, and write the figure."""
+    """Run the sweeps, print the results and save the figure."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     default = Path(__file__).parents[1] / "docs" / "figures" / "resonance_sweep.png"
-    parser.add_argument("--output", type=Path, default=default, help="where to write the figure")
+    parser.add_argument("--output", type=Path, default=default, help="file of the figure")
     output: Path = parser.parse_args().output
 
     curves = {}
@@ -127,9 +133,10 @@ def main() -> None:
         apart = np.abs(up[:, 0] - down[:, 0]) > 0.02 * down[:, 0]
         where = f"{SPEEDS[apart].min():.3f} to {SPEEDS[apart].max():.3f}" if apart.any() else "none"
         print(
-            f"{torque:6g} N m  rests at {1e6 * static:5.1f} µm  peak, rms: "
-            f"{1e6 * up[:, 0].max():5.1f} µm rising, {1e6 * down[:, 0].max():5.1f} µm falling"
-            f"  two motions at: {where}"
+            f"{torque:6g} N m  static deflection {1e6 * static:5.1f} µm  RMS at the peak: "
+            f"{1e6 * up[:, 0].max():5.1f} µm (rising speed), "
+            f"{1e6 * down[:, 0].max():5.1f} µm (falling speed)"
+            f"  two steady motions at speed ratios: {where}"
         )
     output.parent.mkdir(parents=True, exist_ok=True)
     figure(curves).savefig(output)
