@@ -49,7 +49,7 @@ class Examples(pytest.Item):
                 elif language == "python":
                     self.compare("", printed.getvalue(), line)
                     printed = io.StringIO()
-                    # Empty lines before the block give a traceback the line numbers of the document.
+                    # Leading empty lines: a traceback shows the line numbers of the document.
                     code = compile("\n" * line + text, self.path, "exec")
                     with contextlib.redirect_stdout(printed):
                         exec(code, names)

@@ -40,7 +40,7 @@ def printed(command: str) -> str:
 def main() -> None:
     """Update or check the documents."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--check", action="store_true", help="change nothing; fail if a block differs")
+    parser.add_argument("--check", action="store_true", help="fail if a block differs")
     parser.add_argument("--measured", action="store_true", help="update the measured blocks")
     parser.add_argument("--studied", action="store_true", help="update the blocks of the bow study")
     given = parser.parse_args()

@@ -67,7 +67,7 @@ def simulate(system: gb.RotorSystem) -> gb.Response:
 
 
 def settled(response: gb.Response) -> slice:
-    """Return the samples after the transient, which is the first revolution of the slowest shaft."""
+    """Return the samples after the transient: the first revolution of the slowest shaft."""
     return slice(response.time.size // TURNS, None)
 
 

@@ -140,7 +140,7 @@ def jeffcott() -> Iterable[str]:
     critical = TAU * float(rotor.modes(count=1).frequencies_hz[0])
     still = bisect(whirl, 1.1 * critical, 2.0 * critical) / critical
     source = "Jeffcott rotor, Nicholas, Gunter and Allaire 1976"
-    quantity = "speed / critical speed of zero response; bow opposite to and twice the eccentricity"
+    quantity = "speed / critical speed at which the response is zero, bow = −2 × eccentricity"
     yield row(source, quantity, [math.sqrt(bow / eccentricity)], [still], 5)
 
 

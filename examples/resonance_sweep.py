@@ -66,7 +66,7 @@ def pair(torque: float) -> gb.RotorSystem:
 
 
 def resonance(system: gb.RotorSystem) -> float:
-    """Return the speed [rad/s] at which the mesh frequency equals the natural frequency of the mesh."""
+    """Return the speed [rad/s] of the mesh resonance: mesh frequency = highest frequency."""
     return 2.0 * math.pi * float(system.modes().frequencies_hz.max()) / TEETH
 
 
