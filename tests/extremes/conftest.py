@@ -1,4 +1,4 @@
-"""Shared set-up of the tests at the extremes: a fixture that holds a promise and notes how far it was from breaking."""
+"""Shared fixture of the tests at extreme parameters. It checks a guarantee and records its margin."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "python")]
 
 @pytest.fixture
 def hold(record_property: Callable[[str, object], None]) -> Callable[..., None]:
-    """hold(promise, through, found, allowed, beyond): `limits.py` prints what was held, docs/limits.md keeps it.
+    """Return a function hold(promise, through, found, allowed, beyond) that asserts found < allowed.
 
-    `found` is the largest error met while the range `through` was driven through, `beyond` what happens outside it.
+    `promise` is the guaranteed property, `through` the tested range, `found` the largest error in this range and
+    `allowed` its tolerance. `beyond` describes the warning or error at the limit. `limits.py` prints these values as
+    the tables of docs/limits.md.
     """
 
     def holds(promise: str, through: str, found: float, allowed: float, beyond: str = "") -> None:

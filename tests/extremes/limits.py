@@ -1,4 +1,4 @@
-"""Run the tests of this folder and print what they hold as the tables of docs/limits.md."""
+"""Run the tests of this folder and print their guarantees and margins as the tables of docs/limits.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ HERE = Path(__file__).parent
 
 
 class Limits:
-    """A plugin that collects what the fixture `hold` notes, by the file that it stands in."""
+    """A pytest plugin that collects the records of the fixture `hold` for each test file."""
 
     def __init__(self) -> None:
         self.rows: dict[str, list[tuple[str, str, float, float, str]]] = defaultdict(list)
@@ -25,7 +25,7 @@ class Limits:
 
 
 def below(value: float) -> str:
-    """Round an error up, so that another machine prints the same: a small one to a power of ten."""
+    """Round an error up to a power of ten, above 0.05 to tenths: the output does not depend on the machine."""
     if value > 0.05:
         return f"{math.ceil(10 * value) / 10:g}"
     return f"1e{math.ceil(math.log10(value)):d}" if value > 0 else "0"
@@ -33,7 +33,7 @@ def below(value: float) -> str:
 
 def table(rows: list[tuple[str, str, float, float, str]]) -> str:
     lines = [
-        "| promise | driven through | held to | found below | beyond |",
+        "| property | tested range | tolerance | measured error below | warning or error at the limit |",
         "|---|---|---|---|---|",
     ]
     for promise, through, found, allowed, beyond in rows:

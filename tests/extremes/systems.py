@@ -1,4 +1,4 @@
-"""Systems that are driven to their extremes, and what they must do by formulas of their own."""
+"""Systems for the tests at extreme parameters, and independent solutions for them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.linalg import cholesky, expm, solve_triangular
 import gearbow as gb
 
 Array = NDArray[np.float64]
-Hold = Callable[..., None]  # what the fixture `hold` is
+Hold = Callable[..., None]  # type of the fixture `hold`
 E, G, RHO = 207e9, 207e9 / 2.6, 7850.0
 GRAVITY = 9.81
 MIDDLE = ("rotor", 0.5)
@@ -28,7 +28,7 @@ def rotor(
     elements: int = 6,
     **system: Any,
 ) -> gb.RotorSystem:
-    """A uniform shaft between two equal bearings; `segments` are (length, elements) of it."""
+    """Return a uniform shaft on two equal bearings; `segments` are (length [m], number of elements)."""
     segments = (
         [(length / 2, elements - elements // 2), (length / 2, elements // 2)]
         if segments is None
@@ -52,7 +52,7 @@ def train(
     first: float = 0.0,
     **mesh: Any,
 ) -> gb.RotorSystem:
-    """Two shafts with a gear each in the middle; both may begin with a short element."""
+    """Return two shafts, each with a gear at mid-length; `first` is the length [m] of an optional short first element."""
     names = ("a", "b")
     lengths = [(first, 1), (0.25 - first, elements // 2), (0.25, elements // 2)]
     segments = [gb.Segment(x, 0.05, elements=n) for x, n in lengths if x > 0]
@@ -71,7 +71,10 @@ def train(
 
 
 def section(diameters: tuple[float, float]) -> tuple[float, float, float]:
-    """Area, area moment and shear coefficient (Cowper) of a tube, without differences of nearly equal powers."""
+    """Return area [m²], second moment of area [m⁴] and Cowper shear coefficient of a tube.
+
+    The factored form avoids cancellation for thin walls.
+    """
     ro, ri = diameters[0] / 2, diameters[1] / 2
     area = np.pi * (ro - ri) * (ro + ri)
     m2, nu = (ri / ro) ** 2, 0.3
@@ -80,7 +83,10 @@ def section(diameters: tuple[float, float]) -> tuple[float, float, float]:
 
 
 def sag(length: float, diameters: tuple[float, float], stiffness: float) -> float:
-    """How far the middle of a rotor hangs under its weight: bending, shear, bearings. Elements meet it at nodes."""
+    """Return the static sag [m] at mid-length under gravity: bending, shear and bearings.
+
+    Beam elements give the exact value at their nodes.
+    """
     area, moment, kappa = section(diameters)
     load = RHO * area * GRAVITY
     bending = 5 * load * length**4 / (384 * E * moment) + load * length**2 / (8 * kappa * G * area)
@@ -88,10 +94,10 @@ def sag(length: float, diameters: tuple[float, float], stiffness: float) -> floa
 
 
 def released(system: gb.RotorSystem, speed: float, times: Sequence[float]) -> Array:
-    """Displacements (times, n) from rest under gravity along −z, by matrix exponentials.
+    """Return the displacements (times, n) after release from rest under gravity along −z, by matrix exponentials.
 
-    Over y = (R q, Lᵀ q̇) with K + Kᵀ = 2(RᵀR − μM) and M = L Lᵀ the matrix is skew where nothing damps, which keeps
-    its exponential right however stiff the system is.
+    The state is y = (R q, Lᵀ q̇) with K + Kᵀ = 2(RᵀR − μM) and M = L Lᵀ. Without damping its matrix is skew-symmetric,
+    so the matrix exponential is accurate for stiff systems as well.
     """
     m = system.matrices()
     c = m.damping + speed * m.gyroscopic
@@ -118,12 +124,12 @@ def released(system: gb.RotorSystem, speed: float, times: Sequence[float]) -> Ar
 
 
 def at(system: gb.RotorSystem, name: tuple[str, float]) -> list[int]:
-    """Where v and w of a place stand in matrices."""
+    """Return the indices of v and w of a (shaft, position) in the matrices."""
     dofs = [(shaft, round(x, 9), kind) for shaft, x, kind in system.matrices().dofs]
     return [dofs.index((name[0], round(name[1], 9), kind)) for kind in "vw"]
 
 
 def apart(found: Any, exact: Any) -> float:
-    """The largest difference over the largest entry."""
+    """Return the largest absolute difference divided by the largest absolute exact value."""
     exact = np.asarray(exact)
     return float(np.abs(np.asarray(found) - exact).max() / np.abs(exact).max())

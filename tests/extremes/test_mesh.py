@@ -1,4 +1,4 @@
-"""Teeth: contact ratios through whole numbers and below one, flanks that graze and hammer, ratios of stiffness and of teeth."""
+"""Extreme meshes: contact ratios at integers and below one, unloaded and impacting flanks, stiffness and tooth ratios."""
 
 from __future__ import annotations
 
@@ -34,45 +34,55 @@ def exact_and_found(
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_contact_ratios(hold: Hold, method: str):
+def test_contact_ratios_at_and_near_integers(hold: Hold, method: str):
     worst = 0.0
     for ratio in (0.9, 0.999, 1.0, 1.001, 1.98, 2.0, 2.001, 2.3, 3.0):
         force, found = exact_and_found(TORSION, ratio, PAIR, method=method)
         worst = max(worst, apart(found, force))
     hold(
-        f'`"{method}"` with sharp tooth pairs is the product of matrix exponentials',
-        "contact ratio 0.9 to 3, whole numbers and 1e-3 beside them",
+        f'`"{method}"` with sharp engagement equals a product of matrix exponentials',
+        "contact ratio 0.9 to 3, including integers and values 1e-3 away",
         worst,
         1e-6,
-        "below one the event `contact ratio below 1`",
+        "below 1: event `contact ratio below 1`",
     )
 
 
-def test_ratios_of_stiffness(hold: Hold):
+def test_soft_and_stiff_teeth(hold: Hold):
     worst = 0.0
     for factor in (1e-3, 1e-2, 1.0, 1e2, 1e3):
         force, found = exact_and_found(TORSION, 1.6, PAIR * factor)
         worst = max(worst, apart(found, force))
-    hold("teeth softer and stiffer than the rest", "stiffness 1e-3 to 1e3 of usual", worst, 1e-6)
+    hold(
+        "The mesh force of soft and stiff teeth equals a product of matrix exponentials",
+        "pair stiffness 1.5e5 to 1.5e11 N/m",
+        worst,
+        1e-6,
+    )
 
 
-def test_loads_of_any_size(hold: Hold):
+def test_small_and_large_loads(hold: Hold):
     worst = 0.0
     for torque in (1e-9, 1e-3, 1.0, 1e6):
         force, found = exact_and_found(TORSION, 1.6, PAIR, torque)
         worst = max(worst, apart(found, force))
-    hold("frozen geometry is linear in the load", "1e-9 to 1e6 N m", worst, 1e-6)
+    hold(
+        "The mesh force with frozen geometry equals a product of matrix exponentials at any load",
+        "torque 1e-9 to 1e6 N m",
+        worst,
+        1e-6,
+    )
 
 
-def test_numbers_of_teeth(hold: Hold):
+def test_unequal_tooth_numbers(hold: Hold):
     worst = 0.0
     for teeth in ((3, 1200), (1200, 3), (17, 400), (400, 400)):
         static = train(teeth=teeth, torque=1e-3).static()
         base = 3e-3 * teeth[0] / 2 * np.cos(np.radians(20.0))
         worst = max(worst, abs(static.mesh("ga", "gb").force / (1e-3 / base) - 1))
     hold(
-        "a mesh carries torque over base radius",
-        "ratio 1:400 to 400:1",
+        "The static mesh force equals torque / base radius",
+        "tooth number ratio 1:400 to 400:1",
         worst,
         1e-9,
         "fewer than 3 teeth: `SceneError`",
@@ -90,11 +100,16 @@ def test_numbers_of_teeth(hold: Hold):
             for method in ("exponential", "rk45")
         ]
         gaps.append(apart(*forces))
-    hold("two methods agree on so unequal teeth", "ratio 1:400 and 400:1", max(gaps), 1e-5)
+    hold(
+        '`"exponential"` and `"rk45"` agree on the mesh force of unequal gears',
+        "tooth number ratio 1:400 and 400:1",
+        max(gaps),
+        1e-5,
+    )
 
 
-def hammering(method: str, backlash: float, duration: float, rtol: float) -> gb.Response:
-    """Gears without a torque on bent shafts: their run-out of the centres hammers the flanks."""
+def rattling(method: str, backlash: float, duration: float, rtol: float) -> gb.Response:
+    """Simulate gears without torque on bowed shafts: the moving centres cause flank impacts."""
     system = train(bow=gb.Bow.half_sine(1e-4), torque=0.0, backlash=backlash)
     record = ["gears", "meshes", "energy"]
     return system.simulate(
@@ -109,25 +124,25 @@ def hammering(method: str, backlash: float, duration: float, rtol: float) -> gb.
 
 
 @pytest.mark.parametrize("backlash", [0.0, 1e-9, 1e-6, 1e-5])
-def test_hammering_flanks_by_two_methods(hold: Hold, backlash: float):
-    runs = [hammering(method, backlash, 3e-3, 1e-9) for method in ("exponential", "rk45")]
+def test_two_methods_agree_on_flank_impacts(hold: Hold, backlash: float):
+    runs = [rattling(method, backlash, 3e-3, 1e-9) for method in ("exponential", "rk45")]
     assert len(runs[0].events) > 3
-    # flanks a nanometre apart meet on both sides within less time than a step resolves: in either order
+    # With 1 nm backlash both flanks make contact within less time than a step resolves: the order may differ.
     if backlash != 1e-9:
         assert [event.kind for event in runs[0].events] == [event.kind for event in runs[1].events]
         times = [np.array([event.time for event in run.events]) for run in runs]
         assert np.abs(times[0] - times[1]).max() < 1e-8
     worst = apart(runs[0].displacement("ga"), runs[1].displacement("ga"))
     hold(
-        "two methods agree on flanks that hammer",
+        '`"exponential"` and `"rk45"` agree on the displacement with flank impacts',
         f"backlash {backlash:g} m".replace("e-0", "e-"),
         worst,
         1e-6,
     )
 
 
-def test_an_event_storm_ends_and_balances(hold: Hold):
-    # stiff teeth, no damping, nothing that holds the flanks together: they rattle between both
+def test_energy_balance_over_many_contact_events(hold: Hold):
+    # Stiff teeth, no damping and no torque: the gears rattle between both flanks.
     system = train(
         bow=gb.Bow.half_sine(3e-4), torque=0.0, backlash=1e-7, stiffness=2e10, damping_ratio=0.0
     )
@@ -139,15 +154,15 @@ def test_an_event_storm_ends_and_balances(hold: Hold):
     assert np.isfinite(run.energy).all()
     scale = np.abs(run.energy).max()
     hold(
-        "the energy balance closes through an event storm",
-        "more than 100 events in 10 ms, nothing damped",
+        "The energy balance is closed over many contact events",
+        "more than 100 events in 10 ms, no damping",
         float(np.abs(residual).max() / scale),
         1e-3,
     )
 
 
-def test_grazing_contact_goes_on():
-    # Without backlash, torque or bow the flanks rest on each other with no force at all.
+def test_unloaded_contact_does_not_stop_a_run():
+    # Without backlash, torque and bow the flanks touch with zero force.
     for torque in (0.0, 1e-12, 1e-6):
         system = train(torque=torque, backlash=0.0)
         run = system.simulate(2e-3, 100.0)

@@ -1,4 +1,4 @@
-"""Bearings from nothing to rigid, dampers from nothing to locked, cross-coupling, modes that coincide."""
+"""Extreme bearing stiffness and damping, cross-coupled bearings, repeated modes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 import gearbow as gb
 from systems import GRAVITY, MIDDLE, Hold, apart, at, released, rotor, sag, train
 
-# What is warned of is held here.
+# The tests check results that come with an accuracy warning.
 pytestmark = pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
 
 TIMES = [1e-3, 7e-3]
@@ -16,11 +16,11 @@ ONE_SIDED = [[1e8, 1e10], [0.0, 1e8]]
 CROSSED = {
     "one-sided": ONE_SIDED,
     "one-sided, weak": [[1e8, 1e7], [0.0, 1e8]],
-    "circulating": [[1e8, 1e9], [-1e9, 1e8]],
-    "circulating alone": [[0.0, 1e8], [-1e8, 0.0]],
+    "circulatory": [[1e8, 1e9], [-1e9, 1e8]],
+    "purely circulatory": [[0.0, 1e8], [-1e8, 0.0]],
     "indefinite": [[1e8, 2e8], [2e8, 1e8]],
-    "barely definite": [[1e8, 1e8 - 1.0], [1e8 - 1.0, 1e8]],
-    "a half that is singular": [[1e8, 2e8], [0.0, 1e8]],
+    "nearly singular": [[1e8, 1e8 - 1.0], [1e8 - 1.0, 1e8]],
+    "singular symmetric part": [[1e8, 2e8], [0.0, 1e8]],
 }
 
 
@@ -34,17 +34,22 @@ def moved(system: gb.RotorSystem, **options: object) -> np.ndarray:
     return system.simulate(TIMES[-1], 300.0, **options).displacement(MIDDLE)
 
 
-def test_bearings_of_any_stiffness_hold(hold: Hold):
+def test_static_sag_with_soft_and_stiff_bearings(hold: Hold):
     worst = 0.0
     for power in range(-2, 13, 2):
         system = rotor(10.0**power, gravity=1e-6 * GRAVITY)
         found = -1e6 * system.static().displacement(MIDDLE)[1]
         worst = max(worst, abs(found / sag(1.0, (0.05, 0.0), 10.0**power) - 1))
-    hold("a rotor hangs in its bearings as the closed form", "1e-2 to 1e12 N/m", worst, 1e-8)
+    hold(
+        "The static sag of a rotor on two bearings equals the closed form",
+        "bearing stiffness 1e-2 to 1e12 N/m",
+        worst,
+        1e-8,
+    )
 
 
-def test_the_softest_bearing_holds_beside_the_stiffest_mesh(hold: Hold):
-    # 1 mN m, so that bearings of 100 N/m move by micrometres
+def test_soft_bearings_balance_a_stiff_mesh(hold: Hold):
+    # The torque is 1 mN m: bearings of 100 N/m deflect by micrometres.
     worst = 0.0
     for soft, stiff in ((1e2, 2e8), (1e2, 2e12), (1e4, 2e14)):
         system = train(soft, 0.0, torque=1e-3, stiffness=stiff)
@@ -55,11 +60,11 @@ def test_the_softest_bearing_holds_beside_the_stiffest_mesh(hold: Hold):
         assert system.modes().frequencies_hz[0] == 0.0
         assert system.modes().frequencies_hz[1] > 0.0
     hold(
-        "the softest bearing carries its load beside the stiffest mesh",
-        "ratio of stiffness to 2e10",
+        "The forces of soft bearings balance the force of a stiff mesh",
+        "mesh stiffness / bearing stiffness up to 2e10",
         worst,
         1e-4,
-        "`AccuracyWarning` names bearing, mesh or element",
+        "`AccuracyWarning` names the bearing, mesh or element",
     )
 
 
@@ -74,10 +79,10 @@ def test_runs_with_bearings_of_any_stiffness_and_damping(hold: Hold, method: str
             exact = released(system, 300.0, TIMES)[:, at(system, MIDDLE)]
             worst = max(worst, apart(moved(system, method=method, rtol=1e-9), exact))
     through = {
-        "exponential": "1 to 1e12 N/m, 0 to 1e6 N s/m",
-        "rk45": "1 to 1e8 N/m, 0 to 1e3 N s/m",
+        "exponential": "bearing stiffness 1 to 1e12 N/m, damping 0 to 1e6 N s/m",
+        "rk45": "bearing stiffness 1 to 1e8 N/m, damping 0 to 1e3 N s/m",
     }[method]
-    hold(f'`"{method}"` is the matrix exponential', through, worst, 1e-6)
+    hold(f'`"{method}"` equals the matrix exponential', through, worst, 1e-6)
 
 
 @pytest.mark.parametrize("name", CROSSED)
@@ -86,7 +91,7 @@ def test_equilibrium_of_cross_coupled_bearings(name: str):
     matrices = system.matrices()
     down = np.array([-GRAVITY if kind == "w" else 0.0 for _, _, kind in matrices.dofs])
     exact = np.linalg.solve(matrices.stiffness, matrices.mass @ down)
-    # as many digits as the softest direction of the bearings leaves beside the elements
+    # The stiffness ratio of the elements to the softest bearing direction limits the number of digits.
     assert apart(system.static().displacement(MIDDLE), exact[at(system, MIDDLE)]) < 1e-6
 
 
@@ -97,14 +102,14 @@ def test_runs_with_cross_coupled_bearings(hold: Hold, method: str):
         system = rotor(coefficients, 1e3, elements=4, gravity=GRAVITY)
         exact = released(system, 300.0, TIMES)[:, at(system, MIDDLE)]
         worst = max(worst, apart(moved(system, method=method, rtol=1e-10), exact))
-    # growing motions grow with their errors
+    # The error of an unstable motion grows with the motion.
     allowed = 1e-6
     hold(
-        f'`"{method}"` is the matrix exponential with any regular 2×2 stiffness, stable or not',
-        "cross-coupling to 100 times the direct stiffness, indefinite, one-sided",
+        f'`"{method}"` equals the matrix exponential with any non-singular 2×2 bearing stiffness, stable or unstable',
+        "cross-coupling up to 100 times the direct stiffness; indefinite and one-sided matrices",
         worst,
         allowed,
-        "`StabilityError` where a motion leaves the range of numbers, `AccuracyWarning` where it leaves the shaft",
+        "displacement larger than the shaft: `AccuracyWarning`; overflow: `StabilityError`",
     )
 
 
@@ -113,7 +118,7 @@ def test_modes_with_cross_coupled_bearings(name: str):
     system = rotor(CROSSED[name], 1e3, elements=3)
     m = system.matrices()
     n = len(m.mass)
-    # displacements scaled so that LAPACK meets blocks of one size
+    # Scaled displacements give blocks of equal magnitude.
     scale = np.sqrt(np.linalg.norm(np.linalg.solve(m.mass, m.stiffness), 2))
     a = np.block(
         [
@@ -129,15 +134,15 @@ def test_modes_with_cross_coupled_bearings(name: str):
         assert np.abs(exact - value).min() < 1e-6 * abs(value) + 1e-9 * scale
 
 
-def test_a_singular_bearing_is_refused_where_it_does_not_hold():
-    # its force has no part along z, whatever the displacement
+def test_singular_bearing_without_equilibrium_is_an_error():
+    # The bearing gives no force along z at any displacement.
     with pytest.raises(gb.SceneError, match="no static equilibrium"):
         rotor([[1e8, 1e8], [0.0, 0.0]], gravity=GRAVITY).static()
     with pytest.raises(gb.SceneError, match='"rotor" is not held'):
         rotor(0.0, gravity=GRAVITY).static()
 
 
-def test_a_growing_motion_says_so():
+def test_growing_motion_warns_and_then_fails():
     system = rotor([[1e8, 1e8], [-1e8, 1e8]], gravity=GRAVITY)
     with pytest.warns(gb.AccuracyWarning, match="where the longest shaft has 1 m"):
         system.simulate(8e-3, 300.0, initial="rest", record=[MIDDLE], times=[8e-3])
@@ -145,9 +150,9 @@ def test_a_growing_motion_says_so():
         system.simulate(1.0, 300.0, initial="rest", record=[MIDDLE], times=[1.0])
 
 
-def test_critical_damping_and_modes_that_coincide(hold: Hold):
-    # From light damping to locked bearings the lowest modes pass their critical damping one after the other, those of
-    # the two planes in pairs.
+def test_critical_damping_and_repeated_modes(hold: Hold):
+    # From light damping to nearly rigid dampers the lowest modes become critically damped one after another, in pairs
+    # for the two planes.
     worst, conditions = 0.0, []
     for damping in np.geomspace(1e3, 1e5, 25):
         system = rotor((1e6, 1.2e6), damping, elements=3, gravity=GRAVITY)
@@ -157,8 +162,8 @@ def test_critical_damping_and_modes_that_coincide(hold: Hold):
         conditions.append(run.statistics.condition)
     assert max(conditions) > 10 * min(conditions)
     hold(
-        "modes that are parallel or repeat carry the motion, or give way to matrix exponentials",
-        "damping through every critical one",
+        "Nearly parallel and repeated modes: the motion equals the matrix exponential",
+        "damping 1e3 to 1e5 N s/m, through critical damping of the lowest modes",
         worst,
         1e-8,
     )

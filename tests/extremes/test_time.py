@@ -1,4 +1,4 @@
-"""Long runs, late beginnings, any times to record, parts of runs."""
+"""Extreme times: long runs, late start times, arbitrary output times, divided runs."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from systems import GRAVITY, MIDDLE, Hold, apart, at, rotor, train
 METHODS = ["exponential", "rk45", "rk4"]
 
 
-def test_many_steps_lose_nothing(hold: Hold):
-    # An undamped rotor swings under its weight: modes by LAPACK say where it stands after thousands of swings.
+def test_errors_do_not_accumulate_over_many_steps(hold: Hold):
+    # An undamped rotor oscillates under gravity. An independent modal solution by LAPACK gives the exact motion.
     system = rotor(1e8, elements=2, gravity=GRAVITY)
     m = system.matrices()
     duration = 20.0
@@ -25,13 +25,13 @@ def test_many_steps_lose_nothing(hold: Hold):
     shapes = inverse.T @ vectors
     down = np.array([-GRAVITY if kind == "w" else 0.0 for _, _, kind in m.dofs])
     load = shapes.T @ m.mass @ down
-    # the phase of the fastest mode that the weight excites is as uncertain as its frequency: ω t times round-off
+    # The phase of the fastest excited mode has the uncertainty ω t × round-off, which sets the tolerance.
     exact = [
         (shapes @ (load / squares * (1 - np.cos(np.sqrt(squares) * t))))[at(system, MIDDLE)[1]]
         for t in times
     ]
     hold(
-        "steps add up without drift",
+        "Errors do not accumulate over many steps",
         "1e7 steps",
         apart(run.displacement(MIDDLE)[:, 1], exact),
         1e-5,
@@ -39,8 +39,8 @@ def test_many_steps_lose_nothing(hold: Hold):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_late_start_is_an_early_one(hold: Hold, method: str):
-    # 2^20 s: times and sums with them are exact; the bow is turned by what the shaft has turned until then.
+def test_late_start_time_gives_the_same_motion(hold: Hold, method: str):
+    # The start time 2^20 s is a power of two: sums of times are exact. The bow phase contains the rotation until then.
     begin, speed, step = 2.0**20, 128.0, 2.0**-22
     offsets = np.arange(9) * 2.0**-12
     options = {"step": step} if method == "rk4" else {"rtol": 1e-9}
@@ -58,17 +58,17 @@ def test_a_late_start_is_an_early_one(hold: Hold, method: str):
             **options,
         ).displacement(MIDDLE)
 
-    turned = float(np.angle(np.exp(1j * speed * begin)))  # of 2^27, which is exact
+    turned = float(np.angle(np.exp(1j * speed * begin)))  # speed * begin = 2^27 is exact
     hold(
-        f'`"{method}"` begins late as early',
-        "1e6 s",
+        f'`"{method}"` gives the same motion for a late start time',
+        "start time 1e6 s",
         apart(run(0.0, begin), run(turned, 0.0)),
         1e-8,
     )
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_any_times_to_record(method: str):
+def test_arbitrary_output_times(method: str):
     system = rotor(1e8, 100.0, elements=2, bow=gb.Bow.half_sine(1e-4))
     random = np.random.default_rng(5)
     times = random.uniform(0.0, 2e-3, 40)
@@ -80,7 +80,7 @@ def test_any_times_to_record(method: str):
         )[0]
         for t in times[-10:]
     ]
-    # whatever else is recorded, a time has its motion to the last bit
+    # The recorded motion at a time is bit-identical for any set of other output times.
     assert np.array_equal(run.time, times)
     assert np.array_equal(run.displacement(MIDDLE)[-10:], one_by_one)
     empty = system.simulate(2e-3, 300.0, method=method, record=[MIDDLE], times=[])
@@ -90,7 +90,7 @@ def test_any_times_to_record(method: str):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_run_cut_anywhere_is_the_same(hold: Hold, method: str):
+def test_run_in_two_parts_is_bit_identical(hold: Hold, method: str):
     system = train(bow=gb.Bow.half_sine(1e-4), torque=20.0, backlash=1e-6, elements=2)
     total = 2.0**-9
     options = {"method": method, "times": [total], "initial": "rest"}
@@ -98,7 +98,7 @@ def test_a_run_cut_anywhere_is_the_same(hold: Hold, method: str):
     random = np.random.default_rng(7)
     worst = 0.0
     for _ in range(5):
-        # binary fractions, so that the parts add up to the whole
+        # Binary fractions: the two durations add up to the total without round-off.
         cut = float(random.integers(1, 2**20)) * 2.0**-29
         first = system.simulate(cut, 300.0, **options | {"times": []})
         second = system.simulate(total - cut, 300.0, **options | {"initial": first})
@@ -107,10 +107,15 @@ def test_a_run_cut_anywhere_is_the_same(hold: Hold, method: str):
         worst = max(
             worst, float(np.abs(second.displacement("ga") - whole.displacement("ga")).max())
         )
-    hold(f'`"{method}"` in two parts is the same to the last bit', "cut anywhere", worst, 5e-324)
+    hold(
+        f'`"{method}"` in two parts is bit-identical to one run',
+        "divided at any time",
+        worst,
+        5e-324,
+    )
 
 
-def test_more_steps_than_can_be_counted_are_refused():
+def test_too_many_steps_are_an_error():
     system = train()
     with pytest.raises(gb.SceneError, match=r"duration: .* more steps"):
         system.simulate(1e3, 1e14, times=[])

@@ -1,4 +1,4 @@
-"""Tolerances from loose to below round-off; every method at, under and over its limit of stability."""
+"""Tolerances from loose to below round-off; methods below and above their stability limit."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def displaced(stiffness: object, **options: object) -> np.ndarray:
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_the_error_follows_the_tolerance(hold: Hold, method: str):
+def test_error_stays_below_a_multiple_of_rtol(hold: Hold, method: str):
     worst = 0.0
     for stiffness in STIFFNESS.values():
         exact = displaced(stiffness, method=method, rtol=1e-12)
@@ -35,18 +35,23 @@ def test_the_error_follows_the_tolerance(hold: Hold, method: str):
             off = apart(displaced(stiffness, method=method, rtol=10.0**-power), exact)
             worst = max(worst, off / 10.0**-power)
     hold(
-        f'the error of `"{method}"` stays below a multiple of `rtol`',
-        "1e-1 to 1e-11",
+        f'Error of `"{method}"` / `rtol`',
+        "`rtol` 1e-1 to 1e-11",
         worst,
         1e2,
-        "below 1e-13 `rtol` is taken as 1e-13, with an `AccuracyWarning`",
+        "`rtol` below 1e-13 is replaced by 1e-13, with an `AccuracyWarning`",
     )
 
 
-def test_round_off_is_where_tolerances_end(hold: Hold):
+def test_smallest_tolerance(hold: Hold):
     exact = displaced(STIFFNESS["smooth"], method="rk45", rtol=1e-13)
     found = displaced(STIFFNESS["smooth"], rtol=1e-13)
-    hold("two methods meet at the tightest tolerance", "1e-13", apart(found, exact), 1e-11)
+    hold(
+        '`"exponential"` and `"rk45"` agree at the smallest tolerance',
+        "`rtol` 1e-13",
+        apart(found, exact),
+        1e-11,
+    )
     for rtol in (1e-14, 1e-300):
         with pytest.warns(
             gb.AccuracyWarning,
@@ -63,13 +68,13 @@ SCENES = {
     "heavily damped": {"damping": 1e6},
     "modal damping": {"modal_damping": 0.2},
     "stiff bearings": {"stiffness": 1e12},
-    "circulating": {"stiffness": [[1e8, 2e7], [-2e7, 1e8]], "damping": 1e5},
-    "far supercritical": {"speed": 3e4},
+    "circulatory bearings": {"stiffness": [[1e8, 2e7], [-2e7, 1e8]], "damping": 1e5},
+    "supercritical speed": {"speed": 3e4},
 }
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_at_and_over_the_limit_of_stability(hold: Hold, name: str):
+def test_rk4_below_and_above_the_stability_limit(hold: Hold, name: str):
     scene = dict(SCENES[name])
     speed = float(scene.pop("speed", 300.0))
     system = rotor(**{"elements": 4, "gravity": GRAVITY} | scene)
@@ -84,38 +89,38 @@ def test_at_and_over_the_limit_of_stability(hold: Hold, name: str):
         run(1.0, 1)
     limit = float(
         re.search(r"stability limit of (\S+) s", str(refused.value))[1]
-    )  # printed with five digits
-    swing = 2 * np.abs(system.static().displacement(MIDDLE)).max()
-    grown = np.abs(run(limit * (1 - 1e-4))).max() / swing
+    )  # the message has five digits
+    scale = 2 * np.abs(system.static().displacement(MIDDLE)).max()
+    grown = np.abs(run(limit * (1 - 1e-4))).max() / scale
     with pytest.raises(gb.StabilityError, match="above the stability limit"):
         run(limit * (1 + 1e-4), 1)
     hold(
-        f'`"rk4"` just under its limit of stability stays bounded, {name}',
-        "20 000 steps; largest over the static swing",
+        f'`"rk4"` just below its stability limit stays bounded, {name}',
+        "20 000 steps; maximum displacement / (2 × static displacement)",
         grown,
         1.5,
-        "a longer step: `StabilityError` before the run",
+        "longer step: `StabilityError` before the run",
     )
 
 
 @pytest.mark.parametrize("rtol", [0.99, 0.1])
-def test_rk45_is_held_below_its_limit(hold: Hold, rtol: float):
+def test_rk45_stays_stable_at_any_tolerance(hold: Hold, rtol: float):
     system = rotor(1e8, elements=4, gravity=GRAVITY)
     times = np.linspace(0.0, 0.1, 100)
     run = system.simulate(
         0.1, 300.0, method="rk45", rtol=rtol, initial="rest", record=[MIDDLE, "energy"], times=times
     )
-    swing = 2 * np.abs(system.static().displacement(MIDDLE)).max()
+    scale = 2 * np.abs(system.static().displacement(MIDDLE)).max()
     hold(
-        '`"rk45"` stays bounded whatever its tolerance',
-        f"rtol {rtol:g}",
-        np.abs(run.displacement(MIDDLE)).max() / swing,
+        '`"rk45"` stays bounded at any tolerance',
+        f"`rtol` {rtol:g}; maximum displacement / (2 × static displacement)",
+        np.abs(run.displacement(MIDDLE)).max() / scale,
         1.2,
     )
 
 
-def test_large_steps_of_what_is_exact(hold: Hold):
-    # The linear motion is exact in steps of any length.
+def test_linear_motion_is_exact_at_any_step(hold: Hold):
+    # Both methods integrate a linear system exactly with any step.
     system = rotor(1e8, 300.0, elements=4, gravity=GRAVITY)
     times = [0.01, 0.04]
     exact = released(system, 300.0, times)[:, at(system, MIDDLE)]
@@ -128,4 +133,4 @@ def test_large_steps_of_what_is_exact(hold: Hold):
     ):
         run = system.simulate(0.04, 300.0, initial="rest", record=[MIDDLE], times=times, **options)
         worst = max(worst, apart(run.displacement(MIDDLE), exact))
-    hold("linear motion is exact at any step", "1e-6 to 10 s", worst, 1e-8)
+    hold("Linear motion is exact at any step", "step 1e-6 to 10 s", worst, 1e-8)
