@@ -1,15 +1,16 @@
-"""gearbow beside SciPy and ROSS: the same scenes to the same error, one core each.
+"""Compare gearbow with SciPy and ROSS: same scenes, same required error, one core each.
 
-Every method simulates a scene from rest with settings from cheap to dear until its error is small
-enough; the first setting that does counts. The error is the RMS of the difference to a reference
-over the RMS of the motion about its mean, of the worst gear. The reference is gearbow's most exact
-method with a tight tolerance, itself held against SciPy's DOP853 on a stretch. What takes minutes
-simulates a stretch only, and its error is that over the stretch, which is in its favour.
+Every method simulates a scene from rest. The settings of a method range from cheap to expensive;
+the result is the first setting whose error is small enough. The error is the RMS of the difference
+from a reference divided by the RMS of the motion about its mean, for the worst gear. The reference
+is gearbow's "rk45" with a tight tolerance, and SciPy's DOP853 checks it over a part of the
+duration. Slow methods simulate only this part of the duration. Their error refers to this shorter
+time, which is an advantage for them.
 
-Costs are CPU seconds per simulated second, in a process of each method's own; what a run takes
-before its first step (`start`) is not part of them. Once all settings are found, the methods are
-timed in turn, round after round, so that a machine that is faster at times is so for all of them;
-costs are medians of the rounds, and so are the ratios to the cheapest of gearbow.
+A cost is the CPU time per simulated second, measured in a separate process for each method. It
+excludes the set-up, the time before the first step. After the search the methods are timed in turn
+over several rounds, so that a change of the processor speed affects all methods. Costs are medians
+over the rounds. Ratios are medians of the ratios to gearbow's cheapest method within each round.
 ``python benches/compare.py`` prints a Markdown table for each scene.
 """
 
@@ -31,22 +32,22 @@ from programs.methods import CHECK, METHODS, REFERENCE, Method, Prepare, Run, To
 from programs.scenes import SCENES, Array, Scene
 
 ROUNDS = 5
-PATIENCE = 25.0  # CPU time of a run, s
-SLOW = 5.0  # CPU time of a run that is not timed again, s
-LEAST = 0.2  # CPU time that is measured, s
-QUICK = ("shaft", "square")  # scenes for a look
+PATIENCE = 25.0  # limit of the CPU time of a run, s
+SLOW = 5.0  # runs that take longer are timed only once, s
+LEAST = 0.2  # shortest CPU time that is measured; shorter runs are repeated, s
+QUICK = ("shaft", "square")  # scenes of a quick comparison
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def error_of(found: Array, exact: Array) -> float:
-    """Give the error over the times of `found`, which may be fewer or end earlier."""
+    """Return the error over the times of `found`, which may end earlier than those of `exact`."""
     exact = exact[:, : found.shape[1]]
     motion = np.sqrt(np.mean((exact - exact.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2)))
     return float(np.max(np.sqrt(np.mean((found - exact) ** 2, axis=(1, 2))) / motion))
 
 
 def timed(run: Run) -> tuple[Array, float]:
-    """Give what a run finds, and its CPU time; a short one is run until the clock can tell."""
+    """Return the result and the CPU time of a run; a short run is repeated and averaged."""
     begin, count = time.process_time(), 0
     while True:
         found = run()
@@ -59,26 +60,26 @@ def timed(run: Run) -> tuple[Array, float]:
 def cost_of(
     prepare: Prepare, scene: Scene, method: Method, setting: dict[str, float]
 ) -> tuple[float, float]:
-    """Give what a setting costs per simulated second, and before the first step."""
+    """Return the CPU time per simulated second, and that of the set-up before the first step."""
     duration = scene.stretch if method.short else scene.duration
     first = prepare(2 * every(scene, setting) * scene.sample, setting, np.inf)
-    timed(first)  # what is compiled or read when first needed is nobody's cost
+    timed(first)  # first call: compilation and imports are not measured
     start = timed(first)[1]
     _, cost = timed(prepare(duration, setting, np.inf))
     if cost <= 3.0 * start:
-        # What is over as soon as it has started is timed over longer.
+        # A run that takes hardly longer than its set-up is timed over a longer duration.
         duration *= 10.0
         _, cost = timed(prepare(duration, setting, np.inf))
     return (cost - start) / duration, start
 
 
 def every(scene: Scene, setting: dict[str, float]) -> int:
-    """Give how many samples there are between steps: some have less than one, others more."""
+    """Return the number of samples per step, at least one."""
     return max(1, round(setting.get("step", 0.0) / scene.sample))
 
 
 def search(scene: Scene, method: Method, exact: Array, *, quick: bool) -> dict[str, Any]:
-    """Find the cheapest setting that is exact enough, and what it costs at first sight."""
+    """Find the cheapest setting that meets the required error, and a first measure of its cost."""
     patience = 1.5 if quick else PATIENCE
     duration = scene.stretch if method.short else scene.duration
     prepare = method.prepare(scene)
@@ -102,7 +103,7 @@ def search(scene: Scene, method: Method, exact: Array, *, quick: bool) -> dict[s
 
 
 def work(arguments: argparse.Namespace, scene: Scene, folder: Path) -> None:
-    """Do the part of one process."""
+    """Carry out the task of one child process."""
     file = folder / f"{arguments.scene}.npy"
     if arguments.part in {"reference", "check"}:
         method = REFERENCE if arguments.part == "reference" else CHECK
@@ -122,7 +123,7 @@ def work(arguments: argparse.Namespace, scene: Scene, folder: Path) -> None:
 
 
 def apart(part: str, name: str, folder: Path, *, quick: bool, setting: str = "") -> Any:
-    """Do a part in a process of its own, on one core."""
+    """Run a task in a child process on one core and return its result."""
     print(f"{name}: {part}", setting, file=sys.stderr)
     command = [sys.executable, __file__, "--part", part, "--scene", name, "--folder", str(folder)]
     command += ["--setting", setting]
@@ -133,25 +134,25 @@ def apart(part: str, name: str, folder: Path, *, quick: bool, setting: str = "")
         stdout=subprocess.PIPE,
         text=True,
     )
-    # Libraries may have said something before.
+    # Libraries may print before the result.
     return json.loads(done.stdout.splitlines()[-1]) if done.stdout else None
 
 
 def installed(method: Method) -> bool:
-    """Whether a method can be run here."""
+    """Return whether the program of a method is installed."""
     if method.program == "gearbow":
         return offered(method.name)
     return method.program != "ROSS" or importlib.util.find_spec("ross") is not None
 
 
 def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> None:
-    """Print the table of a scene."""
+    """Compare all methods in a scene and print its table."""
     scene = SCENES[name]
     apart("reference", name, folder, quick=quick)
     within = ""
     if not scene.own:
         check = apart("check", name, folder, quick=quick)["error"]
-        within = f" (the reference is within {check:.0e} of SciPy's)"
+        within = f", error of the reference {check:.0e} (checked with SciPy)"
     rows = []
     for method in methods:
         offers = (scene.ross or not method.ross) and method.only in {"", name}
@@ -179,12 +180,15 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
         if method.program == "gearbow" and row["error"] <= scene.error
     }
     cheapest = min(met, key=met.__getitem__) if met else None
-    print(f"\n{scene.title}: error {scene.error:g}{within}\n")
-    print("| program | method | setting | error | CPU s per s | ratio | start [s] | over [s] |")
+    print(f"\n{scene.title}: required error {scene.error:g}{within}\n")
+    print(
+        "| program | method | setting | error | CPU s per simulated s | cost ratio | set-up [s] "
+        "| simulated [s] |"
+    )
     print("|---|---|---|---|---|---|---|---|")
     for method, row in rows:
         setting = ", ".join(f"{key} {value:g}" for key, value in row["setting"].items())
-        error = "out of time" if row["error"] is None else f"{row['error']:.1e}"
+        error = "time limit" if row["error"] is None else f"{row['error']:.1e}"
         sign = "≥ " if row["error"] is None or row["error"] > scene.error else ""
         start = "" if row["start"] is None else f"{row['start']:.2g}"
         ratio = ""
@@ -199,10 +203,10 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
 
 
 def main() -> None:
-    """Compare, or do the part of one process."""
+    """Compare all methods, or carry out the task of one child process."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--quick", action="store_true", help="less of everything, for a look")
-    parser.add_argument("--scene", choices=SCENES, help="this one alone")
+    parser.add_argument("--quick", action="store_true", help="fewer scenes, shorter runs")
+    parser.add_argument("--scene", choices=SCENES, help="compare only this scene")
     parser.add_argument("--part", help=argparse.SUPPRESS)
     parser.add_argument("--setting", help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
@@ -215,7 +219,7 @@ def main() -> None:
     methods = [method for method in METHODS if installed(method)]
     for method in METHODS:
         if method not in methods:
-            print(f"{method.title} is not installed here.")
+            print(f"Skipped: {method.title} is not installed.")
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             table(name, methods, Path(folder), quick=arguments.quick)

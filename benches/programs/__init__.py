@@ -1,1 +1,1 @@
-"""What `benches/compare.py` compares: the scenes, and the programs that simulate them."""
+"""Scenes and programs that `benches/compare.py` compares."""

@@ -1,7 +1,7 @@
-"""The equations of a scene as a careful user would write them for SciPy.
+"""Equations of motion of a scene as a careful user would write them for SciPy.
 
-Dense matrices, one matrix-vector product for everything linear, and the mesh law in plain floats.
-Matrices come from gearbow; the laws of the mesh, bow and torque are stated here once more.
+Dense matrices give the linear part in one matrix-vector product; plain floats give the mesh force.
+The matrices come from gearbow. The equations of mesh, bow and torque are written independently.
 """
 
 import math
@@ -14,7 +14,7 @@ from programs.scenes import Array
 
 
 class Pair:
-    """Two gears in mesh: the crossed belt between base circles, centres along y at rest."""
+    """A mesh as a crossed belt between the base circles; at rest the centres lie along y."""
 
     def __init__(self, system: gb.RotorSystem, mesh: gb.Mesh, speed: float) -> None:
         gears = {gear.name: gear for gear in system.gears}
@@ -48,14 +48,14 @@ class Pair:
         self.at = np.array([index[place] for place in places])
 
     def line(self, alpha: float, gamma: float) -> list[float]:
-        """Gradient of the deflection over (v, w, twist) of both gears."""
+        """Return the gradient of the deflection with respect to (v, w, twist) of both gears."""
         across, along = self.sigma * math.cos(alpha), math.sin(alpha)
         y = along * math.cos(gamma) - across * math.sin(gamma)
         z = along * math.sin(gamma) + across * math.cos(gamma)
         return [y, z, self.sigma * self.r_a, -y, -z, self.sigma * self.r_b]
 
     def live(self, q: list[float], v: list[float]) -> list[float]:
-        """Mesh force times the gradient, with the line of action of the moving centres."""
+        """Return the generalised mesh forces with the line of action of the moving centres."""
         y, z = self.distance + q[3] - q[0], q[4] - q[1]
         gamma, alpha = math.atan2(z, y), math.acos(self.sum / math.hypot(y, z))
         rolled = self.r_a * q[2] + self.r_b * q[5] - self.sum * gamma
@@ -67,7 +67,7 @@ class Pair:
         return [force * slope for slope in line]
 
     def beyond_mean(self, t: float) -> float:
-        """Stiffness of the pairs between the tips at an instant, less their mean."""
+        """Return the stiffness of the tooth pairs in contact at time `t` minus its mean."""
         place = self.r_a * (abs(self.spin) * t + self.alpha)
         first = math.ceil((self.low - place) / self.base_pitch)
         last = math.floor((self.high - place) / self.base_pitch)
@@ -75,7 +75,7 @@ class Pair:
 
 
 class Dense:
-    """The first-order form: y holds displacements, then velocities."""
+    """The first-order form dy/dt = f(t, y); y contains displacements, then velocities."""
 
     def __init__(self, system: gb.RotorSystem, geometry: str, speed: float) -> None:
         matrices = system.matrices()
@@ -87,8 +87,8 @@ class Dense:
         self.spins = [float(system.speed_ratios[i]) * speed for i in turning]
         self.pairs = [Pair(system, mesh, speed) for mesh in system.meshes]
         self.geometry = geometry
-        # The matrices hold each mesh as it is at rest; in frozen geometry only what changes is
-        # left to compute, in live geometry the whole force.
+        # The matrices contain each mesh linearised at rest. Frozen geometry adds the varying part
+        # of its stiffness as an input; live geometry replaces the linearised mesh by an input.
         columns = []
         for pair in self.pairs:
             rest = np.array(pair.rest)
@@ -106,11 +106,11 @@ class Dense:
             matrices.mass,
             -np.hstack([matrices.stiffness, matrices.damping + speed * matrices.gyroscopic]),
         )
-        #: Of the scene with its mean meshes at rest, for implicit methods.
+        #: Jacobian with mean mesh stiffness at rest, for implicit methods.
         self.jacobian = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), rates])
 
     def bow_force(self, shaft: gb.Shaft) -> Array:
-        """Force K_s q_b of a bow at the shaft angles 0 and −90°: weights of cosine and sine."""
+        """Return the bow force K_s q_b as weights of cosine and sine of the shaft angle."""
         alone = gb.RotorSystem(shafts=[shaft])
         weights = np.zeros((self.n, 2))
         rows = [self.index[dof] for dof in alone.dofs]
@@ -119,7 +119,7 @@ class Dense:
         return weights
 
     def torques(self, system: gb.RotorSystem) -> Array:
-        """Torques on gears; the balance does no work together with the others."""
+        """Return the torques on the gears; the balancing torque makes the total power zero."""
         gears = {gear.name: gear for gear in system.gears}
         names = [shaft.name for shaft in system.shafts]
         force, power = np.zeros((self.n, 1)), 0.0
@@ -152,7 +152,7 @@ class Dense:
 
 
 def bow_shape(shaft: gb.Shaft, dofs: tuple[tuple[str, float, str], ...]) -> NDArray[np.complex128]:
-    """Give the coordinates of a half-sine bow, complex over the turn of its shaft."""
+    """Return the coordinates of a half-sine bow as complex amplitudes of the shaft rotation."""
     if shaft.bow is None or shaft.bow.amplitude is None or shaft.segments is None:
         raise TypeError
     amplitude, k = shaft.bow.amplitude, math.pi / math.fsum(s.length for s in shaft.segments)

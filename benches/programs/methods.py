@@ -1,4 +1,4 @@
-"""The methods of every program, each with its settings from cheap to dear."""
+"""Methods of every program, each with its settings from cheap to expensive."""
 
 import time
 from collections.abc import Callable
@@ -11,14 +11,14 @@ import gearbow as gb
 from programs.scenes import SPEED, Array, Scene
 
 Settings: TypeAlias = tuple[dict[str, float], ...]
-#: Simulates a duration with a setting, to be run more than once; gives (points, times, 2) in m.
+#: Runs a prepared simulation, repeatable; returns displacements (points, times, 2) in m.
 Run: TypeAlias = Callable[[], Array]
-#: A run of a scene over a duration with a setting, with a limit of CPU time in s.
+#: Prepares a run from duration [s], setting and limit of the CPU time [s].
 Prepare: TypeAlias = Callable[[float, dict[str, float], float], Run]
 
 
-class TooSlow(Exception):  # noqa: N818  # nothing went wrong
-    """A run has used up its CPU time; `done` is what it has simulated [s]."""
+class TooSlow(Exception):  # noqa: N818  # a stop signal, not an error
+    """A run reached its limit of CPU time; `done` is the time it has simulated [s]."""
 
     def __init__(self, done: float) -> None:
         super().__init__(done)
@@ -33,18 +33,18 @@ class Method:
     name: str
     prepare: Callable[[Scene], Prepare]
     settings: Settings
-    short: bool = False  # whether it simulates a stretch of the duration alone
-    ross: bool = False  # whether it can only simulate the scenes that ROSS has
-    only: str = ""  # the scene that it is compared in, if that is one alone
+    short: bool = False  # whether it simulates only a part of the duration
+    ross: bool = False  # whether it can simulate only the scenes that ROSS supports
+    only: str = ""  # the only scene of this method; empty: all scenes
 
     @property
     def title(self) -> str:
-        """Name it."""
+        """Program and method."""
         return f"{self.program} {self.name}"
 
 
 def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
-    """Prepare runs of gearbow; a step is given over that of the fastest motion, as h ω."""
+    """Prepare runs of gearbow; fixed steps h are given as h ω, with the highest frequency ω."""
 
     def prepare(scene: Scene) -> Prepare:
         system = scene.build()
@@ -76,13 +76,13 @@ def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
 
 
 def of_scipy(method: str, limit: float = np.inf) -> Callable[[Scene], Prepare]:
-    """Prepare runs of SciPy; `limit` is the longest step over that of the fastest motion, h ω.
+    """Prepare runs of SciPy; `limit` is the longest step as h ω, with the highest frequency ω.
 
-    Error control alone does not keep an explicit method stable on stiffness without damping.
+    Error control alone does not keep an explicit method stable for undamped stiff systems.
     """
 
     def prepare(scene: Scene) -> Prepare:
-        from scipy.integrate import solve_ivp  # noqa: PLC0415  # gearbow's processes do without
+        from scipy.integrate import solve_ivp  # noqa: PLC0415  # not needed by gearbow
 
         from programs.dense import Dense  # noqa: PLC0415
 
@@ -117,10 +117,10 @@ def of_scipy(method: str, limit: float = np.inf) -> Callable[[Scene], Prepare]:
 
 
 def of_ross(method: str) -> Callable[[Scene], Prepare]:
-    """Prepare runs of ROSS; the table of forces is made beforehand."""
+    """Prepare runs of ROSS; the force table is computed before the timed run."""
 
     def prepare(scene: Scene) -> Prepare:
-        from programs.ross_rotor import Ross  # noqa: PLC0415  # seconds
+        from programs.ross_rotor import Ross  # noqa: PLC0415  # slow import
 
         model = Ross(scene.build(), SPEED)
 
@@ -142,7 +142,7 @@ def of_ross(method: str) -> Callable[[Scene], Prepare]:
 
 
 def offered(method: str) -> bool:
-    """Whether the installed gearbow has a method, of which a name may say more."""
+    """Return whether the installed gearbow has a method; text after a comma is ignored."""
     method = method.partition(",")[0]
     try:
         rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=1)
@@ -155,31 +155,37 @@ def offered(method: str) -> bool:
 
 
 def each(key: str, *values: float) -> Settings:
-    """Give a setting for each value."""
+    """Return one setting for each value."""
     return tuple({key: value} for value in values)
 
 
 STEPS = each("h ω", 2.6, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 TOLERANCES = each("rtol", 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-#: Of two stages where the others have three.
+#: Two stages; the default has three.
 COARSE = {"rtol": 0.1, "stages": 2}
-#: The same with the 80 modes alone that the loads move most.
+#: The same with a reduced basis: the 80 modes with the largest response to the loads.
 FEWER = {"rtol": 0.1, "stages": 2, "modes": 80}
-#: Some hundred times as near as RK4 with its longest stable step, where flanks part.
+#: Hundreds of times more accurate than RK4 with its longest stable step, with separation.
 CLOSE = {"rtol": 5e-6, "stages": 3}
-#: Of forces in a table, between which ROSS interpolates [s].
+#: Time steps of the force table that ROSS interpolates [s].
 TABLES = each("step", 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
 NEWMARK = each("step", 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 2e-6)
 
-#: The method of the installed gearbow that comes nearest to exact, with its tightest tolerance.
+#: Reference solution.
 REFERENCE = Method("gearbow", "rk45", of_gearbow("rk45"), each("rtol", 1e-10))
-#: SciPy's, to check the reference with.
+#: Independent check of the reference.
 CHECK = Method("SciPy", "DOP853", of_scipy("DOP853", 5.8), each("rtol", 1e-10), short=True)
 
 METHODS = (
     Method("gearbow", "exponential", of_gearbow("exponential"), (COARSE, *TOLERANCES)),
-    Method("gearbow", "exponential, fewer modes", of_gearbow("exponential"), (FEWER,)),
-    Method("gearbow", "exponential, closer", of_gearbow("exponential"), (CLOSE,), only="parting"),
+    Method("gearbow", "exponential, 80 modes", of_gearbow("exponential"), (FEWER,)),
+    Method(
+        "gearbow",
+        "exponential, tighter tolerance",
+        of_gearbow("exponential"),
+        (CLOSE,),
+        only="separation",
+    ),
     Method("gearbow", "rk45", of_gearbow("rk45"), TOLERANCES),
     Method("gearbow", "rk4", of_gearbow("rk4"), STEPS),
     Method("SciPy", "RK45", of_scipy("RK45", 0.98), TOLERANCES, short=True),

@@ -1,7 +1,7 @@
-"""The scenes that ROSS has: shafts of the same elements, on the same bearings, in the same mesh.
+"""Scenes that ROSS supports: the same shaft elements, bearings and mesh.
 
-ROSS knows no bow. Its force on a shaft, K_s q_b turning with the shaft, is what the time response
-of ROSS takes: a table of forces over time. K_s is made of ROSS's own shaft elements.
+ROSS has no shaft bow. The bow force K_s q_b rotates with the shaft and enters the time response of
+ROSS as a table of forces over time. The shaft elements of ROSS give K_s.
 """
 
 import contextlib
@@ -17,16 +17,16 @@ from programs.dense import bow_shape
 from programs.scenes import Array
 
 with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
-    warnings.simplefilter("ignore")  # of a program for refrigerants that it looks for
+    warnings.simplefilter("ignore")  # ROSS warns about an optional package for refrigerants
     import ross
 
-#: ROSS's degrees of freedom of a node: x, y, z (axial), and rotations about them.
+#: Degrees of freedom of a node in ROSS: x, y, z (axial), and the rotations about these axes.
 DOFS = 6
 PLACE = {"v": 0, "w": 1, "B": 3, "G": 4, "twist": 5}
 
 
 class Ross:
-    """A scene of one or two shafts in ROSS."""
+    """A scene with one or two shafts in ROSS."""
 
     def __init__(self, system: gb.RotorSystem, speed: float) -> None:
         self.speed = speed
@@ -52,17 +52,17 @@ class Ross:
         self.offset = {shaft.name: i * first for i, shaft in enumerate(system.shafts)}
 
     def node(self, x: float) -> int:
-        """Give the node at a position."""
+        """Return the node at a position [m]."""
         lengths = self.lengths(self.system.shafts[0])
         return int(np.argmin(np.abs(np.concatenate([[0.0], np.cumsum(lengths)]) - x)))
 
     @staticmethod
     def lengths(shaft: gb.Shaft) -> list[float]:
-        """Give the lengths of the elements."""
+        """Return the lengths of the elements [m]."""
         return [s.length / s.elements for s in shaft.segments or () for _ in range(s.elements)]
 
     def elements(self, shaft: gb.Shaft) -> list[Any]:
-        """Give the shaft elements."""
+        """Return the shaft elements."""
         diameter = (shaft.segments or ())[0].outer_diameter
         return [
             ross.ShaftElement(L=length, idl=0.0, odl=diameter, material=self.steel)
@@ -70,7 +70,7 @@ class Ross:
         ]
 
     def rotor(self, shaft: gb.Shaft) -> Any:
-        """Build the rotor of a shaft."""
+        """Return the rotor of a shaft with its gears and bearings."""
         bearings = [
             ross.BearingElement(n=self.node(b.position), kxx=b.stiffness, cxx=b.damping)
             for b in self.system.bearings
@@ -80,7 +80,7 @@ class Ross:
         return ross.Rotor(self.elements(shaft), gears, bearings)
 
     def gear(self, gear: gb.Gear) -> Any:
-        """Build a gear: a solid disk on the pitch circle."""
+        """Return a gear, a solid disk with the diameter of the pitch circle."""
         radius, width = (gear.module or math.nan) * gear.teeth / 2.0, gear.face_width or math.nan
         mass = gb.STEEL.density * math.pi * radius**2 * width
         return ross.GearElement(
@@ -94,7 +94,7 @@ class Ross:
         )
 
     def force(self, times: Array) -> Array:
-        """Tabulate the forces of bows and torques."""
+        """Return the table (times, n) of the forces of bows and torques."""
         table = np.zeros((len(times), self.rotor_.ndof))
         for shaft, ratio in zip(self.system.shafts, self.system.speed_ratios, strict=True):
             alone = gb.RotorSystem([shaft])
@@ -109,8 +109,8 @@ class Ross:
         gears = {gear.name: gear for gear in self.system.gears}
         for torque in self.system.torques:
             gear = gears[str(torque.at)]
-            # ROSS counts the twist of the driven shaft the way it turns; so do both torques here:
-            # the driver's with its spin, and what balances it against that of the driven.
+            # In ROSS the twist of the driven shaft is positive in its direction of rotation. The
+            # driving torque acts with the rotation, the balancing torque against it.
             teeth = gears[self.system.meshes[0].driver].teeth
             known = self.system.torques[0].value
             if isinstance(known, str):
@@ -121,12 +121,12 @@ class Ross:
         return table
 
     def simulate(self, force: Array, times: Array, method: str) -> Array:
-        """Run from rest; give every coordinate at every time."""
+        """Simulate from rest; return every coordinate at every time."""
         with contextlib.redirect_stdout(io.StringIO()):
             found = self.rotor_.run_time_response(self.speed, force, times, method=method)
         return np.asarray(found.yout)
 
     def displacement(self, point: tuple[str, float], motion: Array) -> Array:
-        """Pick the displacements of a place."""
+        """Return the displacements (times, 2) at a (shaft, position)."""
         at = self.offset[point[0]] + DOFS * self.node(point[1])
         return motion[:, at : at + 2]

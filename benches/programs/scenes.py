@@ -1,4 +1,4 @@
-"""The scenes, all from rest at 100 rad/s, so that every program starts with the same transient."""
+"""Scenes of the comparison. All start from rest at 100 rad/s, with the same transient."""
 
 import functools
 from collections.abc import Callable
@@ -14,37 +14,37 @@ Array: TypeAlias = NDArray[np.float64]
 
 SPEED = 100.0  # of the first shaft, rad/s
 TORQUE = 50.0  # at the first gear, N m
-BOW = 1.5e-4  # m
-ELEMENT = 1.0 / 15.0  # of the shafts of the train, m
-SEAT = 2e-3  # m
+BOW = 1.5e-4  # amplitude of the bow of every shaft, m
+ELEMENT = 1.0 / 15.0  # element length of the shafts, m
+SEAT = 2e-3  # element length of a bearing seat, m
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What is simulated, and where it is looked at."""
+    """A system, the points that are compared, and the run."""
 
     title: str
     build: Callable[[], gb.RotorSystem]
-    points: tuple[tuple[str, float], ...]  # whose displacements count
+    points: tuple[tuple[str, float], ...]  # (shaft, position) of the compared displacements
     geometry: str = "frozen"
     duration: float = 0.05  # s
-    stretch: float = 0.01  # of it for what takes minutes, s
-    sample: float = 1e-4  # between the instants at which motions are compared, s
-    ross: bool = False  # whether ROSS has such a scene
-    error: float = 1e-3  # what every method must meet
-    own: bool = False  # whether it is gearbow's methods alone that are compared
+    stretch: float = 0.01  # shorter duration of slow methods, s
+    sample: float = 1e-4  # time between the compared samples, s
+    ross: bool = False  # whether ROSS can model the scene
+    error: float = 1e-3  # required error
+    own: bool = False  # whether only gearbow can model the scene
 
     def shortened(self) -> "Scene":
-        """Give the scene with a tenth of the time, for a look."""
+        """Return the scene with a tenth of the duration, for a quick comparison."""
         return replace(self, duration=self.duration / 10, stretch=self.stretch / 10)
 
     def times(self, duration: float) -> Array:
-        """Give the instants at which motions are compared."""
+        """Return the times of the compared samples [s]."""
         return np.linspace(0.0, duration, round(duration / self.sample) + 1)
 
 
 def shaft(name: str, *, seats: bool = False) -> gb.Shaft:
-    """Describe a bowed shaft of 1 m and 15 elements; seats cut 2 mm off its first and its last."""
+    """Return a bowed shaft of 1 m with 15 elements; seats add 2 mm elements at both ends."""
     seat = gb.Segment(SEAT, 0.05)
     inner = [gb.Segment(ELEMENT - SEAT, 0.05), gb.Segment(13 * ELEMENT, 0.05, elements=13)]
     whole = [gb.Segment(1.0, 0.05, elements=15)]
@@ -53,12 +53,12 @@ def shaft(name: str, *, seats: bool = False) -> gb.Shaft:
 
 
 def bearings(*names: str) -> list[gb.Bearing]:
-    """Support both ends of every shaft."""
+    """Return bearings at both ends of every shaft."""
     return [gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in names for x in (0.0, 1.0)]
 
 
 def single() -> gb.RotorSystem:
-    """Describe one bowed shaft."""
+    """Return one bowed shaft on its bearings."""
     return gb.RotorSystem([shaft("rotor")], bearings=bearings("rotor"))
 
 
@@ -71,7 +71,7 @@ def geared(
     seats: bool = False,
     backlash: float | None = None,
 ) -> gb.RotorSystem:
-    """Describe shafts with gears at the ends of elements, in torque balance."""
+    """Return shafts with gears at nodes and balanced torques."""
     names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
     return gb.RotorSystem(
         shafts=[shaft(name, seats=seats and name != "middle") for name in names],
@@ -102,7 +102,7 @@ MEAN = gb.Stiffness.constant(3.4e8)
 
 
 def places(where: dict[str, tuple[str, int, int]]) -> tuple[tuple[str, float], ...]:
-    """Give the places of gears."""
+    """Return the (shaft, position) of every gear."""
     return tuple((on, cut * ELEMENT) for on, cut, _ in where.values())
 
 
@@ -116,7 +116,7 @@ SCENES = {
         ross=True,
     ),
     "pair": Scene(
-        "A geared pair, constant mesh stiffness, frozen geometry, 32 nodes",
+        "Geared pair, constant mesh stiffness, frozen geometry, 32 nodes",
         functools.partial(geared, PAIR, (("g1", "g2"),), MEAN, 0.0),
         places(PAIR),
         duration=1.0,
@@ -124,23 +124,23 @@ SCENES = {
         ross=True,
     ),
     "square": Scene(
-        "The train, square mesh stiffness, sharp engagement, frozen geometry, n = 240",
+        "Double-stage train, square mesh stiffness, sharp engagement, frozen geometry, n = 240",
         functools.partial(geared, TRAIN, STAGES, SQUARE, 0.05),
         places(TRAIN),
     ),
     "seats": Scene(
-        "The same with four elements of 2 mm, n = 260",
+        "The same train with four additional elements of 2 mm, n = 260",
         functools.partial(geared, TRAIN, STAGES, SQUARE, 0.05, seats=True),
         places(TRAIN),
     ),
     "live": Scene(
-        "The train, constant mesh stiffness, live geometry, n = 240",
+        "Double-stage train, constant mesh stiffness, live geometry, n = 240",
         functools.partial(geared, TRAIN, STAGES, MEAN, 0.05),
         places(TRAIN),
         geometry="live",
     ),
-    "parting": Scene(
-        "The train, square mesh stiffness, smooth engagement, backlash, live geometry, n = 240",
+    "separation": Scene(
+        "Double-stage train, square mesh stiffness, backlash, live geometry, n = 240",
         functools.partial(geared, TRAIN, STAGES, SMOOTH, 0.05, backlash=1e-4),
         places(TRAIN),
         geometry="live",
