@@ -180,7 +180,7 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
         if method.program == "gearbow" and row["error"] <= scene.error
     }
     cheapest = min(met, key=met.__getitem__) if met else None
-    print(f"\n{scene.title}: required error {scene.error:g}{within}\n")
+    print(f"\n{scene.title}.\nRequired error {scene.error:g}{within}.\n")
     print(
         "| program | method | setting | error | CPU s per simulated s | cost ratio | set-up [s] "
         "| simulated [s] |"
