@@ -1,9 +1,9 @@
-"""What accuracy costs: three scenes, every method, and models that leave something out.
+"""Accuracy and cost: error and CPU time of every method and simplified model in three scenes.
 
-``python examples/tradeoff.py SCENE`` measures one of the scenes shaft, train and seats, prints its
-tables in Markdown and draws its diagram; ``python examples/tradeoff.py words`` measures what the
-words of ``simulate(accuracy=...)`` stand for. They are the tables of docs/tradeoff.md, which
-``make measure`` measures anew.
+``python examples/tradeoff.py SCENE`` measures the scene shaft, train or seats, prints its tables in
+Markdown and draws its diagram. ``python examples/tradeoff.py words`` measures the errors of the
+accuracy levels of ``simulate(accuracy=...)``. docs/tradeoff.md contains these tables; ``make
+measure`` updates them.
 """
 
 import argparse
@@ -16,21 +16,21 @@ from typing import Any
 import gearbow as gb
 from gearbow.accuracy import ACCURACIES
 
-LENGTH = 0.5  # of a shaft, m
-DIAMETER = 0.05  # m
-SEATS = (0.06, 0.22, 0.28, 0.44)  # where they begin, m
-SEAT = 2e-3  # their length, m
-SPEED = 100.0  # of the input shaft, rad/s
+LENGTH = 0.5  # length of a shaft, m
+DIAMETER = 0.05  # shaft diameter, m
+SEATS = (0.06, 0.22, 0.28, 0.44)  # positions of the bearing seats, m
+SEAT = 2e-3  # length of a seat, m
+SPEED = 100.0  # speed of the input shaft, rad/s
 DURATION = 0.1  # s
-BUDGET = 300.0  # s for each scene
-LONG = 1.0  # simulated time that settings are compared at, s
-WORST = 0.1  # settings with a larger error are of no use
+BUDGET = 300.0  # wall-clock limit for each scene, s
+LONG = 1.0  # simulated time for the comparison of settings, s
+WORST = 0.1  # the table omits settings with a larger error
 TARGETS = (1e-2, 1e-4, 1e-6, 1e-8)
 MESHES = (("g1", "g2"), ("g3", "g4"))
 
 
 def shaft() -> gb.RotorSystem:
-    """Describe a bowed shaft with a disk, let go in its bearings."""
+    """Return a bowed shaft with a disk."""
     return gb.RotorSystem(
         shafts=[
             gb.Shaft(
@@ -48,7 +48,7 @@ def shaft() -> gb.RotorSystem:
 
 
 def train(seats: bool = False) -> gb.RotorSystem:
-    """Describe the double-stage train with bowed shafts and stiffness from the teeth."""
+    """Return the double-stage train: bowed shafts, potential-energy mesh stiffness."""
     return gb.RotorSystem(
         shafts=[_train_shaft(name, seats) for name in ("input", "middle", "output")],
         gears=[
@@ -89,7 +89,7 @@ def _train_shaft(name: str, seats: bool) -> gb.Shaft:
 
 @dataclass(frozen=True)
 class Scene:
-    """A system, what is looked at, and where it starts."""
+    """A system, the compared signals and the initial state."""
 
     system: Callable[[], gb.RotorSystem]
     of: tuple[Any, ...]
@@ -104,7 +104,7 @@ SCENES = {
 
 
 def study(scene: Scene) -> gb.Tradeoff:
-    """Measure everything that the budget allows."""
+    """Measure all settings that the budget allows."""
     return scene.system().tradeoff(
         DURATION,
         SPEED,
@@ -116,16 +116,17 @@ def study(scene: Scene) -> gb.Tradeoff:
 
 
 def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
-    """Give the tables: the front, and every simplification by itself."""
-    yield f"{scene.system()!r}, {DURATION:g} s at {SPEED:g} rad/s, by {' and '.join(tradeoff.of)}."
-    known = f"{tradeoff.floor:.0e} by {tradeoff.check}"
-    yield f"The reference, {tradeoff.reference}, is known to {known}."
+    """Return the tables: methods, Pareto front and simplified models."""
+    yield f"{scene.system()!r}."
+    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {' and '.join(tradeoff.of)}."
+    yield f"Reference: {tradeoff.reference}."
+    yield f"Its difference from {tradeoff.check} is {tradeoff.floor:.0e}."
     if tradeoff.discretisation is not None:
         model, errors = tradeoff.discretisation
         changes = " and ".join(f"{signal} by {error:.0e}" for signal, error in errors.items())
         yield f"More elements ({model}) change {changes}."
     yield ""
-    yield f"| CPU s per simulated s for an error of | {' | '.join(f'{e:.0e}' for e in TARGETS)} |"
+    yield f"| CPU s per simulated s, error at most | {' | '.join(f'{e:.0e}' for e in TARGETS)} |"
     yield "|---|" + "---|" * len(TARGETS)
     given = [trial for trial in tradeoff.trials if trial.model == "as given"]
     for method in dict.fromkeys(trial.method for trial in given):
@@ -135,7 +136,7 @@ def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
             cells.append(f"{min(t.rate for t in keep):.2g}" if keep else "–")
         yield f"| {method} | {' | '.join(cells)} |"
     yield ""
-    yield "| best setting | error | CPU s per simulated s | set-up [ms] | steps | limited by |"
+    yield "| Pareto front | error | CPU s per simulated s | set-up [ms] | steps | limited by |"
     yield "|---|---|---|---|---|---|"
     for trial in tradeoff.front(duration=LONG):
         if trial.error > WORST:
@@ -153,8 +154,9 @@ def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
 
 
 def words() -> Iterator[str]:
-    """Measure what the words of `accuracy` stand for, on every scene."""
-    yield f"| accuracy | setting | {' | '.join(f'error, {name}' for name in SCENES)} | expected |"
+    """Measure the errors of the accuracy levels in every scene."""
+    names = " | ".join(f"error, {name}" for name in SCENES)
+    yield f"| accuracy | setting | {names} | expected error |"
     yield "|---|---|" + "---|" * (len(SCENES) + 1)
     cells: dict[str, list[str]] = {word: [] for word in ACCURACIES}
     for scene in SCENES.values():
@@ -178,18 +180,18 @@ def words() -> Iterator[str]:
             trials[word] = next(trial for trial in found.trials if trial.options == options)
             cells[word].append(trials[word].error_text)
         if any(trial.error > ACCURACIES[word].error for word, trial in trials.items()):
-            sys.exit("gearbow/accuracy.py expects less than was measured")
+            sys.exit("gearbow/accuracy.py: increase the expected error to the measured one")
     for word, each in ACCURACIES.items():
         setting = f"{each.method}, rtol {each.rtol:.0e}"
         yield f"| `{word}` | {setting} | {' | '.join(cells[word])} | {each.error:.0e} |"
 
 
 def main() -> None:
-    """Measure one scene, or the words."""
+    """Measure one scene or the accuracy levels."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("what", choices=[*SCENES, "words"])
     folder = Path(__file__).parents[1] / "docs" / "figures"
-    parser.add_argument("--output", type=Path, default=folder, help="where to write the figure")
+    parser.add_argument("--output", type=Path, default=folder, help="folder of the figure")
     given = parser.parse_args()
     if given.what == "words":
         print(*words(), sep="\n")

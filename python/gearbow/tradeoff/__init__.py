@@ -1,4 +1,4 @@
-"""What accuracy costs: settings of a run measured against a reference that is verified itself."""
+"""Accuracy and cost: settings of a run, compared with a verified reference."""
 
 from gearbow.tradeoff.result import Recommendation, Tradeoff
 from gearbow.tradeoff.settings import METHODS

@@ -1,4 +1,4 @@
-"""The question, `gearbow.RotorSystem.tradeoff`: what every argument means."""
+"""The function `gearbow.RotorSystem.tradeoff` and its arguments."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
@@ -35,55 +35,56 @@ def tradeoff(
     budget: float = 60.0,
     progress: bool | Progress | None = None,
 ) -> Tradeoff:
-    """Measure what accuracy costs: methods, steps, tolerances and simpler models in one run.
+    """Measure the error and the CPU time of methods, steps, tolerances and simplified models.
 
     Parameters
     ----------
     system : RotorSystem
         The system.
     duration : float
-        Simulated time [s]; an error is that of all of it.
+        Simulated time [s]; errors refer to the whole time.
     speed : float
         Speed Ω of the reference shaft [rad/s].
     of : str, tuple or list of them, optional
-        What is compared: the displacement of a gear, disk or (shaft, position), the force of a
-        mesh (driver, driven), or the worst of several. None is the first gear.
+        Signals to compare: the displacement of a gear, disk or (shaft, position), or the force of
+        a mesh (driver, driven). With several signals the worst error counts. None is the first
+        gear.
     methods : str or list of str, optional
-        Methods to try, out of `gearbow.tradeoff.METHODS`; None is all. Simplified models are
-        run by the first.
+        Methods to run, names of `gearbow.tradeoff.METHODS`; None is all. Simplified models use
+        the first one.
     steps : list of float, optional
-        Steps of the methods that have fixed ones [s]; None is a ladder of them.
+        Steps of the methods with fixed steps [s]; None is a series of steps for each method.
     tolerances : list of float, optional
-        Tolerances of the other methods; None is a ladder of them.
+        Tolerances of the other methods; None is a series of tolerances for each method.
     modes : list of int, optional
-        Numbers of modes to keep; None is a half, a quarter and an eighth.
+        Numbers of modes of the reduced models; None is 1/2, 1/4 and 1/8 of all modes.
     elements : list of float
-        Numbers of elements over those given: below one a simpler model, above one a finer one,
-        which shows the error of the discretisation.
+        Factors on the numbers of elements. A factor below 1 gives a simplified model. The largest
+        factor above 1 gives a finer model, which shows the discretisation error.
     frozen : bool
-        Whether to try geometry="frozen".
+        Whether to run a simplified model with geometry="frozen".
     mean_stiffness : bool
-        Whether to try the mean in place of tooth stiffness that varies.
+        Whether to run a simplified model with the mean of a time-varying mesh stiffness.
     initial : {"synchronous", "static", "rest"}
-        Where every run starts.
+        Initial state of every run.
     output_step : float, optional
-        Spacing of the times at which runs are compared [s]; None is that of `simulate`.
+        Time between the compared samples [s]; None is the default of `simulate`.
     repeats : int
-        Runs of each setting, of whose CPU times the median is taken; fewer where they are slow.
+        Number of runs of each setting; the CPU time is their median. Slow settings run fewer times.
     budget : float
-        How long the study may take [s]; what is predicted to take too much of it is skipped.
+        Limit of the wall-clock time of the study [s]; settings that would exceed it are skipped.
     progress : bool or callable, optional
-        True shows a bar; a callable is given the fraction that is done.
+        True shows a progress bar; a callable receives the completed fraction.
 
     Returns
     -------
     Tradeoff
-        A row for each setting, the front, a diagram and a recommendation.
+        One row for each setting, with Pareto front, diagram and recommendation.
 
     Raises
     ------
     SceneError
-        If an argument is impossible.
+        If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
 

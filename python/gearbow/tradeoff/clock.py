@@ -1,4 +1,4 @@
-"""Runs on the clock: what they cost in CPU time, and an end to those that would cost too much."""
+"""CPU time of runs, and early termination of runs that would take too long."""
 
 import math
 import time
@@ -19,19 +19,19 @@ __all__ = ["Budget", "Cost", "TooSlowError", "measure"]
 
 T = TypeVar("T")
 
-#: How long a run is watched before it is judged [s]: the core reports every 50 ms.
+#: Shortest time before a run may be stopped [s]; the core reports its progress every 50 ms.
 _WATCHED = 0.2
-#: The same, over the time that it may take.
+#: The same as a part of the allowed time.
 _PATIENCE = 0.1
 
 
 class TooSlowError(Exception):
-    """A run that was ended, or not begun, for it would have taken too long.
+    """A run was stopped or not started because it would take too long.
 
     Parameters
     ----------
     seconds : float, optional
-        How long it would have taken [s]; None where there was no time to find out.
+        Estimated duration of the run [s]; None if the budget is spent before the run.
     """
 
     def __init__(self, seconds: float | None = None) -> None:
@@ -39,12 +39,12 @@ class TooSlowError(Exception):
 
 
 class Budget:
-    """What is left of the time that a study may take.
+    """Remaining wall-clock time of a study.
 
     Parameters
     ----------
     seconds : float
-        Time from now on [s], by the clock on the wall.
+        Wall-clock time from now on [s].
     """
 
     def __init__(self, seconds: float) -> None:
@@ -53,7 +53,7 @@ class Budget:
 
     @property
     def spent(self) -> float:
-        """What has been taken.
+        """Elapsed time.
 
         Returns
         -------
@@ -64,28 +64,28 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """What remains.
+        """Remaining time.
 
         Returns
         -------
         float
-            Time [s], not below zero.
+            Time [s], at least 0.
         """
         return max(0.0, self._seconds - self.spent)
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run takes, in CPU time of the process.
+    """CPU time of a run.
 
     Parameters
     ----------
     setup : float
-        Before the first step, in a system of which nothing has been computed [s].
+        Set-up before the first step, in a system without stored results [s].
     stepping : float
-        From the first step on [s].
+        All steps [s].
     repeats : int
-        Of how many runs these are the medians.
+        Number of runs of which these are the medians.
     """
 
     setup: float
@@ -103,7 +103,7 @@ def measure(
     share: float,
     repeats: int,
 ) -> tuple[Response, Cost]:
-    """Run, and run again, and give the medians of what that took.
+    """Run a simulation several times and return the median CPU times.
 
     Parameters
     ----------
@@ -116,23 +116,23 @@ def measure(
     options : mapping
         Other options of `simulate`.
     allowance : float
-        The longest that one run may take [s].
+        Limit of the duration of one run [s].
     share : float
-        The longest that the repeats may take together [s]; the first run is not among them.
+        Limit of the total duration of all repeats after the first run [s].
     repeats : int
-        How many runs at most.
+        Maximum number of runs.
 
     Returns
     -------
     Response
-        The first of the responses, which are all the same.
+        Response of the first run; all runs give the same response.
     Cost
-        What it took.
+        Median CPU times.
 
     Raises
     ------
     TooSlowError
-        If a run would exceed the allowance.
+        If a run would exceed its limit.
     """
     begin = time.perf_counter()
     response, cost = _once(system, duration, speed, options, allowance)
@@ -153,7 +153,7 @@ def _once(
 ) -> tuple[Response, tuple[float, float]]:
     fresh = copy(system)
     nothing = {**options, "times": [0.0]}
-    # A run of no duration does everything but step; the second finds what the first has prepared.
+    # A run of zero duration does the set-up only; the second one uses the stored results.
     setup, _ = _timed(lambda: fresh.simulate(0.0, speed, **nothing))
     if setup > max(_WATCHED, allowance):
         raise TooSlowError(setup)
@@ -168,7 +168,7 @@ def _once(
 
 
 def _watch(allowance: float) -> Callable[[float], None]:
-    """Give what the core calls with the fraction done: it ends a run that will take too long."""
+    """Return a progress callback that stops a run whose estimated duration is too long."""
     begin = time.perf_counter()
     reports = [(0.0, 0.0)]
 
@@ -177,7 +177,7 @@ def _watch(allowance: float) -> Callable[[float], None]:
         reports.append((elapsed, fraction))
         if elapsed < max(_WATCHED, _PATIENCE * allowance):
             return
-        # The first steps may be short: the pace is that of the second half of the time.
+        # The first steps may be short: estimate the rate from the second half of the elapsed time.
         then, done = next(report for report in reports if report[0] >= elapsed / 2.0)
         left = (1.0 - fraction) * (elapsed - then) / (fraction - done) if fraction > done else 0.0
         if elapsed + left > allowance:

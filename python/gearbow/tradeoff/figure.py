@@ -1,4 +1,4 @@
-"""The work-precision diagram of a study."""
+"""Work-precision diagram of a study."""
 
 from typing import TYPE_CHECKING
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "work_precision"]
 
-#: One for each method, filled, and one for each simplified model, open: shapes tell without colour.
+#: Filled markers for methods, open markers for models: distinguishable without colour.
 _METHODS = ("o", "s", "D", "^", "v", "P")
 _MODELS = ("X", "d", "<", ">", "p", "h", "8", "*")
 
 
 def work_precision(tradeoff: "Tradeoff", duration: float | None = None) -> Figure:
-    """Draw CPU time against error.
+    """Draw the CPU time against the error, both on logarithmic axes.
 
     Parameters
     ----------
     tradeoff : Tradeoff
         The study.
     duration : float, optional
-        Simulated time that the CPU time is for [s]; None is that of the study.
+        Simulated time of the compared runs [s]; None is the duration of the study.
 
     Returns
     -------
@@ -45,16 +45,16 @@ def work_precision(tradeoff: "Tradeoff", duration: float | None = None) -> Figur
 
 
 def draw(panel: Axes, tradeoff: "Tradeoff", duration: float | None = None) -> None:
-    """Draw the diagram into a panel, without a legend.
+    """Draw the diagram into given axes, without a legend.
 
     Parameters
     ----------
     panel : matplotlib.axes.Axes
-        The panel.
+        The axes.
     tradeoff : Tradeoff
         The study.
     duration : float, optional
-        Simulated time that the CPU time is for [s]; None is that of the study.
+        Simulated time of the compared runs [s]; None is the duration of the study.
     """
     given = [trial for trial in tradeoff.trials if trial.model == GIVEN]
     simpler = [trial for trial in tradeoff.trials if trial.model != GIVEN]
@@ -69,26 +69,26 @@ def draw(panel: Axes, tradeoff: "Tradeoff", duration: float | None = None) -> No
             label=method,
         )
     for i, model in enumerate(dict.fromkeys(trial.model for trial in simpler)):
-        # The last of a model is its tight run, which shows its error and not what it saves.
+        # The last run of a model is its reference run: it shows the model error, not the saving.
         chosen = [trial for trial in simpler if trial.model == model]
         x, y = _points(chosen[:-1] or chosen, duration)
         marker = _MODELS[i % len(_MODELS)]
         panel.plot(x, y, marker, ls="none", mfc="none", mec="0.35", mew=1.6, ms=10.0, label=model)
     front = tradeoff.front(duration=duration)
     x, y = _points(list(front), duration)
-    # What costs least is the best for every error above its own.
+    # The cheapest setting is optimal for every error above its own.
     x, y = [max(trial.bound for trial in tradeoff.trials), *x], [y[0], *y]
-    panel.step(x, y, where="pre", color="0.6", lw=7.0, alpha=0.5, zorder=1, label="best of all")
+    panel.step(x, y, where="pre", color="0.6", lw=7.0, alpha=0.5, zorder=1, label="Pareto front")
     panel.set_xscale("log")
     panel.set_yscale("log")
     left = min(panel.get_xlim()[0], tradeoff.floor / 3.0)
-    panel.axvspan(left, tradeoff.floor, color="0.93", zorder=0, label="reference not known")
+    panel.axvspan(left, tradeoff.floor, color="0.93", zorder=0, label="reference uncertainty")
     panel.set_xlim(left=left)
     simulated = tradeoff.duration if duration is None else duration
-    panel.set_xlabel("error: RMS of the difference over the RMS of the swing")
-    panel.set_ylabel(f"CPU time of {simulated:g} s [s]")
+    panel.set_xlabel("error: RMS of the difference / RMS of the signal about its mean")
+    panel.set_ylabel(f"CPU time for {simulated:g} simulated s [s]")
 
 
 def _points(trials: "list[Trial]", duration: float | None) -> tuple[list[float], list[float]]:
-    # What is closer than the reference is known stands where that is known to.
+    # A point below the uncertainty of the reference is drawn at this uncertainty.
     return [trial.bound for trial in trials], [trial.cost(duration) for trial in trials]

@@ -1,4 +1,4 @@
-"""Simpler models of a system, and finer ones, for a study to hold against it as it is given."""
+"""Simplified and refined models of a system."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,27 +11,27 @@ if TYPE_CHECKING:
 
 __all__ = ["GIVEN", "Model", "copy", "refined", "simplified"]
 
-#: Name of the model that nothing is left out of.
+#: Name of the model without simplification.
 GIVEN = "as given"
 
-#: Stiffness models that do not change while the teeth pass.
+#: Stiffness models that are constant over the mesh cycle.
 _STEADY = ("constant", "iso6336")
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A system as it is given, or simplified.
+    """A given or simplified system.
 
     Parameters
     ----------
     name : str
-        What was simplified, "as given" for nothing.
+        The simplification, or "as given".
     system : RotorSystem
         The system to run.
     options : mapping
-        Options of `simulate` that belong to it.
+        Options of `simulate` for this model.
     methods : tuple of str, optional
-        The methods that can run it; None is all.
+        Methods that can run the model; None is all.
     """
 
     name: str
@@ -48,20 +48,20 @@ def simplified(
     factors: Sequence[float],
     modes: Sequence[int],
 ) -> list[Model]:
-    """Make the simplified models that differ from the system as it is given.
+    """Make the simplified models that differ from the given system.
 
     Parameters
     ----------
     system : RotorSystem
         The system.
     frozen : bool
-        Whether to freeze the geometry of the meshes.
+        Whether to make a model with frozen mesh geometry.
     mean_stiffness : bool
-        Whether to take the mean of stiffnesses that vary.
+        Whether to make a model with the mean of a time-varying mesh stiffness.
     factors : sequence of float
-        Numbers of elements over those given; those below one are taken.
+        Factors on the numbers of elements; only factors below 1 are used.
     modes : sequence of int
-        Numbers of modes to keep.
+        Numbers of modes of the reduced models.
 
     Returns
     -------
@@ -86,14 +86,14 @@ def simplified(
 
 
 def refined(system: "RotorSystem", factors: Sequence[float]) -> Model | None:
-    """Make the model with the most elements, if more than given are asked for.
+    """Make the model with the largest number of elements, if a factor exceeds 1.
 
     Parameters
     ----------
     system : RotorSystem
         The system.
     factors : sequence of float
-        Numbers of elements over those given.
+        Factors on the numbers of elements.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def refined(system: "RotorSystem", factors: Sequence[float]) -> Model | None:
 
 
 def copy(system: "RotorSystem") -> "RotorSystem":
-    """Make the system anew, so that nothing of it has been computed.
+    """Copy a system without its stored results.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def copy(system: "RotorSystem") -> "RotorSystem":
     Returns
     -------
     RotorSystem
-        One with the same description.
+        A system with the same description.
     """
     return type(system)._from_description(system.description)
 
@@ -126,13 +126,16 @@ def _moves(system: "RotorSystem", gear: str) -> bool:
 
 
 def _with_mean_stiffness(system: "RotorSystem") -> "RotorSystem | None":
-    """Replace stiffnesses that vary by their mean; relief belongs to pairs, which are gone then."""
+    """Replace time-varying mesh stiffness by its mean, without tip relief.
+
+    Tip relief belongs to single tooth pairs, which a constant stiffness does not have.
+    """
     description = system.description
     meshes = description.get("meshes", [])
     varying = [i for i, mesh in enumerate(meshes) if _varies(mesh.get("stiffness"))]
     if not varying:
         return None
-    # Where no flank parts and no tip is relieved, the equilibrium has the mean of the cycle.
+    # Without backlash and tip relief the equilibrium has the mean stiffness of the cycle.
     closed = [_without(mesh, "backlash", "tip_relief") for mesh in meshes]
     static = type(system)._from_description({**description, "meshes": closed}).static()
     for i in varying:
@@ -150,7 +153,7 @@ def _without(description: Mapping[str, Plain], *keys: str) -> dict[str, Plain]:
 
 
 def _with_elements(system: "RotorSystem", factor: float) -> "RotorSystem | None":
-    """Multiply the elements of every segment; None where that leaves all as they are."""
+    """Multiply the number of elements of every segment; None if nothing changes."""
     description = system.description
     for shaft in description["shafts"]:
         for segment in shaft.get("segments") or [shaft]:

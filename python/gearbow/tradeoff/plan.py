@@ -1,4 +1,4 @@
-"""What a study will run: the arguments of `gearbow.RotorSystem.tradeoff`, read and checked."""
+"""The plan of a study: the checked arguments of `gearbow.RotorSystem.tradeoff`."""
 
 import math
 from collections.abc import Iterable
@@ -22,7 +22,7 @@ _INITIAL = ("synchronous", "static", "rest")
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study that is to be carried out.
+    """All runs of a study.
 
     Parameters
     ----------
@@ -33,19 +33,19 @@ class Plan:
     speed : float
         Speed of the reference shaft [rad/s].
     wanted : tuple of Signal
-        What is compared.
+        Signals to compare.
     times : ndarray, shape (k,)
-        When it is compared [s].
+        Times of the compared samples [s].
     initial : str
-        Where every run starts.
+        Initial state of every run.
     settings : list of Setting
-        What the system as given is run with.
+        Settings for the given system.
     simpler : list of Model
         The simplified models.
     factors : list of float
-        Numbers of elements over those given.
+        Factors on the numbers of elements.
     repeats : int
-        Runs of each setting, at most.
+        Maximum number of runs of each setting.
     """
 
     system: "RotorSystem"
@@ -60,7 +60,7 @@ class Plan:
     repeats: int
 
     def settings_of(self, model: Model) -> list[Setting]:
-        """Give the settings that a simplified model is run with.
+        """Return the settings of a simplified model.
 
         Parameters
         ----------
@@ -70,13 +70,13 @@ class Plan:
         Returns
         -------
         list of Setting
-            Those of one method: a simplification changes little of the order of methods.
+            Settings of one method, because a simplification hardly changes the rank of methods.
         """
         methods = model.methods or (self.settings[0].method,)
         return [setting for setting in self.settings if setting.method in methods]
 
     def common(self) -> dict[str, Any]:
-        """Give the options of `simulate` that are the same in every run.
+        """Return the options of `simulate` that all runs share.
 
         Returns
         -------
@@ -113,17 +113,17 @@ def plan(
     duration, speed, of, methods, steps, tolerances, modes, elements : object
         As in `gearbow.RotorSystem.tradeoff`.
     frozen, mean_stiffness, initial, output_step, repeats : object
-        As there.
+        As in `gearbow.RotorSystem.tradeoff`.
 
     Returns
     -------
     Plan
-        What is to be run.
+        The plan.
 
     Raises
     ------
     SceneError
-        If an argument is impossible; the text names it.
+        If an argument is invalid; the message names it.
     """
     duration, speed = number(duration, "duration"), number(speed, "speed")
     if not 0.0 < duration < math.inf:
@@ -144,7 +144,7 @@ def plan(
         None if tolerances is None else _numbers(tolerances, "tolerances", most=1.0),
     )
     if not settings:
-        raise SceneError(f"methods: nothing to try with {', '.join(names)}")
+        raise SceneError(f"methods: no settings for {', '.join(names)}; give tolerances or steps")
     return Plan(
         system=system,
         duration=duration,
@@ -173,12 +173,12 @@ def _methods(given: str | Iterable[str] | None) -> list[str]:
         if name not in METHODS:
             raise SceneError(f"methods[{i}]: must be one of {', '.join(METHODS)}, got {name!r}")
     if not names:
-        raise SceneError("methods: must name at least one method")
+        raise SceneError("methods: must name at least one method, got an empty list")
     return list(dict.fromkeys(names))
 
 
 def _modes(given: Iterable[int] | None, names: list[str], system: "RotorSystem") -> list[int]:
-    """Read the numbers of modes to keep; a half, a quarter and an eighth of them by default."""
+    """Read the numbers of modes; the default is 1/2, 1/4 and 1/8 of all modes."""
     if "exponential" not in names:
         return []
     if given is None:
@@ -187,7 +187,7 @@ def _modes(given: Iterable[int] | None, names: list[str], system: "RotorSystem")
 
 
 def _numbers(values: Iterable[object], name: str, most: float = math.inf) -> list[float]:
-    """Read positive numbers, each once."""
+    """Read a list of positive numbers without duplicates."""
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise SceneError(f"{name}: must be a list of numbers, got {values!r}")
     found = []

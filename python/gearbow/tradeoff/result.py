@@ -1,4 +1,4 @@
-"""What a study found: the rows, the front of the best of them, and what to take."""
+"""Result of a study: rows, Pareto front and recommendation."""
 
 import math
 from collections.abc import Mapping
@@ -22,16 +22,16 @@ __all__ = ["Recommendation", "Tradeoff"]
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest setting that keeps an error: `system.simulate(duration, speed, **options)`.
+    """The cheapest setting with a given error: `system.simulate(duration, speed, **options)`.
 
     Parameters
     ----------
     options : dict
         Options of `simulate`.
     system : RotorSystem
-        What to run: the system that was studied, or the simpler one of this setting.
+        System to run: the given system or the simplified model of this setting.
     trial : Trial
-        What is known of it.
+        Error and CPU time of the setting.
     """
 
     options: dict[str, Any]
@@ -40,47 +40,49 @@ class Recommendation:
 
     @property
     def error(self) -> float:
-        """What the error is at most, as far as the reference is known.
+        """Upper bound of the error, at least the uncertainty of the reference.
 
         Returns
         -------
         float
-            RMS of the difference over the RMS of the swing.
+            RMS of the difference / RMS of the signal about its mean.
         """
         return self.trial.bound
 
     def __str__(self) -> str:
         trial = self.trial
         return (
-            f"{trial}: error {trial.error_text}, {trial.setup:.2g} s "
-            f"and {trial.rate:.2g} s of CPU time per simulated second"
+            f"{trial}: error {trial.error_text}, CPU time {trial.setup:.2g} s for the set-up "
+            f"and {trial.rate:.2g} s per simulated second"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Tradeoff:
-    """What accuracy costs in one run; made by `gearbow.RotorSystem.tradeoff`.
+    """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
     ----------
     trials : tuple of Trial
-        The rows, those of the system as given first, each from loose to tight.
+        The rows, the given system first, each from loose to tight settings.
     skipped : tuple of Skipped
-        What was not run, or did not end.
+        Settings that were not run or not completed.
     reference : str
-        The setting that errors are measured against.
+        Setting of the reference run.
     check : str
-        The independent setting that the reference was verified with.
+        Setting of the independent run that verifies the reference.
     floor : float
-        The distance of the two, at least round-off: how well the reference is known.
+        Difference of these two runs: the uncertainty of the reference, at
+        least the round-off error.
     discretisation : tuple of (str, mapping of {str: float}), optional
-        A model with more elements, and how far the system as given is from it in each signal.
+        Name of a model with more elements, and the difference of the given system from it for
+        each signal.
     duration : float
         Simulated time [s].
     speed : float
         Speed of the reference shaft [rad/s].
     of : tuple of str
-        What was compared.
+        Names of the compared signals.
     """
 
     trials: tuple[Trial, ...]
@@ -94,14 +96,14 @@ class Tradeoff:
     of: tuple[str, ...]
 
     def front(self, *, duration: float | None = None, simplified: bool = True) -> tuple[Trial, ...]:
-        """Find the settings that none beats in both error and time.
+        """Return the Pareto front: no other setting is better in both error and CPU time.
 
         Parameters
         ----------
         duration : float, optional
-            Simulated time that they are to be compared at [s]; None is that of the study.
+            Simulated time of the compared runs [s]; None is the duration of the study.
         simplified : bool
-            Whether simplified models are among them.
+            Whether to include simplified models.
 
         Returns
         -------
@@ -121,28 +123,28 @@ class Tradeoff:
     def recommend(
         self, error: float = 1e-4, *, duration: float | None = None, simplified: bool = True
     ) -> Recommendation:
-        """Name the cheapest setting that keeps an error.
+        """Return the cheapest setting whose error is small enough.
 
         Parameters
         ----------
         error : float
-            RMS of the difference over the RMS of the swing.
+            RMS of the difference / RMS of the signal about its mean.
         duration : float, optional
-            Simulated time that is to be cheap [s]; None is that of the study.
+            Simulated time of the compared runs [s]; None is the duration of the study.
         simplified : bool
-            Whether simplified models are among them.
+            Whether to include simplified models.
 
         Returns
         -------
         Recommendation
-            Options of `simulate`, and the system to run.
+            Options of `simulate` and the system to run.
 
         Raises
         ------
         SceneError
             If the error is not a positive number.
         GearbowError
-            If no setting is known to keep it.
+            If no setting meets the error.
         """
         wanted = number(error, "error")
         if not 0.0 < wanted < math.inf:
@@ -153,23 +155,23 @@ class Tradeoff:
                 return Recommendation(dict(trial.options), trial.system, trial)
         best = front[-1]
         raise GearbowError(
-            f"error: no setting of this study is known to keep {wanted:g}; the best is "
-            f"{best} with {best.error_text}, "
-            f"the reference is known to {self.floor:.1e}"
+            f"error: no setting of this study meets {wanted:g}; the most accurate is {best} with "
+            f"{best.error_text}, the uncertainty of the reference is {self.floor:.1e}; give a "
+            "larger error or a longer budget"
         )
 
     def plot(self, *, duration: float | None = None) -> "Figure":
-        """Draw time against error, both on logarithmic axes: a work-precision diagram.
+        """Draw a work-precision diagram: CPU time against error, both on logarithmic axes.
 
         Parameters
         ----------
         duration : float, optional
-            Simulated time that the CPU time is for [s]; None is that of the study.
+            Simulated time of the compared runs [s]; None is the duration of the study.
 
         Returns
         -------
         matplotlib.figure.Figure
-            The figure: a line for each method, open markers for simplified models, and the front.
+            A line for each method, open markers for simplified models, and the Pareto front.
         """
         with extra("plot"):
             from gearbow.tradeoff import figure  # noqa: PLC0415
@@ -177,12 +179,12 @@ class Tradeoff:
         return figure.work_precision(self, _duration(duration))
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the rows as a table.
+        """Return the rows as a data frame.
 
         Returns
         -------
         pandas.DataFrame
-            One row for each setting; times are CPU time, "seconds" that of the whole run.
+            One row for each setting. All times are CPU times; "seconds" is the whole run.
         """
         with extra("dataframe"):
             import pandas as pd  # noqa: PLC0415
@@ -211,28 +213,28 @@ class Tradeoff:
         return table
 
     def table(self) -> str:
-        """Lay the rows out as text.
+        """Return the rows as a text table.
 
         Returns
         -------
         str
-            One line for each setting; a star marks the front.
+            One line for each setting; a star marks the Pareto front.
         """
         return table(self.trials, self.front())
 
     def __str__(self) -> str:
-        worst = ", of the worst" if len(self.of) > 1 else ""
+        worst = ", worst signal" if len(self.of) > 1 else ""
         lines = [
-            f"{self.duration:g} s at {self.speed:g} rad/s, by {', '.join(self.of)}",
-            f"error: RMS of the difference over the RMS of the swing{worst}",
-            f"reference: {self.reference}; known to {self.floor:.1e} by {self.check}",
+            f"{self.duration:g} s at {self.speed:g} rad/s; signals: {', '.join(self.of)}",
+            f"error: RMS of the difference / RMS of the signal about its mean{worst}",
+            f"reference: {self.reference}; uncertainty {self.floor:.1e} (check: {self.check})",
         ]
         if self.discretisation is not None:
             model, errors = self.discretisation
             worst = f"{max(errors.values()):.1e}"
-            lines.append(f"discretisation: as given, it is {worst} away from {model}")
+            lines.append(f"discretisation: the given model differs from {model} by {worst}")
         lines.append(
-            "CPU: of the whole run, median; before its first step; of the steps, a simulated second"
+            "CPU times (medians): whole run, set-up before first step, steps per simulated second"
         )
         lines += ["", self.table()]
         if self.skipped:
@@ -242,7 +244,7 @@ class Tradeoff:
     def __repr__(self) -> str:
         return (
             f"Tradeoff({len(self.trials)} settings, {len(self.skipped)} skipped; "
-            f"reference known to {self.floor:.1e})"
+            f"uncertainty of the reference {self.floor:.1e})"
         )
 
 

@@ -1,4 +1,4 @@
-"""The settings that a study tries: methods as data, with ladders of steps and tolerances."""
+"""Settings of a study: methods as data, each with a series of steps or tolerances."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,21 +13,21 @@ __all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
 
 @dataclass(frozen=True)
 class Method:
-    """A method of integration, and the values that a study gives to what controls it.
+    """A method of integration and the values of its error control.
 
     Parameters
     ----------
     options : mapping
-        What `simulate` is given beside the value.
+        Fixed options of `simulate`.
     control : {"rtol", "step"}
-        What controls the error.
+        The option that controls the error.
     ladder : tuple of float
-        Tolerances, or steps over `unit`, from loose to tight.
+        Tolerances, or steps divided by `unit`, from loose to tight.
     finest : tuple of float
-        The same for a reference, from tight to loose: the first that can be afforded is taken.
+        The same for a reference run, from tight to loose; the first that fits the budget is used.
     unit : {"stability", "passing"}, optional
-        What steps are counted in: the step that resolves the fastest motion of the model, or the
-        time in which the fastest shaft or tooth passes.
+        Unit of the steps: the step that resolves the highest frequency of the model, or the
+        shortest period of a shaft rotation or tooth passing.
     """
 
     options: Mapping[str, Any]
@@ -37,7 +37,7 @@ class Method:
     unit: str = ""
 
 
-#: The methods by the names that a study knows; a reference is made by the first that can.
+#: Methods of a study by name. The first method that fits the budget gives the reference.
 METHODS: dict[str, Method] = {
     "exponential": Method(
         {"method": "exponential"},
@@ -77,7 +77,7 @@ METHODS: dict[str, Method] = {
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to run: the options of `simulate` that decide on accuracy and cost.
+    """The options of `simulate` that determine accuracy and cost.
 
     Parameters
     ----------
@@ -91,12 +91,12 @@ class Setting:
     options: Mapping[str, Any] = field(hash=False)
 
     def halved(self) -> "Setting":
-        """Make it twice as tight.
+        """Return the setting with half the step or tolerance.
 
         Returns
         -------
         Setting
-            The same with half the step or tolerance.
+            The tighter setting.
         """
         control = METHODS[self.method].control
         return Setting(self.method, {**self.options, control: 0.5 * self.options[control]})
@@ -113,7 +113,7 @@ def ladders(
     steps: Sequence[float] | None,
     tolerances: Sequence[float] | None,
 ) -> list[Setting]:
-    """Lay out the settings of a study, from loose to tight, the methods in turn.
+    """Return the settings of a study, from loose to tight, with alternating methods.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def ladders(
     names : sequence of str
         Methods.
     steps, tolerances : sequence of float, optional
-        What to give to the methods with fixed steps [s] and to the others; None is their ladders.
+        Steps [s] of methods with fixed steps, tolerances of the others; None is their series.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def ladders(
 
 
 def references(system: "RotorSystem", speed: float) -> list[Setting]:
-    """Lay out what could serve as a reference, the best first.
+    """Return candidates for the reference run, the tightest first.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def references(system: "RotorSystem", speed: float) -> list[Setting]:
     Returns
     -------
     list of Setting
-        The tightest setting of each method, then the next of each, and so on.
+        The tightest setting of each method, then the second of each, and so on.
     """
     columns = [
         [_setting(name, value) for value in _values(system, speed, method, method.finest)]
@@ -176,14 +176,14 @@ def _values(
         return list(ladder)
     if method.unit == "stability":
         unit = _stable_step(system, speed)
-        # Three digits: the options that a table shows are the options that were run.
+        # Three digits, so that the printed options are the options of the run.
         return [float(f"{unit * factor:.3g}") for factor in ladder]
     unit = _passing(system, speed)
     return [_round(unit * factor) for factor in ladder] if math.isfinite(unit) else []
 
 
 def _round(value: float) -> float:
-    """Give the next of 1, 2 and 5 times a power of ten: such steps meet the times of a response."""
+    """Round to 1, 2 or 5 times a power of ten, so that steps end at the output times."""
     power = math.floor(math.log10(value))
     return float(
         f"{min((1, 2, 5, 10), key=lambda digit: abs(digit - value / 10.0**power))}e{power}"
@@ -191,13 +191,13 @@ def _round(value: float) -> float:
 
 
 def _stable_step(system: "RotorSystem", speed: float) -> float:
-    """Give the step that "rk4" takes of its own accord."""
+    """Return the default step of "rk4"."""
     omega = system.simulate(0.0, speed, method="rk4").statistics.omega_max
     few = system.simulate(10.0 / omega, speed, method="rk4", times=[0.0])
     return few.statistics.step_max
 
 
 def _passing(system: "RotorSystem", speed: float) -> float:
-    """Give the time in which the fastest shaft turns once, or the fastest gear by one tooth."""
-    # A response is recorded twenty times in it, where it is long enough for that.
+    """Return the shortest period of a shaft rotation or tooth passing."""
+    # The default output step is a twentieth of this period.
     return 20.0 * system._model.default_output_step(math.inf, speed, 0.0)

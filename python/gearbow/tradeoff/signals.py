@@ -1,4 +1,4 @@
-"""What a study compares: displacements and mesh forces, and how far two runs are apart in them."""
+"""Signals of a study, displacements and mesh forces, and the difference between two runs."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ __all__ = ["Signal", "Swing", "signals"]
 
 @dataclass(frozen=True)
 class Signal:
-    """One quantity of a response: the displacement of a place, or the force of a mesh.
+    """A signal of a response: the displacement of a point or the force of a mesh.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Signal:
 
     @property
     def is_force(self) -> bool:
-        """Whether it is the force of a mesh.
+        """Whether the signal is a mesh force.
 
         Returns
         -------
@@ -41,12 +41,12 @@ class Signal:
         return isinstance(self.of, tuple) and isinstance(self.of[1], str)
 
     def values(self, response: Response) -> Array:
-        """Take it out of a response.
+        """Return the signal of a response.
 
         Parameters
         ----------
         response : Response
-            A response that recorded it.
+            A response that contains the signal.
 
         Returns
         -------
@@ -66,7 +66,7 @@ class Signal:
 
 
 class Swing:
-    """The signals of one run, as the reference of others or against it.
+    """The signals of one run, for the comparison with another run.
 
     Parameters
     ----------
@@ -81,25 +81,25 @@ class Swing:
         self._values = [signal.values(response) for signal in wanted]
 
     def errors(self, other: "Swing", scale: "Swing") -> dict[str, float]:
-        """Give the distance to another run, of each signal.
+        """Return the relative difference from another run for each signal.
 
         Parameters
         ----------
         other : Swing
-            The other run, at the same times.
+            The other run, with the same output times.
         scale : Swing
-            The run whose swing about its mean errors are measured by.
+            The run whose RMS about the mean is the unit of the difference.
 
         Returns
         -------
         dict of {str: float}
-            RMS of the difference over the RMS of the swing.
+            RMS of the difference / RMS of the signal about its mean.
         """
         rows = zip(self._wanted, self._values, other._values, scale._swings(), strict=True)
         return {str(signal): _rms(mine - others) / swing for signal, mine, others, swing in rows}
 
     def error(self, other: "Swing", scale: "Swing") -> float:
-        """Give the distance to another run, of the signal that is worst.
+        """Return the relative difference from another run for the worst signal.
 
         Parameters
         ----------
@@ -109,23 +109,23 @@ class Swing:
         Returns
         -------
         float
-            The largest.
+            The largest difference.
         """
         return max(self.errors(other, scale).values())
 
     def check(self) -> None:
-        """Refuse what does not move: nothing can be said relative to that.
+        """Reject constant signals, for which a relative error is undefined.
 
         Raises
         ------
         SceneError
-            If a signal is constant, to the rounding of its mean.
+            If a signal is constant to round-off.
         """
         for signal, values, swing in zip(self._wanted, self._values, self._swings(), strict=True):
             if not swing > 1e3 * np.finfo(float).eps * _rms(values):
                 raise SceneError(
-                    f"of: {signal} stays the same in this run, "
-                    "so that no error can be taken relative to its swing"
+                    f"of: {signal} is constant in this run, so its relative error is undefined; "
+                    "give another signal"
                 )
 
     def _swings(self) -> list[float]:
@@ -133,7 +133,7 @@ class Swing:
 
 
 def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
-    """Read what a study is asked to compare, and check that the system has it.
+    """Read the signals of a study and check that the system has them.
 
     Parameters
     ----------
@@ -151,12 +151,12 @@ def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
     Raises
     ------
     SceneError
-        If there is no such thing.
+        If the system does not have a signal.
     """
     if of is None:
         names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
         if not names:
-            raise SceneError("of: give (shaft, position) where there is no gear or disk")
+            raise SceneError("of: the system has no gear or disk; give (shaft, position)")
         of = names[0]
     given = [of] if isinstance(of, str) or is_place(of) or is_pair(of) else of
     if not isinstance(given, Iterable):
@@ -180,10 +180,10 @@ def _signal(system: "RotorSystem", item: Any) -> Signal:
     except SceneError as error:
         raise SceneError(f"of: {str(error).removeprefix('at: ')}") from None
     if v is None:
-        raise SceneError(f"of: {item!r} only twists here; name a mesh, (driver, driven)")
+        raise SceneError(f"of: {item!r} has no lateral motion; give a mesh, (driver, driven)")
     return Signal(at)
 
 
 def _rms(values: Array) -> float:
-    """Root of the mean over time of the squared length."""
+    """Return the root mean square over time of the vector length."""
     return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))

@@ -1,4 +1,4 @@
-"""The study: a reference and its check, then every setting against it, within a budget of time."""
+"""Runs of a study: reference, check, settings and models, within a time budget."""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -18,44 +18,44 @@ from gearbow.tradeoff.trial import Skipped, Trial
 
 __all__ = ["carry_out"]
 
-#: Relative error of rounding, of double precision.
+#: Relative rounding error of double precision.
 ROUND_OFF = sys.float_info.epsilon
-#: Part of the budget that a reference may take, and another that its check may.
+#: Fraction of the budget for the reference run, and the same for its check.
 _FOR_REFERENCE = 0.3
-#: What one run may take, over an equal share of what is left of the budget.
+#: Limit of one run divided by an equal share of the remaining budget.
 _PATIENCE = 4.0
-#: An error of integration below this part of the model's own is not worth a smaller one.
+#: An integration error below this fraction of the model error needs no tighter setting.
 _NEGLIGIBLE = 0.1
 
 
 def carry_out(plan: Plan, budget: float, report: Progress) -> Tradeoff:
-    """Run everything that the budget allows.
+    """Run all settings that the budget allows.
 
     Parameters
     ----------
     plan : Plan
-        What is to be run.
+        The plan.
     budget : float
-        How long it may take [s].
+        Limit of the wall-clock time [s].
     report : callable
-        Is given the fraction that is done.
+        Receives the completed fraction.
 
     Returns
     -------
     Tradeoff
-        What accuracy costs.
+        The result.
 
     Raises
     ------
     GearbowError
-        If not even a reference can be made.
+        If the budget is too short for a reference.
     """
     return _Study(plan, Budget(budget), report).result()
 
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """A run that was measured."""
+    """A completed run with its CPU time."""
 
     model: Model
     setting: Setting
@@ -115,7 +115,7 @@ class _Study:
         raise self._nothing("reference")
 
     def _check(self) -> _Run:
-        """Verify the reference by another method, or else by itself, twice as tight or looser."""
+        """Verify the reference by another method, or by the same method with another setting."""
         used = self.reference.setting
         candidates = references(self.plan.system, self.plan.speed)
         others = [setting for setting in candidates if setting.method != used.method]
@@ -136,7 +136,7 @@ class _Study:
         return finer.name, self.reference.swing.errors(run.swing, run.swing)
 
     def _tight(self, model: Model) -> _Run | None:
-        """Run another model as the reference was, or nearly: what differs then is the model's."""
+        """Run another model with the reference setting, or with a similar one within the budget."""
         tried = len(self.skipped)
         used = self.reference.setting
         others = references(model.system, self.plan.speed)
@@ -151,7 +151,7 @@ class _Study:
         return None
 
     def _simpler(self, model: Model) -> Iterator[Trial]:
-        """Measure a simplification by itself, and then what it saves."""
+        """Measure the model error of a simplification, then the CPU time of its settings."""
         settings = self.plan.settings_of(model)
         own = self._tight(model)
         self._count()
@@ -163,7 +163,7 @@ class _Study:
             trial = self._trial(run, own)
             yield trial
             if trial.integration_error < _NEGLIGIBLE * trial.model_error:
-                # Whatever is tighter costs more and is no nearer to the reference.
+                # A tighter setting costs more and does not reduce the total error.
                 self._count(len(settings) - 1 - rung)
                 break
         yield tight
@@ -177,13 +177,13 @@ class _Study:
                 yield run
 
     def _share(self) -> float:
-        """Divide what is left of the budget by what is left to do."""
+        """Return the remaining budget per remaining run."""
         return self.budget.left / max(1, self.jobs - self.done)
 
     def _run(
         self, model: Model, setting: Setting, allowance: float, share: float = 0.0
     ) -> _Run | None:
-        """Run one setting, or note why not."""
+        """Run one setting, or record why it was skipped."""
         plan = self.plan
         options = {**setting.options, **model.options}
         left = self.budget.left
@@ -200,7 +200,7 @@ class _Study:
                 repeats=plan.repeats,
             )
         except ContactError:
-            raise  # no setting can do what the scene forbids
+            raise  # the error is independent of the setting
         except TooSlowError as error:
             reason = str(error)
         except GearbowError as error:
@@ -215,7 +215,7 @@ class _Study:
         self.report(min(1.0, self.done / self.jobs))
 
     def _trial(self, run: _Run, own: _Run) -> Trial:
-        """Make a row of a run; `own` is the tight run of the same model."""
+        """Return the row of a run; `own` is the reference run of the same model."""
         reference = self.reference.swing
         statistics = run.response.statistics
         errors = run.swing.errors(reference, reference)

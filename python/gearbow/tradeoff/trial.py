@@ -1,4 +1,4 @@
-"""One setting of a study: what is known of it, as a row of a table."""
+"""One setting of a study as a row of a table."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,11 +16,11 @@ _TITLES = (
     "setting",
     "model",
     "error",
-    "of integration",
-    "of model",
+    "integration error",
+    "model error",
     "CPU [s]",
     "set-up [s]",
-    "per s [s/s]",
+    "CPU per s [s/s]",
     "steps",
     "evaluations",
     "limited by",
@@ -29,14 +29,14 @@ _TITLES = (
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One setting: how far it is from the reference, and what it takes.
+    """Error and CPU time of one setting.
 
     Parameters
     ----------
     setting : str
         Method, and step or tolerance.
     model : str
-        "as given", or what is simplified.
+        "as given" or the simplification.
     options : mapping
         Options of `simulate`.
     system : RotorSystem
@@ -44,27 +44,28 @@ class Trial:
     method : str
         Name of the method.
     errors : mapping of {str: float}
-        Distance of each signal to the reference: RMS of the difference over the RMS of the swing.
+        Error of each signal: RMS of the difference from the reference / RMS of the reference
+        about its mean.
     integration_error : float
-        Distance to a tight run of the same model.
+        Difference from the reference run of the same model.
     model_error : float
-        Distance of that to the reference: what the simplification alone changes.
+        Difference of that run from the reference: the effect of the simplification alone.
     floor : float
-        How well the reference is known; a smaller error says only that it is below.
+        Uncertainty of the reference; smaller errors are not resolved.
     setup : float
         CPU time before the first step [s].
     stepping : float
-        CPU time from there on [s].
+        CPU time of all steps [s].
     duration : float
-        What was simulated in it [s].
+        Simulated time [s].
     steps : int
         Accepted steps.
     evaluations : int
         Evaluations of the right-hand side.
     limited_by : str
-        What set the length of most steps.
+        What limited the length of most steps.
     repeats : int
-        Of how many runs the times are medians.
+        Number of runs of which the CPU times are medians.
     """
 
     setting: str
@@ -86,23 +87,23 @@ class Trial:
 
     @property
     def error(self) -> float:
-        """Distance to the reference, of the signal that is worst.
+        """Error of the worst signal.
 
         Returns
         -------
         float
-            RMS of the difference over the RMS of the swing.
+            RMS of the difference / RMS of the signal about its mean.
         """
         return max(self.errors.values())
 
     @property
     def bound(self) -> float:
-        """What the error is at most, as far as the reference is known.
+        """Upper bound of the error, at least the uncertainty of the reference.
 
         Returns
         -------
         float
-            The error, or the floor where that is larger.
+            The larger of error and floor.
         """
         return max(self.error, self.floor)
 
@@ -124,33 +125,33 @@ class Trial:
         Returns
         -------
         float
-            Time over time.
+            CPU time / simulated time.
         """
         return self.stepping / self.duration
 
     def cost(self, duration: float | None = None) -> float:
-        """CPU time of a run that is longer or shorter.
+        """CPU time of a run of another duration.
 
         Parameters
         ----------
         duration : float, optional
-            Simulated time [s]; None is that of the study.
+            Simulated time [s]; None is the duration of the study.
 
         Returns
         -------
         float
-            Set-up and steps [s].
+            CPU time of set-up and steps [s].
         """
         return self.seconds if duration is None else self.setup + self.rate * duration
 
     @property
     def error_text(self) -> str:
-        """The error in words.
+        """The error as text.
 
         Returns
         -------
         str
-            A number, or "<" and the floor.
+            A number, or "<" and the floor if the error is smaller.
         """
         return _below(self.error, self.floor)
 
@@ -160,16 +161,16 @@ class Trial:
 
 @dataclass(frozen=True)
 class Skipped:
-    """A setting of which nothing is known, and why.
+    """A skipped setting.
 
     Parameters
     ----------
     setting : str
         Method, and step or tolerance.
     model : str
-        "as given", or what is simplified.
+        "as given" or the simplification.
     reason : str
-        What would have been too slow, or went wrong.
+        Why the setting was skipped.
     """
 
     setting: str
@@ -181,19 +182,19 @@ class Skipped:
 
 
 def table(trials: Iterable[Trial], front: Sequence[Trial]) -> str:
-    """Lay rows out as text.
+    """Return rows as a text table.
 
     Parameters
     ----------
     trials : iterable of Trial
         The rows.
     front : sequence of Trial
-        Those that get a star.
+        Rows that get a star.
 
     Returns
     -------
     str
-        One line for each, under a line of titles.
+        One line for each row, below a line of titles.
     """
     rows = [_TITLES]
     for trial in trials:
