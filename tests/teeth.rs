@@ -192,6 +192,8 @@ const STIFFNESSES: [&str; 8] = [
     r#"stiffness = { model = "parabolic", mean = 2e8, end_ratio = 0.5, engagement = "sharp" }"#,
     r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.5, engagement = 0.5 }"#,
     r#"stiffness = { model = "potential_energy", engagement = 0.2 }"#,
+    r#"stiffness = { model = "potential_energy", engagement = 0.2, foundation = "shared" }"#,
+    r#"stiffness = { model = "potential_energy", engagement = "sharp", foundation = "shared" }"#,
     r#"stiffness = { model = "fourier", mean = 3e8, amplitudes = [4e7, 1e7], phases = [0.3, -1.0] }"#,
     r#"stiffness = { model = "table", values = [3e8, 2e8, 5e8, 4e8] }"#,
 ];
@@ -234,9 +236,9 @@ fn means_have_their_closed_forms() {
         gear_mesh(r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.4, engagement = "sharp" }"#);
     // The mean of a parabola is a third of its ends and two thirds of its middle.
     assert!((parabolic.stiffness / (2e8 * ratio(&parabolic) * 2.4 / 3.0) - 1.0).abs() < 1e-12);
-    let [low, high] = parabolic.involute.path_at_rest();
+    let ContactPath { tangent, low, high, .. } = parabolic.involute.path_at_rest();
     let Stiffness::Pairs { pair, .. } = &parabolic.teeth else { unreachable!() };
-    let at = |part: f64| pair.at(low + part * (high - low), low)[0];
+    let at = |part: f64| pair.at(low + part * (high - low), tangent)[0];
     for (part, expected) in [(0.0, 0.8e8), (0.5, 2e8), (1.0, 0.8e8)] {
         assert!((at(part) / expected - 1.0).abs() < 1e-14);
     }
@@ -360,16 +362,19 @@ fn a_pair_yields_by_both_teeth_and_their_contact() {
     let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
     let teeth = [0, 1].map(|i| Tooth::new(&scene.gears[i], bores[i]));
     let Stiffness::Pairs { pair, .. } = &gear_mesh.teeth else { unreachable!() };
-    let ([low, high], tangent) = (gear_mesh.involute.path_at_rest(), gear_mesh.involute.tangent_at_rest());
-    // Also where pairs still carry beyond the ends of the path, by half the engagement, and centres that move.
+    let (involute, gears) = (&gear_mesh.involute, &scene.gears);
+    let half = 0.1 * involute.base_pitch;
+    // From base circle to tip, wherever the centres are: of the wheel from its root circle, which is above its base
+    // circle. A smooth engagement carries beyond the tips by half of its width.
     for i in 0..=40 {
-        let s =
-            low + (high - low) * f64::from(i) / 40.0 + 0.25 * gear_mesh.involute.base_pitch * f64::from(i - 20) / 20.0;
-        for moved in [-1e-4, 0.0, 1e-4] {
-            let compliance = CONTACT_COMPLIANCE + teeth[0].compliance(s) + teeth[1].compliance(tangent + moved - s);
-            let off = pair.at(s, low + moved)[0] * compliance / WIDTH - 1.0;
+        let s = -half + (gears[0].tip_reach() + 2.0 * half) * f64::from(i) / 40.0;
+        for j in 0..=10 {
+            let (root, tip) = (gears[1].root_reach() + half, gears[1].tip_reach() + half);
+            let tangent = s + root + (tip - root) * f64::from(j) / 10.0;
+            let compliance = CONTACT_COMPLIANCE + teeth[0].compliance(s) + teeth[1].compliance(tangent - s);
+            let off = pair.at(s, tangent)[0] * compliance / WIDTH - 1.0;
             // What a natural spline through 257 values leaves, most of it near its ends.
-            assert!(off.abs() < 1e-6, "{off:e} at {i}, moved by {moved}");
+            assert!(off.abs() < 1e-6, "{off:e} at {i}, {j}");
         }
     }
 }
@@ -377,7 +382,16 @@ fn a_pair_yields_by_both_teeth_and_their_contact() {
 /// A path of contact of `length` base pitches of 9 mm that begins at 4 mm, with pair 0 at the part `place` of a pitch
 /// from there.
 fn path(length: f64, place: f64) -> ContactPath {
-    ContactPath { position: 4e-3 + place * 9e-3, low: 4e-3, high: 4e-3 + length * 9e-3, pitch: 9e-3 }
+    let high = 4e-3 + length * 9e-3;
+    ContactPath { position: 4e-3 + place * 9e-3, tangent: high + 1e-2, low: 4e-3, high, pitch: 9e-3 }
+}
+
+/// The same pairs after the line of action has become longer by `by`: ends at the tips of the driven gear, or at its
+/// base circle, follow it.
+fn opened(path: ContactPath, by: f64) -> ContactPath {
+    let moved = |end: f64, follows: bool| if follows { end + by } else { end };
+    let ContactPath { tangent, low, high, .. } = path;
+    ContactPath { tangent: tangent + by, low: moved(low, low > 0.0), high: moved(high, high == tangent), ..path }
 }
 
 proptest! {
@@ -386,7 +400,7 @@ proptest! {
     #[test]
     fn what_is_stored_has_the_slopes_that_it_says(
         length in 0.05..2.5_f64, place in 0.0..1.0_f64, width in 0.1..0.5_f64, relieved: bool, uniform: bool,
-        deflection in 1e-6..1e-4_f64,
+        begins_at_base: bool, ends_at_base: bool, deflection in 1e-6..1e-4_f64,
     ) {
         let pair = match uniform {
             true => Pair::Uniform(2e8),
@@ -394,20 +408,51 @@ proptest! {
         };
         let relief = relieved.then_some(Relief { amount: 2e-5, length: 3e-3, exponent: 2 });
         let teeth = Stiffness::Pairs { pair, engagement: Engagement::Smooth(width), relief };
-        let at = path(length, place);
+        let mut at = path(length, place);
+        if begins_at_base {
+            (at.position, at.high, at.tangent, at.low) = (at.position - 4e-3, at.high - 4e-3, at.tangent - 4e-3, 0.0);
+        }
+        if ends_at_base {
+            at.tangent = at.high;
+        }
         let stored = |at: ContactPath, deflection: f64| teeth.stored(|| at, (0, 0), deflection);
         let here = stored(at, deflection);
         // A short path has ramps that overlap: both of its ends matter to a pair at once.
         let slope = |step: f64, moved: &dyn Fn(f64) -> f64| (moved(step) - moved(-step)) / (2.0 * step);
         let by_position =
             slope(1e-8, &|by| stored(ContactPath { position: at.position + by, ..at }, deflection).energy);
-        let by_low = slope(1e-8, &|by| stored(ContactPath { low: at.low + by, ..at }, deflection).energy);
+        let by_tangent = slope(1e-8, &|by| stored(opened(at, by), deflection).energy);
         let by_deflection = slope(1e-10, &|by| stored(at, deflection + by).energy);
         // Energies up to a joule over millimetres; a pair that just touches bends its force within a step.
         let size = 4e8 * deflection * deflection / 1e-3;
         prop_assert!((here.travel - by_position).abs() < 1e-4 * size, "{:e} {by_position:e}", here.travel);
-        prop_assert!((here.shortening - by_low).abs() < 1e-4 * size, "{:e} {by_low:e}", here.shortening);
+        prop_assert!((here.opening - by_tangent).abs() < 1e-4 * size, "{:e} {by_tangent:e}", here.opening);
         prop_assert!((here.force - by_deflection).abs() < 1e-4 * 4e8 * deflection);
+    }
+}
+
+#[test]
+fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
+    let gear_mesh = gear_mesh(r#"stiffness = { model = "potential_energy", engagement = 0.3, foundation = "shared" }"#);
+    let at_rest = gear_mesh.involute.path_at_rest();
+    // The centres at rest, and so near that the wheel's tips, or both tips, reach beyond the base circles.
+    for tangent in [at_rest.tangent, 0.030, 0.018] {
+        let path = gear_mesh.involute.path(tangent);
+        for i in 0..50 {
+            let energy = |position: f64, by: f64| {
+                let path = ContactPath { position, ..gear_mesh.involute.path(tangent + by) };
+                gear_mesh.teeth.stored(|| path, (0, 0), 1e-5)
+            };
+            let position = path.pitch * f64::from(i) / 50.0;
+            let here = energy(position, 0.0);
+            let slope = |moved: &dyn Fn(f64) -> f64| (moved(1e-8) - moved(-1e-8)) / 2e-8;
+            let by_position = slope(&|by| energy(position + by, 0.0).energy);
+            let by_tangent = slope(&|by| energy(position, by).energy);
+            let size = 1e-4 * here.energy / 1e-3;
+            assert!((here.travel - by_position).abs() < size, "{:e} {by_position:e} at {i}", here.travel);
+            assert!((here.opening - by_tangent).abs() < size, "{:e} {by_tangent:e} at {i}", here.opening);
+            assert!(here.stiffness > 0.0);
+        }
     }
 }
 

@@ -41,8 +41,10 @@ class Event(NamedTuple):
     kind : str
         "contact" (the driving flanks meet), "back contact" (those behind them do), "separation"
         (the teeth part), "tight" (both flanks press), "contact ratio below 1", "contact ratio above
-        1" (again), "tip interference" (a tip reaches the root circle of the other gear) or "tip
-        clearance" (it no longer does).
+        1" (again), "tip interference" (a tip reaches the root circle of the other gear), "tip
+        clearance" (it no longer does), "involute interference" (a tip reaches beyond the base
+        circle of the other gear, which shortens the path of contact) or "involute clearance" (it
+        no longer does).
     """
 
     time: float

@@ -97,7 +97,7 @@ impl GearMesh {
         let GearKinematics { pose: MeshPose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
         let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *meeting;
         let path = || self.path_of(&approach.pose, meeting);
-        let Stored { energy, force: elastic, stiffness, travel, shortening } =
+        let Stored { energy, force: elastic, stiffness, travel, opening } =
             self.teeth.stored(path, contact_mode.engaged[usize::from(back)], deflection);
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
@@ -114,7 +114,7 @@ impl GearMesh {
                         push.iter_mut().zip(line.normal).zip(line.tangent_direction)
                     {
                         *push -= travel * ra * tangent_direction / line.tangent
-                            + shortening * (normal + tangent_direction * steeper);
+                            + opening * (normal + tangent_direction * steeper);
                     }
                 }
             }
@@ -124,7 +124,7 @@ impl GearMesh {
                     dot(line.tangent_direction, velocity.relative_displacement),
                 );
                 drive_power +=
-                    travel * ra * tangent_direction / line.tangent + shortening * (along + tangent_direction * steeper);
+                    travel * ra * tangent_direction / line.tangent + opening * (along + tangent_direction * steeper);
             }
             Phase::Prescribed => {}
         }
@@ -157,12 +157,10 @@ impl GearMesh {
         };
         let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
         let centres = self.involute.angle_at_rest() + line.turned;
-        let pitch = self.involute.base_pitch;
         // What thinner teeth leave for the backlash is a hundredth of the pitch, and not known of either gear alone.
         let back_flank_deflection = if back { self.involute.base_thickness } else { 0.0 };
-        let [low, high] = self.involute.path(line.tangent);
         let position = self.involute.position(sigma, turned, centres, pressure_angle) + back_flank_deflection;
-        ContactPath { position, low, high, pitch }
+        ContactPath { position, ..self.involute.path(line.tangent) }
     }
 
     /// The same of teeth that meet so.

@@ -96,8 +96,8 @@ impl GearMesh {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let involute = Involute::new(mesh, gears);
         let teeth = stiffness::build(&mesh.teeth, [a, b], &involute);
-        let [low, high] = involute.path_at_rest();
-        let mean = teeth.mean(low, high, involute.base_pitch);
+        let at_rest = involute.path_at_rest();
+        let mean = teeth.mean(&at_rest);
         let damping = match mesh.damping {
             Damping::Constant(c) => c,
             Damping::Ratio(ratio) => {
@@ -112,7 +112,7 @@ impl GearMesh {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
             stiffness: mean,
-            stiffest: flanks * teeth.largest(low, high, involute.base_pitch).max(mean),
+            stiffest: flanks * teeth.largest(&at_rest).max(mean),
             involute,
             teeth,
             phase: mesh.teeth.phase,

@@ -13,14 +13,15 @@
 //! Every difference (γ − ψ, inv α − inv α₀) is computed as one, not as the difference of two rounded numbers: a
 //! load of 1e-9 N deflects a mesh by 1e-18 m, which is still right to all its digits.
 
-use crate::scene::{Gear, Mesh};
+use super::stiffness::ContactPath;
+use crate::scene::{Gear, Mesh, path_of_contact};
 
 /// What the teeth and the centres at rest make of a pair.
 #[derive(Clone, Debug)]
 pub struct Involute {
     /// Base radii of driver and driven gear, m.
     pub base_radius: [f64; 2],
-    /// √(tip radius² − base radius²) of driver and driven gear, m.
+    /// √(tip radius² − base radius²), the length of the line of action from base circle to tip, of driver and driven gear, m.
     tip_reach: [f64; 2],
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
@@ -50,6 +51,9 @@ pub struct Centres {
     pub angle: f64,
     /// Contact ratio ε.
     pub contact_ratio: f64,
+    /// C sin α less the longer of √(tip radius² − base radius²), m: below zero a tip reaches beyond the base circle of
+    /// the other gear, where no involute is (involute interference).
+    pub involute_clearance: f64,
 }
 
 /// How the centres lie: what the lines of action of both flanks have in common.
@@ -99,13 +103,12 @@ impl Involute {
     /// The pair of a mesh.
     pub fn new(mesh: &Mesh, gears: &[Gear]) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
-        let reach = |gear: &Gear| (gear.tip_radius.powi(2) - gear.base_radius.powi(2)).sqrt();
         let sum = a.base_radius + b.base_radius;
         let (sin, cos) = mesh.centre_line_angle.sin_cos();
         let tangent = ((mesh.centre_distance - sum) * (mesh.centre_distance + sum)).sqrt();
         Self {
             base_radius: [a.base_radius, b.base_radius],
-            tip_reach: [reach(a), reach(b)],
+            tip_reach: [a.tip_reach(), b.tip_reach()],
             base_pitch: a.base_pitch(),
             base_thickness: 2.0 * a.base_radius * a.half_angle(),
             sum,
@@ -199,16 +202,17 @@ impl Involute {
     pub fn centres(&self, relative_displacement: [f64; 2]) -> Result<Centres, Overlap> {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
         let (distance, tangent, _) = self.lengths(relative_displacement)?;
+        let ContactPath { low, high, pitch, .. } = self.path(tangent);
         Ok(Centres {
             pressure_angle: tangent.atan2(self.sum),
             distance,
             angle: self.angle + tangent_direction.atan2(self.distance + along),
-            contact_ratio: (self.tip_reach[0] + self.tip_reach[1] - tangent) / self.base_pitch,
+            contact_ratio: (high - low) / pitch,
+            involute_clearance: tangent - self.tip_reach[0].max(self.tip_reach[1]),
         })
     }
 
-    /// The same for centres whose base circles overlap: these have neither pressure angle nor contact ratio, which are
-    /// then not numbers.
+    /// Position of centres whose base circles overlap. They have no pressure angle and no contact ratio: both are NaN.
     pub(super) fn overlapping_centres(&self, relative_displacement: [f64; 2], overlap: &Overlap) -> Centres {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
         Centres {
@@ -216,22 +220,21 @@ impl Involute {
             distance: overlap.distance,
             angle: self.angle + tangent_direction.atan2(self.distance + along),
             contact_ratio: f64::NAN,
+            involute_clearance: f64::NAN,
         }
     }
 
-    /// The path of contact where the line of action between the base circles is `tangent` long: s at its ends.
-    pub fn path(&self, tangent: f64) -> [f64; 2] {
-        [tangent - self.tip_reach[1], self.tip_reach[0]]
+    /// The path of contact where the line of action between the base circles is `tangent` long, with pair 0 at its
+    /// origin.
+    #[inline(always)]
+    pub fn path(&self, tangent: f64) -> ContactPath {
+        let [low, high] = path_of_contact(tangent, self.tip_reach);
+        ContactPath { position: 0.0, tangent, low, high, pitch: self.base_pitch }
     }
 
     /// The path of contact of the centres at rest.
-    pub fn path_at_rest(&self) -> [f64; 2] {
+    pub fn path_at_rest(&self) -> ContactPath {
         self.path(self.tangent)
-    }
-
-    /// C₀ sin α₀, m.
-    pub fn tangent_at_rest(&self) -> f64 {
-        self.tangent
     }
 
     /// s = r_a[σ(ϑ_a − γ) + α] of pair 0 for a driver that has turned to ϑ_a (spin, and twist if it counts).

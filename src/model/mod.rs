@@ -257,9 +257,16 @@ impl Model {
     }
 }
 
-/// A stiffness that varies must not fall below zero: it would push the flanks together.
+/// No stiffness may be below zero: it would push the flanks together.
 fn check_stiffness(meshes: &[GearMesh]) -> Result<(), SceneError> {
     for (index, mesh) in meshes.iter().enumerate() {
+        if mesh.stiffness.is_nan() || mesh.stiffness <= 0.0 {
+            let message = format!(
+                "ISO 6336-1 gives {:.4e} N/m: teeth and profile shifts are outside its range; give a number",
+                mesh.stiffness
+            );
+            return Err(SceneError::new(format!("meshes[{index}].stiffness"), message));
+        }
         if let Stiffness::Cycle(cycle) = &mesh.teeth {
             let smallest = cycle.smallest();
             if smallest < 0.0 {

@@ -212,8 +212,10 @@ fn checkpoint_dict<'py>(
     dict.set_item("counts", [count.steps, count.rejected, count.evaluations, count.events, count.at_limit])?;
     dict.set_item("steps", [count.shortest, count.longest])?;
     dict.set_item("events", recorder_state.events)?;
-    let margins =
-        recorder_state.margins.iter().map(|margins| margins.map(|(at, [ratio, clearance])| [at, ratio, clearance]));
+    let margins = recorder_state
+        .margins
+        .iter()
+        .map(|margins| margins.map(|(at, [ratio, tip, involute])| [at, ratio, tip, involute]));
     dict.set_item("margins", margins.collect::<Vec<_>>())?;
     dict.set_item("works", recorder_state.works)?;
     dict.set_item("until", recorder_state.until)?;

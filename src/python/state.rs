@@ -143,8 +143,8 @@ pub fn checkpoint((state, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResu
     let given = Entries { name: "checkpoint", given: &seen };
     let [steps, rejected, evaluations, events, at_limit] = given.counts("counts")?;
     let [shortest, longest] = given.numbers("steps")?;
-    let margins = given.item("margins")?.extract::<Vec<Option<[f64; 3]>>>();
-    let margins = margins.map_err(|_| given.error("margins", "must be nothing or 3 numbers for each mesh"))?;
+    let margins = given.item("margins")?.extract::<Vec<Option<[f64; 4]>>>();
+    let margins = margins.map_err(|_| given.error("margins", "must be nothing or 4 numbers for each mesh"))?;
     if margins.iter().flatten().any(|[at, ..]| !at.is_finite()) {
         return Err(given.error("margins", "must have finite times"));
     }
@@ -159,7 +159,7 @@ pub fn checkpoint((state, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResu
             events: usize::try_from(given.count("events")?).map_err(|_| given.error("events", "is too large"))?,
             margins: margins
                 .into_iter()
-                .map(|seen| seen.map(|[at, ratio, clearance]| (at, [ratio, clearance])))
+                .map(|margins| margins.map(|[at, ratio, tip, involute]| (at, [ratio, tip, involute])))
                 .collect(),
             works,
             until: given.number("until")?,

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
+use super::contact::{check_contact, check_undercut};
 use super::description::{self, STEEL, SceneDescription};
 use super::place::Names;
 use super::{Body, EntryPath, SceneError, Shaft, Teeth, complex};
@@ -13,7 +14,7 @@ const BASE_PITCH_TOLERANCE: f64 = 0.05;
 /// Dedendum of full-depth teeth in modules (ISO 53).
 pub(crate) const DEDENDUM: f64 = 1.25;
 /// Modules, pressure angles and base pitches that agree to this part are the same number.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 /// Pressure angle of the basic rack where none is given (ISO 53).
 const STANDARD_PRESSURE_ANGLE: f64 = 20.0 * PI / 180.0;
 
@@ -54,6 +55,16 @@ impl Gear {
     pub fn half_angle(&self) -> f64 {
         let (teeth, tan) = (f64::from(self.teeth), self.pressure_angle.tan());
         PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + tan - self.pressure_angle
+    }
+
+    /// Length of the line of action from the base circle to the tip circle, √(tip radius² − base radius²), m.
+    pub fn tip_reach(&self) -> f64 {
+        (self.tip_radius.powi(2) - self.base_radius.powi(2)).sqrt()
+    }
+
+    /// The same to the root circle; zero where the involute ends on the base circle.
+    pub fn root_reach(&self) -> f64 {
+        (self.root_radius().powi(2) - self.base_radius.powi(2)).max(0.0).sqrt()
     }
 
     /// Root radius of full-depth teeth, m.
@@ -191,6 +202,12 @@ pub(super) fn meshes(
         }
         meshes.push(mesh);
     }
+    for (index, gear) in gears.iter().enumerate() {
+        // A gear that is given by its base circle may have been cut by any rack.
+        if gear.rack.is_some() && meshes.iter().any(|mesh| [mesh.driver, mesh.driven].contains(&index)) {
+            check_undercut(gear, &EntryPath::entry("gears", index), warnings);
+        }
+    }
     Ok(meshes)
 }
 
@@ -225,8 +242,9 @@ fn mesh(
             format!("{centre_distance} m lets the base circles overlap, whose radii add up to {base_circles} m");
         return Err(at.field("centre_distance").error(message));
     }
+    check_contact([a, b], centre_distance, at, warnings)?;
     let shaft_radii = [a, b].map(|gear| shafts[gear.body.node.shaft].radius_at(gear.body.node.node));
-    let teeth = Teeth::new(given, [a, b], shaft_radii, at)?;
+    let teeth = Teeth::new(given, [a, b], shaft_radii, at, warnings)?;
     let damping = match (given.damping, given.damping_ratio) {
         (Some(_), Some(_)) => return Err(at.field("damping").error("stands beside damping_ratio; give one of them")),
         (Some(damping), None) => Damping::Constant(at.field("damping").non_negative(damping)?),

@@ -4,6 +4,7 @@
 //! its value, speeds of all shafts follow from the meshes, and torques are in balance where one was asked to balance.
 
 mod bow;
+mod contact;
 pub mod description;
 mod error;
 mod gear;
@@ -16,12 +17,13 @@ mod train;
 use num_complex::Complex64;
 
 pub use bow::Bow;
+pub(crate) use contact::path_of_contact;
 pub use description::{MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::{Damping, Gear, Mesh};
 pub use material::Material;
 pub use shaft::{Element, Shaft};
-pub use teeth::{Engagement, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
+pub use teeth::{Engagement, Foundation, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
 
 pub(crate) use error::EntryPath;
 use place::Names;

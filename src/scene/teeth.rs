@@ -1,6 +1,7 @@
 //! What the teeth of a mesh do: stiffness, engagement, relief, backlash and unloaded error, checked.
 
 use super::description::{self, StiffnessKind};
+use super::gear::SAME;
 use super::{EntryPath, Gear, SceneError};
 
 /// How a pair of teeth enters and leaves the path of contact.
@@ -11,6 +12,8 @@ pub enum Engagement {
     /// Over this part of the base pitch, half of it before and half after the end of the path.
     Smooth(f64),
 }
+
+pub use super::description::Foundation;
 
 /// What moves the teeth along the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +57,7 @@ pub enum StiffnessModel {
     /// Pairs whose stiffness falls as a parabola to this part of it at the ends of the path.
     Parabolic(Scale, f64),
     /// Pairs from their teeth by potential energy, for this face width, m, and radii at which the blanks are held, m.
-    PotentialEnergy(f64, [f64; 2]),
+    PotentialEnergy(f64, [f64; 2], Foundation),
     /// Values of the whole mesh at equal parts of its cycle, N/m.
     Table(Vec<f64>),
     /// Mean of the whole mesh, N/m, and amplitude, N/m, and phase, rad, of its harmonics.
@@ -95,6 +98,9 @@ pub struct Teeth {
 const DEFAULT_ENGAGEMENT: f64 = 0.1;
 /// Stiffness of a parabolic pair at the ends of the path, as a part of that in the middle.
 const DEFAULT_END_RATIO: f64 = 0.6;
+/// Root radius over bore radius for which the fillet-foundation deflection was fitted: 1.4 to 7, which the source prints
+/// with two digits, so that ratios that round to them count as inside.
+const FOUNDATION_RANGE: [f64; 2] = [1.35, 7.05];
 
 impl Teeth {
     pub(super) fn new(
@@ -102,6 +108,7 @@ impl Teeth {
         pair: [&Gear; 2],
         shaft_radii: [f64; 2],
         at: &EntryPath,
+        warnings: &mut Vec<String>,
     ) -> Result<Self, SceneError> {
         let place = at.field("stiffness");
         let model = match &given.stiffness {
@@ -113,7 +120,7 @@ impl Teeth {
             Some(description::Stiffness::Model(model)) => model.clone(),
         };
         unused(&model, &place)?;
-        let stiffness = stiffness(&model, pair, shaft_radii, &place)?;
+        let stiffness = stiffness(&model, pair, shaft_radii, &place, warnings)?;
         let engagement = match &model.engagement {
             None => Engagement::Smooth(DEFAULT_ENGAGEMENT),
             Some(description::Engagement::Smooth(width)) => {
@@ -137,10 +144,14 @@ impl Teeth {
             (Some(description::Phase::Twist), Engagement::Smooth(_)) => Phase::Twist,
             _ => Phase::Prescribed,
         };
-        let pairs = matches!(
-            stiffness,
-            StiffnessModel::Square(_) | StiffnessModel::Parabolic(..) | StiffnessModel::PotentialEnergy(..)
-        );
+        let pairs = match stiffness {
+            StiffnessModel::PotentialEnergy(.., Foundation::Shared) if given.tip_relief.is_some() => {
+                let message = "\"shared\" cannot be combined with tip_relief; use \"separate\"";
+                return Err(place.field("foundation").error(message));
+            }
+            StiffnessModel::Square(_) | StiffnessModel::Parabolic(..) | StiffnessModel::PotentialEnergy(..) => true,
+            _ => false,
+        };
         let relief = given.tip_relief.as_ref().map(|relief| self::relief(relief, pairs, &at.field("tip_relief")));
         let error = given.error.as_ref().map(|error| transmission_error(error, &at.field("error")));
         Ok(Self {
@@ -159,7 +170,7 @@ fn unused(model: &description::StiffnessModel, at: &EntryPath) -> Result<(), Sce
     use StiffnessKind::{Constant, Fourier, Parabolic, PotentialEnergy, Square, Table};
     let pairs = [Square, Parabolic, PotentialEnergy];
     let varies = [Square, Parabolic, PotentialEnergy, Table, Fourier];
-    let fields: [(&str, bool, &[StiffnessKind]); 9] = [
+    let fields: [(&str, bool, &[StiffnessKind]); 10] = [
         ("mean", model.mean.is_some(), &[Constant, Square, Parabolic, Fourier]),
         ("pair", model.pair.is_some(), &[Square, Parabolic]),
         ("end_ratio", model.end_ratio.is_some(), &[Parabolic]),
@@ -167,6 +178,7 @@ fn unused(model: &description::StiffnessModel, at: &EntryPath) -> Result<(), Sce
         ("amplitudes", model.amplitudes.is_some(), &[Fourier]),
         ("phases", model.phases.is_some(), &[Fourier]),
         ("bore_radii", model.bore_radii.is_some(), &[PotentialEnergy]),
+        ("foundation", model.foundation.is_some(), &[PotentialEnergy]),
         ("engagement", model.engagement.is_some(), &pairs),
         ("phase", model.phase.is_some(), &varies),
     ];
@@ -183,6 +195,7 @@ fn stiffness(
     pair: [&Gear; 2],
     shaft_radii: [f64; 2],
     at: &EntryPath,
+    warnings: &mut Vec<String>,
 ) -> Result<StiffnessModel, SceneError> {
     let needed = |value: Option<f64>, name: &str| {
         at.field(name).positive(value.ok_or_else(|| at.error(format!("needs {name}")))?)
@@ -220,14 +233,30 @@ fn stiffness(
         StiffnessKind::PotentialEnergy => {
             let mut radii = model.bore_radii.unwrap_or(shaft_radii);
             for (index, (radius, gear)) in radii.iter_mut().zip(pair).enumerate() {
-                let at = at.field("bore_radii").index(index);
                 let root = gear.root_radius();
+                if root >= gear.tip_radius {
+                    let message = format!(
+                        "\"{}\" has no tooth between its tip radius of {} m and its root radius of {root} m",
+                        gear.body.name, gear.tip_radius
+                    );
+                    return Err(at.error(message));
+                }
+                let at = at.field("bore_radii").index(index);
                 if at.positive(*radius)? >= root {
                     let message = format!("{radius} m leaves no blank below the root radius of {root} m");
                     return Err(at.error(message));
                 }
+                let ratio = root / *radius;
+                if !(FOUNDATION_RANGE[0] - SAME..=FOUNDATION_RANGE[1] + SAME).contains(&ratio) {
+                    warnings.push(format!(
+                        "{at}: the root radius of \"{}\" is {ratio:.3} times the radius of {radius} m at which its \
+                         blank is held; the compliance of fillet and blank was fitted for 1.4 to 7 (Sainsot, Velex and \
+                         Duverger 2004): give bore_radii in that range, or another stiffness model",
+                        gear.body.name
+                    ));
+                }
             }
-            StiffnessModel::PotentialEnergy(face_width()?, radii)
+            StiffnessModel::PotentialEnergy(face_width()?, radii, model.foundation.unwrap_or(Foundation::Separate))
         }
         StiffnessKind::Table => {
             let values = list(&model.values, "values")?;

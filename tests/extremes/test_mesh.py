@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -77,7 +78,10 @@ def test_small_and_large_loads(hold: Hold):
 def test_unequal_tooth_numbers(hold: Hold):
     worst = 0.0
     for teeth in ((3, 1200), (1200, 3), (17, 400), (400, 400)):
-        static = train(teeth=teeth, torque=1e-3).static()
+        with warnings.catch_warnings():
+            # so few teeth are undercut, and so many on the other gear reach beyond their base circle
+            warnings.simplefilter("ignore", gb.SceneWarning)
+            static = train(teeth=teeth, torque=1e-3).static()
         base = 3e-3 * teeth[0] / 2 * np.cos(np.radians(20.0))
         worst = max(worst, abs(static.mesh("ga", "gb").force / (1e-3 / base) - 1))
     hold(
@@ -92,9 +96,12 @@ def test_unequal_tooth_numbers(hold: Hold):
     gaps = []
     for teeth in ((3, 1200), (1200, 3)):
         stiffness = gb.Stiffness.square(pair=2e8, engagement=0.2)
+        with pytest.warns(gb.SceneWarning, match="below 1"):
+            system = train(teeth=teeth, torque=1.0, stiffness=stiffness)
         forces = [
-            train(teeth=teeth, torque=1.0, stiffness=stiffness)
-            .simulate(5e-3, 100.0, initial="rest", record=["meshes"], method=method, rtol=1e-9)
+            system.simulate(
+                5e-3, 100.0, initial="rest", record=["meshes"], method=method, rtol=1e-9
+            )
             .mesh("ga", "gb")
             .force
             for method in ("exponential", "rk45")

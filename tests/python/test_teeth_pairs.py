@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.teeth import Toothed, begin, pair_stiffness, tips
+from reference.teeth import TeethLaw, Toothed, begin, blank_compliance, pair_stiffness, tips
 
 SPEED, CYCLES, PER_CYCLE = 20.0, 4, 1000
 MEAN = 2e8
@@ -164,6 +164,82 @@ def test_potential_energy_against_an_independent_quadrature(
         errors.append(mesh.stiffness[i] / expected - 1)
     # the package tabulates the pair and draws a cubic through it
     assert np.abs(errors).max() < 2e-9
+
+
+@pytest.mark.parametrize(("teeth", "module", "bores"), PAIRS)
+def test_pairs_that_share_their_blanks(
+    teeth: tuple[int, int], module: float, bores: tuple[float, float]
+):
+    width = 0.02
+    stiffness = {"model": "potential_energy", "engagement": "sharp", "bore_radii": bores}
+    stiffness["foundation"] = "shared"
+    scene = Toothed(teeth=teeth, module=module, face_width=width, mesh={"stiffness": stiffness})
+    law = scene.law()
+    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    tangent = law.centre_distance * np.sin(law.angle_at_rest)
+    low, high = TeethLaw(law).path(law.centre_distance)
+    period = 2 * np.pi / (SPEED * teeth[0])
+    phases = (np.arange(PER_CYCLE) + 0.5) * period / PER_CYCLE * SPEED
+    counts = set()
+    for i in range(0, PER_CYCLE, 20):
+        s = law.base_radius_a * (phases[i] + law.angle_at_rest)
+        places = [at for j in range(-6, 6) if low <= (at := s + j * law.base_pitch) <= high]
+        counts.add(len(places))
+        blanks = np.array(
+            [
+                blank_compliance(teeth[0], module, bores[0], at)
+                + blank_compliance(teeth[1], module, bores[1], tangent - at)
+                for at in places
+            ]
+        )
+        alone = [1 / pair_stiffness(teeth, module, bores, tangent, at) for at in places] - blanks
+        # every pair yields by its own force, and by what all forces do to the blanks
+        yields = np.diag(alone) + np.sqrt(np.outer(blanks, blanks))
+        expected = width * np.linalg.solve(yields, np.ones(len(places))).sum()
+        assert mesh.stiffness[i] == pytest.approx(expected, rel=1e-8)  # cubics through tables
+    assert counts == {1, 2}
+    # everything linear takes the mean; a jump falls between two samples
+    mean = float(scene.package().static().mesh("ga", "gb").stiffness)
+    assert mesh.stiffness.mean() == pytest.approx(mean, rel=2 / PER_CYCLE)
+
+
+def test_the_standard_lies_between_shared_and_separate_blanks():
+    scene = Toothed(face_width=0.03)
+    # N/(mm um): the larger of two pairs in contact, for gears on shafts of 50 mm
+    found = {}
+    for foundation in ("separate", "shared"):
+        model = {"model": "potential_energy", "bore_radii": (0.025, 0.025), "engagement": "sharp"}
+        teeth = replace(scene, mesh={"stiffness": model | {"foundation": foundation}})
+        mesh = over_cycles(teeth, count=1).mesh("ga", "gb")
+        found[foundation] = mesh.stiffness[mesh.pairs_in_contact == 2].max() / 0.03e9
+    assert found["separate"] == pytest.approx(21.5, abs=0.1)
+    assert found["shared"] == pytest.approx(13.4, abs=0.1)
+
+
+def test_blanks_outside_the_fitted_range_warn():
+    def build(bores: tuple[float, float]) -> None:
+        gb.RotorSystem(
+            shafts=[gb.Shaft(name, length=0.2, outer_diameter=0.03, elements=2) for name in "ab"],
+            gears=[
+                gb.Gear(f"g{name}", name, 0.1, teeth=z, module=3e-3, face_width=0.03)
+                for name, z in zip("ab", (25, 50), strict=True)
+            ],
+            meshes=[gb.Mesh("ga", "gb", stiffness=gb.Stiffness.potential_energy(bores))],
+        )
+
+    build((0.024, 0.05))  # 1.41 and 1.43; a warning is an error here
+    message = r"^meshes\[0\]\.stiffness\.bore_radii\[1\]: .*\"gb\" is 1\.295 times .* 1\.4 to 7"
+    with pytest.warns(gb.SceneWarning, match=message):
+        build((0.024, 0.055))
+    with pytest.warns(gb.SceneWarning, match=r"\"ga\" is 8\.438 times"):
+        build((0.004, 0.05))
+
+
+def test_shared_blanks_and_tip_relief_exclude_each_other():
+    stiffness = {"model": "potential_energy", "foundation": "shared"}
+    scene = Toothed(mesh={"stiffness": stiffness, "tip_relief": {"amount": 1e-5, "length": 2e-3}})
+    with pytest.raises(gb.SceneError, match=r"^meshes\[0\]\.stiffness\.foundation: \"shared\""):
+        scene.package()
 
 
 def test_potential_energy_has_the_published_shape():

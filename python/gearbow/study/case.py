@@ -18,7 +18,7 @@ __all__ = ["ALL", "Case", "cases", "description", "key", "system"]
 ALL = "all"
 
 #: Raised whenever what a file of a result holds changes.
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass(frozen=True)

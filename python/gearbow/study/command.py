@@ -51,7 +51,7 @@ def main(given: argparse.Namespace) -> None:
         settings = settings.quick()
     folder: Path = given.out
     results = run(settings, folder / "runs", given.workers, progress=sys.stderr.isatty())
-    study = Study(settings, results)
+    study = Study(settings, results, folder / "runs")
     if given.table:
         sys.stdout.write(f"{TABLES[given.table](study)}\n")
         return

@@ -1,15 +1,21 @@
 """At which bow a pair comes to a limit: clearances used up, or no tooth left in contact."""
 
 import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
 
-from gearbow.study.case import ALL
+from gearbow.study.case import ALL, Case
 from gearbow.study.measure import Measured
 from gearbow.study.table import markdown
 from gearbow.study.view import Study
 
 __all__ = ["limits"]
+
+#: A limit is found to this bow over the radius, a fifth of the last digit that is printed.
+_TOLERANCE = 1e-4
 
 
 def limits(study: Study) -> str:
@@ -18,7 +24,7 @@ def limits(study: Study) -> str:
     Parameters
     ----------
     study : Study
-        The study.
+        The study; runs between its bows are made, and kept in its folder.
 
     Returns
     -------
@@ -26,25 +32,25 @@ def limits(study: Study) -> str:
         One row for each layout and each place of the bow.
     """
     titles = ["layout", "bow on", "backlash used up", "tips reach roots", "contact ratio below 1"]
-    rows = []
-    for layout in study.settings.layouts:
-        for where in (ALL, *study.shafts):
-            reached = []
-            for limit in (_backlash, _clearance, _overlap):
-                margins = {
-                    bow: min(
-                        limit(
-                            study,
-                            study[replace(study.base, layout=layout, bow=bow, where=where)],
-                            p,
-                        )
-                        for p in study.pairs
-                    )
-                    for bow in study.settings.bows
-                }
-                reached.append(_crossing(margins))
-            rows.append([layout, where, *reached])
+    places = [
+        replace(study.base, layout=layout, where=where)
+        for layout in study.settings.layouts
+        for where in (ALL, *study.shafts)
+    ]
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        rows = list(pool.map(lambda case: _row(study, case), places))
     return markdown(titles, rows)
+
+
+def _row(study: Study, case: Case) -> list[str]:
+    def margin(limit: Callable[[Study, Measured, str], float]) -> Callable[[float], float]:
+        return lambda bow: min(
+            limit(study, study.find(replace(case, bow=bow)), pair) for pair in study.pairs
+        )
+
+    bows = study.settings.bows
+    reached = [_crossing(margin(limit), bows) for limit in (_backlash, _clearance, _overlap)]
+    return [case.layout, case.where, *reached]
 
 
 def _backlash(study: Study, found: Measured, pair: str) -> float:
@@ -66,11 +72,40 @@ def _overlap(study: Study, found: Measured, pair: str) -> float:
     return found.smallest(pair, "contact_ratio") - 1.0
 
 
-def _crossing(margins: dict[float, float]) -> str:
-    """Find where a margin is used up, straight between the bows that were run."""
-    bows = sorted(margins)
-    for low, high in pairwise(bows):
-        a, b = margins[low], margins[high]
-        if a > 0.0 >= b:
-            return f"{low + (high - low) * a / (a - b):.3f}"
-    return "at none" if margins[bows[0]] <= 0.0 else f"above {bows[-1]:g}"
+def _crossing(margin: Callable[[float], float], bows: tuple[float, ...]) -> str:
+    """Find the first bow at which a margin is used up."""
+    given = sorted(bows)
+    margins = [margin(bow) for bow in given]
+    if margins[0] <= 0.0:
+        return "at none"
+    for low, high in pairwise(range(len(given))):
+        if margins[high] <= 0.0:
+            ends = ((given[low], margins[low]), (given[high], margins[high]))
+            return f"{_root(margin, *ends):.3f}"
+    return f"above {given[-1]:g}"
+
+
+def _root(
+    margin: Callable[[float], float], low: tuple[float, float], high: tuple[float, float]
+) -> float:
+    """Find where a margin changes its sign, by the Illinois method (Dowell and Jarratt 1971).
+
+    Both ends hold a bow and its margin, of which the first is positive. Unlike the plain rule of
+    false position, the method halves the margin of an end that stays where it is twice.
+    """
+    kept = 0
+    bow = before = low[0]
+    while high[0] - low[0] > _TOLERANCE:
+        bow = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        if abs(bow - before) < _TOLERANCE / 2.0:
+            break
+        value, before = margin(bow), bow
+        if value > 0.0:
+            low = (bow, value)
+            high = (high[0], high[1] / 2.0 if kept > 0 else high[1])
+            kept = 1
+        else:
+            high = (bow, value)
+            low = (low[0], low[1] / 2.0 if kept < 0 else low[1])
+            kept = -1
+    return bow

@@ -19,7 +19,7 @@ from gearbow.study.case import Case, cases, key
 from gearbow.study.measure import Measured, measure
 from gearbow.study.settings import Settings
 
-__all__ = ["Results", "run"]
+__all__ = ["Results", "find", "run"]
 
 Results = Mapping[Case, Measured]
 
@@ -78,6 +78,40 @@ def run(
     # What is reported is always what the files hold, so that a study in two parts is the same.
     results = {case: _read(path) for case, path in wanted.items()}
     return {case: result for case, result in results.items() if result is not None}
+
+
+def find(settings: Settings, case: Case, folder: Path) -> Measured:
+    """Read the run of a case, or make and keep it.
+
+    Parameters
+    ----------
+    settings : Settings
+        The study.
+    case : Case
+        The case; it need not be one of `cases`.
+    folder : path-like
+        Where the files of the runs are kept.
+
+    Returns
+    -------
+    Measured
+        What the file of the run holds.
+
+    Raises
+    ------
+    GearbowError
+        If the run fails.
+    OSError
+        If its file cannot be written.
+    """
+    path = Path(folder) / f"{key(settings, case)}.npz"
+    found = _read(path)
+    if found is None:
+        _make(settings, case, path)
+        found = _read(path)
+    if found is None:
+        raise OSError(f"{path}: cannot be read after it was written")
+    return found
 
 
 def _make(settings: Settings, case: Case, path: Path) -> None:

@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 from gearbow.study.case import ALL, Case, middle
-from gearbow.study.measure import Measured
-from gearbow.study.runs import Results
+from gearbow.study.measure import Measured, measure
+from gearbow.study.runs import Results, find
 from gearbow.study.settings import Settings
 
 __all__ = ["Study"]
@@ -20,11 +21,14 @@ class Study:
         The study.
     results : mapping of {Case: Measured}
         What its runs gave.
+    folder : path-like, optional
+        Where further runs are kept, as `limits` needs them; None keeps none.
     """
 
-    def __init__(self, settings: Settings, results: Results) -> None:
+    def __init__(self, settings: Settings, results: Results, folder: Path | None = None) -> None:
         self.settings = settings
         self.results = results
+        self.folder = folder
         self.layout = next(iter(settings.layouts))
         self.shafts = [shaft["name"] for shaft in settings.scene["shafts"]]
         self.gears = [gear["name"] for gear in settings.scene["gears"]]
@@ -38,6 +42,26 @@ class Study:
     def __getitem__(self, case: Case) -> Measured:
         # Without bow it does not matter where there is none.
         return self.results[replace(case, where=ALL) if not case.bow else case]
+
+    def find(self, case: Case) -> Measured:
+        """Give the run of any case, and make it where it is missing.
+
+        Parameters
+        ----------
+        case : Case
+            The case.
+
+        Returns
+        -------
+        Measured
+            Its run.
+        """
+        try:
+            return self[case]
+        except KeyError:
+            if self.folder is None:
+                return measure(self.settings, case)
+            return find(self.settings, case, self.folder)
 
     def amplitude(self, bow: float) -> float:
         """Give the amplitude of a bow on the first shaft [m].

@@ -3,8 +3,9 @@
 
 use crate::integrate::{State, Statistics};
 
-/// Contact ratio of a mesh less one, and tip clearance in metres, with the elapsed time at which they were seen.
-pub type Margins = (f64, [f64; 2]);
+/// Contact ratio of a mesh less one, tip clearance and involute clearance in metres, with the elapsed time at which they
+/// were seen.
+pub type Margins = (f64, [f64; 3]);
 
 /// What a recorder has seen.
 #[derive(Clone, Debug, PartialEq)]

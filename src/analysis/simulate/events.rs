@@ -1,4 +1,5 @@
-//! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
+//! Events of a mesh: separation and contact of flanks, a contact ratio below one, tips that touch the other root or reach
+//! beyond the other base circle.
 //!
 //! A contact event is a change of the contact mode after the start of the run. The mode at the start is not an event.
 //! Flanks that touch at the start have a deflection of round-off, whose sign depends on the method. So a change of mode
@@ -28,6 +29,10 @@ pub enum EventKind {
     TipInterference,
     /// The tips are clear again.
     TipClearance,
+    /// A tip reaches beyond the base circle of the other gear: it ends the path of contact.
+    InvoluteInterference,
+    /// Tips end the path of contact again.
+    InvoluteClearance,
 }
 
 impl EventKind {
@@ -42,6 +47,8 @@ impl EventKind {
             Self::RatioAboveOne => "contact ratio above 1",
             Self::TipInterference => "tip interference",
             Self::TipClearance => "tip clearance",
+            Self::InvoluteInterference => "involute interference",
+            Self::InvoluteClearance => "involute clearance",
         }
     }
 }
@@ -76,7 +83,7 @@ pub(super) struct EventRecorder {
     flanks: Vec<Option<Flank>>,
     /// Whether the gears of each mesh have moved by more than round-off since the start.
     moved: Vec<bool>,
-    /// Contact ratio less one, and tip clearance in metres, when last seen.
+    /// Contact ratio minus one, tip clearance and involute clearance at the last sample, m.
     margins: Vec<Option<Margins>>,
 }
 
@@ -176,11 +183,12 @@ impl EventRecorder {
         let pair = &motion.model().scene.meshes[index];
         let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
         let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
-        let now = [centres.contact_ratio - 1.0, centres.distance - reach];
+        let now = [centres.contact_ratio - 1.0, centres.distance - reach, centres.involute_clearance];
         let before = self.margins[index].replace((elapsed, now));
         let kinds = [
             (EventKind::RatioBelowOne, EventKind::RatioAboveOne),
             (EventKind::TipInterference, EventKind::TipClearance),
+            (EventKind::InvoluteInterference, EventKind::InvoluteClearance),
         ];
         for (i, (lost, won)) in kinds.into_iter().enumerate() {
             match before {

@@ -112,14 +112,25 @@ impl Cycle {
         }
     }
 
-    /// The smallest value, to a part in 1000 of the cycle.
+    /// The smallest value, to the resolution of [`Self::samples`].
     pub fn smallest(&self) -> f64 {
-        (0..1000).map(|i| self.at(f64::from(i) / 1000.0).0).fold(f64::INFINITY, f64::min)
+        self.samples().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest value, to a part in 1000 of the cycle.
+    /// The largest value, to the resolution of [`Self::samples`].
     pub fn largest(&self) -> f64 {
-        (0..1000).map(|i| self.at(f64::from(i) / 1000.0).0).fold(0.0, f64::max)
+        self.samples().fold(0.0, f64::max)
+    }
+
+    /// Values at equal parts of the cycle: at least 1000, 16 in a period of the highest harmonic, or 4 in a piece of the
+    /// spline.
+    fn samples(&self) -> impl Iterator<Item = f64> {
+        let count = match self {
+            Self::Fourier(_, harmonics) => 16 * harmonics.len(),
+            Self::Table(knots) => 4 * knots.len(),
+        };
+        let count = count.max(1000);
+        (0..count).map(move |i| self.at(i as f64 / count as f64).0)
     }
 }
 

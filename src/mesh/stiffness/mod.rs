@@ -1,14 +1,15 @@
 //! How stiff a mesh is: a mean, pairs of teeth on the path of contact, or a function of the mesh cycle.
 //!
 //! A pair stands at s_j = s + j·p_b on the path, measured from the interference point of the driver, and carries
-//! between lo = C sin α − √(tip_b² − r_b²) and hi = √(tip_a² − r_a²). With w_j the engagement of the pair, k_j its
+//! between lo = max(0, t − √(tip_b² − r_b²)) and hi = min(t, √(tip_a² − r_a²)), t = C sin α: both ends follow from the
+//! tips, unless a tip reaches beyond the base circle of the other gear. With w_j the engagement of the pair, k_j its
 //! stiffness there and r_j its tip relief, the mesh stores
 //!
 //! ```text
 //! U = ½ Σ_j w_j k_j (δ − r_j)²,        F = ∂U/∂δ
 //! ```
 //!
-//! and the stiffness of a mesh follows the moving centres through lo and s without a rule of its own.
+//! and the stiffness of a mesh follows the moving centres through lo, hi, t and s without a rule of its own.
 
 mod curve;
 mod engagement;
@@ -16,20 +17,24 @@ mod iso6336;
 mod model;
 mod pair;
 mod potential_energy;
+mod shared;
 
 pub use curve::{Cycle, UniformCurve};
 pub use iso6336::{Iso6336, iso6336};
 pub use model::build;
 pub use pair::Pair;
 pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
+pub use shared::Shared;
 
 use crate::scene::{Engagement, Relief};
 
-/// Where the pairs are: s of pair 0, the ends of the path of contact, and the base pitch.
+/// Where the pairs are: s of pair 0, the path of contact, and the base pitch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPath {
     /// s of pair 0, m.
     pub position: f64,
+    /// C sin α, the length of the line of action between the base circles, m.
+    pub tangent: f64,
     /// Beginning of the path of contact, m.
     pub low: f64,
     /// Its end, m.
@@ -39,6 +44,12 @@ pub struct ContactPath {
 }
 
 impl ContactPath {
+    /// Derivatives of both ends over C sin α: an end at a tip of the driven gear, or at its base circle, follows it.
+    #[inline]
+    fn end_slopes(&self) -> [f64; 2] {
+        [f64::from(u8::from(self.low > 0.0)), f64::from(u8::from(self.high >= self.tangent))]
+    }
+
     /// Where the ends stand among the pairs, in base pitches.
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high].map(|end| (end - self.position) / self.pitch)
@@ -62,8 +73,8 @@ pub struct Stored {
     pub stiffness: f64,
     /// ∂U/∂s, N: pairs that travel along the path.
     pub travel: f64,
-    /// ∂U/∂lo, N: a path of contact that begins later.
-    pub shortening: f64,
+    /// ∂U/∂(C sin α), N: the path of contact changes as the centres move along the line of centres.
+    pub opening: f64,
 }
 
 /// The stiffness of a mesh.
@@ -80,6 +91,8 @@ pub enum Stiffness {
         /// Tip relief, if the teeth have any.
         relief: Option<Relief>,
     },
+    /// Pairs of teeth that share the gear bodies.
+    Shared(Shared),
     /// The whole mesh over its cycle.
     Cycle(Cycle),
 }
@@ -101,6 +114,7 @@ impl Stiffness {
         match self {
             // Always engaged.
             Self::Mean(_) => Stored::default(),
+            Self::Shared(shared) => shared.stored(path, engaged, deflection),
             Self::Cycle(cycle) => {
                 let (k, slope) = cycle.at(path.position / path.pitch);
                 let half = deflection * deflection / 2.0;
@@ -109,15 +123,16 @@ impl Stiffness {
                     force: k * deflection,
                     stiffness: k,
                     travel: slope / path.pitch * half,
-                    shortening: 0.0,
+                    opening: 0.0,
                 }
             }
             Self::Pairs { pair, engagement, relief } => {
                 let (first, last) = engagement.range(path, engaged);
+                let [low_slope, high_slope] = path.end_slopes();
                 let mut sum = Stored::default();
                 for j in first..last + 1 {
                     let s = path.position + j as f64 * path.pitch;
-                    let [k, slope, by_low] = pair.at(s, path.low);
+                    let [k, slope, by_tangent] = pair.at(s, path.tangent);
                     let (entered, left) = (s - path.low, path.high - s);
                     let w = engagement.weight(entered, left, path.pitch);
                     let r = relief.as_ref().map_or([0.0; 3], |relief| relief.at(entered, left));
@@ -130,7 +145,7 @@ impl Stiffness {
                     sum.force += w[0] * k * d;
                     sum.stiffness += if d == 0.0 && relief.is_some() { 0.0 } else { w[0] * k };
                     sum.travel += half * w[0] * slope + by_entered - by_left;
-                    sum.shortening += half * w[0] * by_low - by_entered;
+                    sum.opening += half * w[0] * by_tangent - low_slope * by_entered + high_slope * by_left;
                 }
                 sum
             }
@@ -139,7 +154,8 @@ impl Stiffness {
 
     /// Whether pairs come and go in jumps.
     pub fn is_sharp(&self) -> bool {
-        matches!(self, Self::Pairs { engagement: Engagement::Sharp, .. })
+        let (Self::Pairs { engagement, .. } | Self::Shared(Shared { engagement, .. })) = self else { return false };
+        *engagement == Engagement::Sharp
     }
 
     /// Whether the tips are relieved: pairs then touch one after the other as the deflection grows.
@@ -169,31 +185,34 @@ impl Stiffness {
         matches!(self, Self::Mean(_))
     }
 
-    /// Mean over the mesh cycle, N/m, for a path of contact from `low` to `high`.
-    pub fn mean(&self, low: f64, high: f64, pitch: f64) -> f64 {
+    /// Mean over the mesh cycle, N/m, on this path of contact.
+    pub fn mean(&self, path: &ContactPath) -> f64 {
         match self {
             Self::Mean(k) => *k,
             Self::Cycle(cycle) => cycle.mean(),
-            Self::Pairs { pair, engagement, .. } => mean_of_pairs(pair, engagement, low, high, pitch),
+            Self::Shared(shared) => shared.mean(path),
+            Self::Pairs { pair, engagement, .. } => mean_of_pairs(pair, engagement, path),
         }
     }
 
     /// A bound of the stiffness, N/m.
-    pub fn largest(&self, low: f64, high: f64, pitch: f64) -> f64 {
+    pub fn largest(&self, path: &ContactPath) -> f64 {
         match self {
             Self::Mean(k) => *k,
             Self::Cycle(cycle) => cycle.largest(),
-            Self::Pairs { pair, .. } => pair.largest(low, high) * ((high - low) / pitch).ceil().max(1.0),
+            Self::Shared(shared) => shared.largest(path),
+            Self::Pairs { pair, .. } => pair.largest(path) * ((path.high - path.low) / path.pitch).ceil().max(1.0),
         }
     }
 }
 
-/// (1/p_b)∫w k ds over the path from `low` to `high`, where w reaches beyond it, by Simpson's rule on pieces that meet
+/// (1/p_b)∫w k ds over the path of contact, where w reaches beyond it, by Simpson's rule on pieces that meet
 /// where w bends.
-fn mean_of_pairs(pair: &Pair, engagement: &Engagement, low: f64, high: f64, pitch: f64) -> f64 {
+fn mean_of_pairs(pair: &Pair, engagement: &Engagement, path: &ContactPath) -> f64 {
     const PIECES: usize = 256;
+    let &ContactPath { tangent, low, high, pitch, .. } = path;
     let half = if let Engagement::Smooth(width) = engagement { width * pitch / 2.0 } else { 0.0 };
-    let at = |s: f64| engagement.weight(s - low, high - s, pitch)[0] * pair.at(s, low)[0];
+    let at = |s: f64| engagement.weight(s - low, high - s, pitch)[0] * pair.at(s, tangent)[0];
     let piece = |from: f64, to: f64| {
         let h = (to - from) / PIECES as f64;
         let simpson = |i: usize| {

@@ -1,22 +1,22 @@
 //! From what a user says of the teeth to the stiffness of the mesh.
 
-use super::{CONTACT_COMPLIANCE, Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336, mean_of_pairs};
+use super::{
+    CONTACT_COMPLIANCE, ContactPath, Cycle, Pair, Shared, Stiffness, Tooth, UniformCurve, iso6336, mean_of_pairs,
+};
 use crate::mesh::Involute;
-use crate::scene::{Engagement, Gear, Scale, StiffnessModel, Teeth};
+use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
 
 /// Knots of the compliance of a tooth.
 const KNOTS: usize = 257;
 
 /// The stiffness that `teeth` describe, on the path of contact of the centres at rest.
 pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness {
-    let [low, high] = involute.path_at_rest();
-    let pitch = involute.base_pitch;
+    let at_rest = involute.path_at_rest();
+    let ContactPath { low, high, pitch, .. } = at_rest;
     let pairs = |shape: Pair, scale: &Scale| {
         let pair = match scale {
             Scale::Pair(k) => shape.scaled(*k),
-            Scale::Mean(mean) => {
-                shape.clone().scaled(mean / mean_of_pairs(&shape, &teeth.engagement, low, high, pitch))
-            }
+            Scale::Mean(mean) => shape.clone().scaled(mean / mean_of_pairs(&shape, &teeth.engagement, &at_rest)),
         };
         Stiffness::Pairs { pair, engagement: teeth.engagement, relief: teeth.relief }
     };
@@ -31,23 +31,29 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             let path = ((low + high) / 2.0, (high - low) / 2.0);
             pairs(Pair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
-        StiffnessModel::PotentialEnergy(width, bores) => {
-            // Beyond the ends of the path at rest by half the engagement, and a little more: the centres move.
+        StiffnessModel::PotentialEnergy(width, bores, foundation) => {
+            // Wherever the centres move, a flank is touched between its base circle, or its root circle above that, and
+            // its tip; a smooth engagement reaches beyond by half of its width. The spline goes on by a fifth of the
+            // pitch, as it is least accurate at its ends.
             let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
             let margin = (half + 0.2) * pitch;
-            let table = |tooth: Tooth, from: f64, to: f64| {
-                let (from, to) = ((from - margin).max(0.0), to + margin);
+            let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
+                let (from, to) = (gear.root_reach() - margin, gear.tip_reach() + margin);
+                let tooth = Tooth::new(gear, bore);
                 let spacing = (to - from) / (KNOTS - 1) as f64;
-                let values: Vec<f64> = (0..KNOTS).map(|i| tooth.compliance(from + i as f64 * spacing)).collect();
+                let values: Vec<f64> = (0..KNOTS).map(|i| compliance(&tooth, from + i as f64 * spacing)).collect();
                 UniformCurve::new(from, spacing, &values)
             };
-            let (tangent, [a, b]) = (involute.tangent_at_rest(), pair);
-            let tables = [
-                table(Tooth::new(a, bores[0]), low, high),
-                table(Tooth::new(b, bores[1]), tangent - high, tangent - low),
-            ];
-            let pair = Pair::Teeth { contact: CONTACT_COMPLIANCE, teeth: Box::new(tables), reach: tangent - low };
-            pairs(pair, &Scale::Pair(*width))
+            let tables = |compliance| Box::new([0, 1].map(|i| table(pair[i], bores[i], compliance)));
+            let pair = |compliance| Pair::Teeth { contact: CONTACT_COMPLIANCE, teeth: tables(compliance) };
+            match foundation {
+                Foundation::Separate => pairs(pair(Tooth::compliance), &Scale::Pair(*width)),
+                Foundation::Shared => Stiffness::Shared(Shared {
+                    pair: pair(Tooth::flexure).scaled(*width),
+                    bodies: Box::new(tables(Tooth::foundation).map(|curve| curve.scaled(1.0 / width))),
+                    engagement: teeth.engagement,
+                }),
+            }
         }
         StiffnessModel::Table(values) => Stiffness::Cycle(Cycle::table(values)),
         StiffnessModel::Fourier(mean, harmonics) => Stiffness::Cycle(Cycle::Fourier(*mean, harmonics.clone())),

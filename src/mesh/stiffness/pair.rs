@@ -1,6 +1,6 @@
 //! Stiffness of one pair of teeth along the path of contact.
 
-use super::UniformCurve;
+use super::{ContactPath, UniformCurve};
 
 /// Stiffness of a pair over its position s.
 #[derive(Clone, Debug)]
@@ -22,15 +22,13 @@ pub enum Pair {
         contact: f64,
         /// Compliance of the driver's tooth over s, and of the driven one over C sin α − s, m/N.
         teeth: Box<[UniformCurve; 2]>,
-        /// C sin α less the beginning of the path of contact, m.
-        reach: f64,
     },
 }
 
 impl Pair {
-    /// Stiffness at `s` of a path that begins at `low`, and its slopes over both.
+    /// Stiffness at `s` where the line of action between the base circles is `tangent` long, and its slopes over both.
     #[inline]
-    pub fn at(&self, s: f64, low: f64) -> [f64; 3] {
+    pub fn at(&self, s: f64, tangent: f64) -> [f64; 3] {
         match self {
             Self::Uniform(k) => [*k, 0.0, 0.0],
             Self::Parabolic { middle, end_ratio, path: (centre, half) } => {
@@ -39,8 +37,8 @@ impl Pair {
                 let k = middle - drop * x * x;
                 if k > 0.0 { [k, -2.0 * drop * x / half, 0.0] } else { [0.0; 3] }
             }
-            Self::Teeth { contact, teeth, reach } => {
-                let ((driver, by_s), (driven, by_rest)) = (teeth[0].at(s), teeth[1].at(low + reach - s));
+            Self::Teeth { contact, teeth } => {
+                let ((driver, by_s), (driven, by_rest)) = (teeth[0].at(s), teeth[1].at(tangent - s));
                 let k = 1.0 / (contact + driver + driven);
                 [k, -k * k * (by_s - by_rest), -k * k * by_rest]
             }
@@ -53,15 +51,16 @@ impl Pair {
         match self {
             Self::Uniform(k) => Self::Uniform(k * factor),
             Self::Parabolic { middle, end_ratio, path } => Self::Parabolic { middle: middle * factor, end_ratio, path },
-            Self::Teeth { contact, teeth, reach } => {
+            Self::Teeth { contact, teeth } => {
                 let teeth = Box::new(teeth.map(|curve| curve.scaled(1.0 / factor)));
-                Self::Teeth { contact: contact / factor, teeth, reach }
+                Self::Teeth { contact: contact / factor, teeth }
             }
         }
     }
 
-    /// The largest stiffness between `low` and `high`, to the resolution of a table.
-    pub fn largest(&self, low: f64, high: f64) -> f64 {
-        (0..=64).map(|i| self.at(low + (high - low) * f64::from(i) / 64.0, low)[0]).fold(0.0, f64::max)
+    /// The largest stiffness on the path of contact, to the resolution of a table.
+    pub fn largest(&self, path: &ContactPath) -> f64 {
+        let place = |i: i32| path.low + (path.high - path.low) * f64::from(i) / 64.0;
+        (0..=64).map(|i| self.at(place(i), path.tangent)[0]).fold(0.0, f64::max)
     }
 }

@@ -60,8 +60,16 @@ impl Tooth {
     }
 
     /// Compliance per face width (m²/N) along the line of action, touched at the distance `rolling_displacement` from its base point.
+    ///
+    /// Just below the base circle, or the root circle above it, where a smooth engagement begins, the formulas go on
+    /// smoothly.
     pub fn compliance(&self, rolling_displacement: f64) -> f64 {
-        let roll = (rolling_displacement / self.base_radius).max(0.0);
+        self.flexure(rolling_displacement) + self.foundation(rolling_displacement)
+    }
+
+    /// That of the tooth alone, by bending, shear and compression.
+    pub fn flexure(&self, rolling_displacement: f64) -> f64 {
+        let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));
@@ -75,17 +83,18 @@ impl Tooth {
         };
         // From the base circle, or the root circle above it, up the involute; x' = r_b·roll·cos(roll − half_angle).
         let lowest = ((self.root_radius / self.base_radius).powi(2) - 1.0).max(0.0).sqrt();
-        let involute = gauss(lowest, roll.max(lowest), |angle| {
+        let involute = gauss(lowest, roll, |angle| {
             let (x, h) = self.flank(angle);
             slice(x, h) * self.base_radius * angle * (angle - self.half_angle).cos()
         });
         let (foot, width) = self.flank(0.0);
         let straight = if self.root_radius < foot { gauss(self.root_radius, foot, |x| slice(x, width)) } else { 0.0 };
-        involute + straight + self.foundation(roll)
+        involute + straight
     }
 
-    /// Compliance of the fillet and the blank.
-    fn foundation(&self, roll: f64) -> f64 {
+    /// That of the fillet and the blank.
+    pub fn foundation(&self, rolling_displacement: f64) -> f64 {
+        let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let (theta, h) = (self.root_angle(), self.root_radius / self.bore_radius);

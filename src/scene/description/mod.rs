@@ -8,7 +8,9 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-pub use teeth::{Engagement, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError};
+pub use teeth::{
+    Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
+};
 
 use super::SceneError;
 

@@ -59,6 +59,9 @@ pub struct StiffnessModel {
     /// Radii at which the blanks of driver and driven gear are held, m; those of their shafts by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bore_radii: Option<[f64; 2]>,
+    /// Whether pairs in contact at once share the compliance of fillet and blank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foundation: Option<Foundation>,
     /// `"sharp"`, or the part of the base pitch over which a pair comes into contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engagement: Option<Engagement>,
@@ -79,10 +82,21 @@ impl StiffnessModel {
             amplitudes: None,
             phases: None,
             bore_radii: None,
+            foundation: None,
             engagement: None,
             phase: None,
         }
     }
+}
+
+/// Fillet and blank of teeth by potential energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Foundation {
+    /// Every pair has its own.
+    Separate,
+    /// All pairs in contact have one.
+    Shared,
 }
 
 /// Engagement of a pair of teeth.

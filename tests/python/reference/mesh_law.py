@@ -95,10 +95,12 @@ class MeshLaw:
         return force, -force * gradient
 
     def contact_ratio(self, distance: float) -> float:
-        alpha = np.arccos(self.sum_of_radii / distance)
-        path = (
-            np.sqrt(self.tip_radius_a**2 - self.base_radius_a**2)
-            + np.sqrt(self.tip_radius_b**2 - self.base_radius_b**2)
-            - distance * np.sin(alpha)
-        )
-        return float(path / self.base_pitch)
+        """Length over base pitch of what both tip circles cut from the segment between the base circles.
+
+        The segment touches the base circles at its ends: a chord of tip circle a begins at the end on a and is as long
+        as the tangent from a point of that tip circle, and the same for b from the other end.
+        """
+        segment = np.sqrt(distance**2 - self.sum_of_radii**2)
+        of_a = min(segment, np.sqrt(self.tip_radius_a**2 - self.base_radius_a**2))
+        of_b = min(segment, np.sqrt(self.tip_radius_b**2 - self.base_radius_b**2))
+        return float((of_a + of_b - segment) / self.base_pitch)

@@ -1,7 +1,8 @@
 """Teeth of a mesh in plain formulas: pairs on the path of contact, the energy that they store, and its gradient.
 
 Pair j stands at s_j = r_a [sigma (angle_a - gamma) + alpha] + j p_b, measured from the interference point of a, and
-carries between C sin(alpha) - reach_b and reach_a, reach^2 = tip^2 - base^2. Stored energy U = 1/2 sum w k (delta - r)^2.
+carries between C sin(alpha) - reach_b and reach_a, reach^2 = tip^2 - base^2, as far as that is on the segment from base
+circle to base circle. Stored energy U = 1/2 sum w k (delta - r)^2.
 Forces are complex-step derivatives of U: nothing is differentiated by hand.
 """
 
@@ -52,9 +53,12 @@ class TeethLaw:
             float(np.sqrt(b.tip_radius_b**2 - b.base_radius_b**2)),
         )
 
-    def path(self, distance: Any) -> tuple[Any, float]:
+    def path(self, distance: Any) -> tuple[Any, Any]:
         a, b = self.reaches()
-        return np.sqrt(distance**2 - self.law.sum_of_radii**2) - b, a
+        segment = np.sqrt(distance**2 - self.law.sum_of_radii**2)
+        # a tip circle that is wide enough takes in the whole segment
+        low = np.where(np.real(segment) > b, segment - b, 0.0)
+        return low, np.where(np.real(segment) > a, a, segment)
 
     def _centres(self, q: Any, angles: Sequence[Any]) -> tuple[Any, Any]:
         """Of the base circles: u_b - u_a over (y, z)."""
@@ -96,7 +100,7 @@ class TeethLaw:
             return delta - (self.backlash or 0.0)
         return delta - self.error(*angles) if self.error else delta
 
-    def place(self, q: Any, angles: Sequence[Any], back: bool = False) -> tuple[Any, Any, float]:
+    def place(self, q: Any, angles: Sequence[Any], back: bool = False) -> tuple[Any, Any, Any]:
         """Of pair 0, and the ends of the path."""
         law = self.law
         if self.live:
@@ -120,7 +124,7 @@ class TeethLaw:
         ramp = 6 * x**5 - 15 * x**4 + 10 * x**3
         return np.where(np.real(x) <= 0, 0.0, np.where(np.real(x) >= 1, 1.0, ramp))
 
-    def energy(self, place: tuple[Any, Any, float], delta: Any) -> Any:
+    def energy(self, place: tuple[Any, Any, Any], delta: Any) -> Any:
         s, low, high = place
         pitch = self.law.base_pitch
         if self.cycle is not None:
@@ -478,13 +482,16 @@ def begin(
 
 
 def tips(scene: Toothed, contact_ratio: float) -> tuple[float, float]:
-    """Tip radii for a contact ratio, both reaches by the same factor from full depth."""
+    """Tip radii for a contact ratio: both reaches by the same factor from full depth, that of b inside the base circle
+    of a."""
     law = scene.law()
     bases = (law.base_radius_a, law.base_radius_b)
     full = [np.sqrt(r["tip"] ** 2 - b**2) for r, b in zip(scene.radii(), bases, strict=True)]
     tangent = np.sqrt(law.centre_distance**2 - law.sum_of_radii**2)
-    factor = (contact_ratio * law.base_pitch + tangent) / sum(full)
-    a, b = (float(np.hypot(factor * reach, base)) for reach, base in zip(full, bases, strict=True))
+    whole = contact_ratio * law.base_pitch + tangent
+    of_b = min(whole * full[1] / sum(full), 0.98 * tangent)
+    reaches = (whole - of_b, of_b)
+    a, b = (float(np.hypot(reach, base)) for reach, base in zip(reaches, bases, strict=True))
     return a, b
 
 
@@ -532,6 +539,17 @@ def tooth_compliance(z: int, module: float, bore: float, rolled: float) -> float
 
         total += quad(stub, root, foot, epsabs=0, epsrel=1e-12)[0]
 
+    return float(total) + blank_compliance(z, module, bore, rolled)
+
+
+def blank_compliance(z: int, module: float, bore: float, rolled: float) -> float:
+    """The part of `tooth_compliance` that fillet and blank have."""
+    alpha = np.radians(20)
+    base, root = module * z / 2 * np.cos(alpha), module * z / 2 - 1.25 * module
+    a2 = np.pi / (2 * z) + np.tan(alpha) - alpha
+    a1 = rolled / base - a2
+    top = base * (np.cos(a1) + (a1 + a2) * np.sin(a1))
+    side = base * ((a1 + a2) * np.cos(a1) - np.sin(a1))
     theta = a2
     if root > base:
         roll = np.sqrt((root / base) ** 2 - 1)
@@ -548,5 +566,4 @@ def tooth_compliance(z: int, module: float, bore: float, rolled: float) -> float
         for A, B, C, D, F, K in table.values()
     )
     reach = (top - side * np.tan(a1) - root) / (2 * theta * root)
-    blank = np.cos(a1) ** 2 / E * (L * reach**2 + M * reach + P * (1 + Q * np.tan(a1) ** 2))
-    return float(total + blank)
+    return float(np.cos(a1) ** 2 / E * (L * reach**2 + M * reach + P * (1 + Q * np.tan(a1) ** 2)))

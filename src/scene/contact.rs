@@ -1,0 +1,87 @@
+//! Whether the teeth of a pair can touch at rest, and where on the line of action they do.
+
+use super::gear::SAME;
+use super::{EntryPath, Gear, SceneError};
+
+/// Beginning and end of the path of contact on a line of action that is `tangent` = C sin α long between the base
+/// circles, m from the interference point of the driver; `tip_reach` is √(tip radius² − base radius²) of driver and
+/// driven gear. Both tips end the path; so does either base circle, below which a flank has no involute.
+#[inline(always)]
+pub(crate) fn path_of_contact(tangent: f64, tip_reach: [f64; 2]) -> [f64; 2] {
+    [(tangent - tip_reach[1]).max(0.0), tip_reach[0].min(tangent)]
+}
+
+/// Refuses a pair that cannot touch at rest; warns of a contact ratio below one and of involute interference.
+pub(super) fn check_contact(
+    [a, b]: [&Gear; 2],
+    centre_distance: f64,
+    at: &EntryPath,
+    warnings: &mut Vec<String>,
+) -> Result<(), SceneError> {
+    let reach = [a.tip_reach(), b.tip_reach()];
+    let base_circles = a.base_radius + b.base_radius;
+    let tangent = ((centre_distance - base_circles) * (centre_distance + base_circles)).sqrt();
+    let pitch = a.base_pitch();
+    let [low, high] = path_of_contact(tangent, reach);
+    let ratio = (high - low) / pitch;
+    let names = [&a.body.name, &b.body.name];
+    if ratio <= 0.0 {
+        let farthest = base_circles.hypot(reach[0] + reach[1]);
+        let message = format!(
+            "the teeth of \"{}\" and \"{}\" cannot touch: their tips reach each other on the line of action up to a \
+             centre distance of {farthest:.6} m, got {centre_distance} m; reduce it, or enlarge tip_radius",
+            names[0], names[1]
+        );
+        return Err(at.field("centre_distance").error(message));
+    }
+    let standard = a.pitch_radius + b.pitch_radius;
+    let mut interferes = false;
+    for (of, other) in [(0, 1), (1, 0)] {
+        let beyond = reach[of] - tangent;
+        if beyond > SAME * tangent {
+            interferes = true;
+            let without = (reach[0] + reach[1] - tangent) / pitch;
+            warnings.push(format!(
+                "{at}: involute interference: the tips of \"{}\" reach {:.3} mm beyond the base circle of \"{}\" along \
+                 the line of action; there is no contact there, so the contact ratio is {ratio:.3}, not {without:.3}; \
+                 use a larger profile_shift or more teeth on \"{}\", or a smaller tip_radius of \"{}\"",
+                names[of],
+                1e3 * beyond,
+                names[other],
+                names[other],
+                names[of]
+            ));
+        }
+    }
+    if ratio < 1.0 - SAME {
+        let cause = if centre_distance > standard * (1.0 + SAME) {
+            format!("centre_distance is {centre_distance} m, the pitch radii add up to {standard:.6} m")
+        } else if interferes {
+            "interference shortens the path of contact".to_owned()
+        } else {
+            format!("the tip radii are {:.6} m and {:.6} m; full-depth teeth reach further", a.tip_radius, b.tip_radius)
+        };
+        warnings.push(format!(
+            "{at}: the contact ratio is {ratio:.3}, below 1: no teeth are in contact for {:.0} % of the mesh cycle; \
+             probable cause: {cause}",
+            100.0 * (1.0 - ratio)
+        ));
+    }
+    Ok(())
+}
+
+/// Warns where the rack that generates a gear cuts below the base circle: fewer than 2(1 − x)/sin²α teeth, rounded to
+/// whole ones, as the 17 of unshifted teeth at 20° are in use. The flank then begins above the base circle.
+pub(super) fn check_undercut(gear: &Gear, at: &EntryPath, warnings: &mut Vec<String>) {
+    let square = gear.pressure_angle.sin().powi(2);
+    let limit = (2.0 * (1.0 - gear.profile_shift) / square).round();
+    let teeth = f64::from(gear.teeth);
+    if teeth < limit {
+        let shift = 1.0 - teeth * square / 2.0;
+        warnings.push(format!(
+            "{at}: {teeth} teeth with a profile_shift of {} are undercut (fewer than {limit}): the contact ratio is at \
+             most what is reported, and the teeth are weaker at their roots; use a profile_shift of {shift:.3} or more",
+            gear.profile_shift
+        ));
+    }
+}
