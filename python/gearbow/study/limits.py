@@ -31,7 +31,8 @@ def limits(study: Study) -> str:
     str
         One row for each layout and each place of the bow.
     """
-    titles = ["layout", "bow on", "backlash used up", "tips reach roots", "contact ratio below 1"]
+    titles = ["layout", "bow on", "backlash used up", "tips reach roots"]
+    titles += ["tips pass base circles", "contact ratio below 1"]
     places = [
         replace(study.base, layout=layout, where=where)
         for layout in study.settings.layouts
@@ -49,8 +50,8 @@ def _row(study: Study, case: Case) -> list[str]:
         )
 
     bows = study.settings.bows
-    reached = [_crossing(margin(limit), bows) for limit in (_backlash, _clearance, _overlap)]
-    return [case.layout, case.where, *reached]
+    limits = (_backlash, _clearance, _involute, _overlap)
+    return [case.layout, case.where, *(_crossing(margin(limit), bows) for limit in limits)]
 
 
 def _backlash(study: Study, found: Measured, pair: str) -> float:
@@ -65,6 +66,20 @@ def _clearance(study: Study, found: Measured, pair: str) -> float:
     distance, _, _ = study.pair(pair)
     module = study.gear(pair.split("/", maxsplit=1)[0])["module"]
     return module / 4.0 - (distance - found.smallest(pair, "centre_distance"))
+
+
+def _involute(study: Study, found: Measured, pair: str) -> float:
+    """Length that the longer tips leave of the line of action between the base circles [m]."""
+    _, angle, _ = study.pair(pair)
+    gears = [study.gear(name) for name in pair.split("/")]
+    radii = [gear["module"] * gear["teeth"] / 2.0 for gear in gears]
+    bases = [radius * math.cos(angle) for radius in radii]
+    reach = max(
+        math.sqrt((radius + gear["module"]) ** 2 - base**2)
+        for gear, radius, base in zip(gears, radii, bases, strict=True)
+    )
+    nearest = found.smallest(pair, "centre_distance")
+    return math.sqrt(nearest**2 - sum(bases) ** 2) - reach
 
 
 def _overlap(study: Study, found: Measured, pair: str) -> float:
