@@ -21,7 +21,8 @@ use crate::scene::{Gear, Mesh, path_of_contact};
 pub struct Involute {
     /// Base radii of driver and driven gear, m.
     pub base_radius: [f64; 2],
-    /// √(tip radius² − base radius²), the length of the line of action from base circle to tip, of driver and driven gear, m.
+    /// √(tip radius² − base radius²), the length of the line of action from base circle to tip, of driver and driven
+    /// gear, m.
     tip_reach: [f64; 2],
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
