@@ -162,7 +162,7 @@ pub fn checkpoint((state, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResu
                 .map(|margins| margins.map(|[at, ratio, tip, involute]| (at, [ratio, tip, involute])))
                 .collect(),
             works,
-            until: given.number("until")?,
+            until: given.not_negative("until")?,
         },
     }))
 }

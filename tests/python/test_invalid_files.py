@@ -282,6 +282,8 @@ def test_every_array_is_checked(tmp_path, suffix):
     written = recorded()
     metadata, arrays = content(written)
     path = tmp_path / f"run{suffix}"
+    written.save(path)
+    whole = path.read_bytes()
     for name, values in arrays.items():
         if not values.size:
             continue
@@ -304,7 +306,7 @@ def test_every_array_is_checked(tmp_path, suffix):
             elif kind in {"text", "flat"}:
                 continue
             else:
-                written.save(path)
+                path.write_bytes(whole)
 
                 def edit(file: Any, name: str = name, other: Any = other) -> None:
                     del file[name]
@@ -399,7 +401,7 @@ def bombs(folder: Path) -> list[Path]:
     archive("text", metadata=member("()", "<U900000000"))
     archive("void", time=member("(1,)", "|V2000000000"))
     archive("deep", time=member("(" * 3000 + "5" + ",)" * 3000))
-    zeros = member("(100000000,)") + bytes(800_000_000)
+    zeros = member("(50000000,)") + bytes(400_000_000)
     archive("compressed", zipfile.ZIP_DEFLATED, time=zeros)
     # The size that the list of contents gives is not that of the data.
     paths.append(folder / "sizes.npz")
@@ -520,8 +522,8 @@ def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):
         nested = [nested]
     for place in places:
         for value in ("?", -1, [], {"a": 1}, nested, [[-1.0]] * 3, 2**63, [float("nan")] * 6):
-            if place[-1] == "until" and value == -1:
-                continue  # a number like any other
+            if place[-1] == "until" and value == 2**63:
+                continue  # a time like any other
             wrong = changed(
                 about, place, lambda owner, key, value=value: owner.__setitem__(key, value)
             )
