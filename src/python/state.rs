@@ -125,12 +125,13 @@ fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         return Err(given.error("speed", "must be finite"));
     }
     // A run leaves the state at its last whole step, which is not after its end; time is rounded where it is large.
-    let (span, slack) = (last.time - last.origin, 16.0 * f64::EPSILON * (last.time.abs() + last.origin.abs()));
-    if !(last.state.elapsed <= span + slack) {
+    let span = last.time - last.origin;
+    let limit = span + 16.0 * f64::EPSILON * (last.time.abs() + last.origin.abs());
+    if limit.is_nan() || last.state.elapsed > limit {
         let message = format!("must not be after the end of the run, {span:e} s, got {:e} s", last.state.elapsed);
         return Err(given.error("elapsed", &message));
     }
-    if !(last.state.carry.abs() <= span + slack) {
+    if last.state.carry.abs() > limit {
         let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.carry);
         return Err(given.error("carry", &message));
     }
