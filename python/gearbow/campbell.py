@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._run import whole
+from gearbow._convert import array, whole
 from gearbow._types import Array, CampbellData, ComplexArray
 
 if TYPE_CHECKING:
@@ -292,7 +292,7 @@ def campbell(
     SceneError
         If an argument is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+    wanted = array(speeds, "speeds")
     count = whole(count, "count")
-    harmonics = 0 if harmonics == 0 else whole(harmonics, "harmonics")
+    harmonics = whole(harmonics, "harmonics", least=0)
     return Campbell._from_data(wanted, system._model.campbell(wanted, count, harmonics), system)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array, number
 from gearbow._core import Model
-from gearbow._run import number
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 
@@ -130,14 +130,15 @@ def critical_speed_map(
     SceneError
         If the excitation is not positive, or a stiffness is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(stiffnesses, dtype=np.float64))
+    wanted = array(stiffnesses, "stiffnesses")
+    excitation = number(excitation, "excitation")
     speeds, whirl = [], []
     for stiffness in wanted:
         description = system.description
         for bearing in description.get("bearings", ()):
             bearing["stiffness"] = float(stiffness)
             bearing.pop("damping", None)
-        found = Model(description).critical_speeds(number(excitation, "excitation"))
+        found = Model(description).critical_speeds(excitation)
         speeds.append(np.array([speed for speed, _ in found]))
         whirl.append(tuple(name for _, name in found))
-    return CriticalSpeedMap(wanted, float(excitation), tuple(speeds), tuple(whirl))
+    return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from gearbow._describe import places
 from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
@@ -474,7 +475,7 @@ class Response:
 
         if kind not in plots.KINDS:
             raise GearbowError(f"kind: must be one of {', '.join(plots.KINDS)}, got {kind!r}")
-        return plots.KINDS[kind](self, names)
+        return plots.KINDS[kind](self, None if names is None else places(names, "names"))
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give everything as one table.

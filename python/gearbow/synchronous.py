@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array, number
 from gearbow._lookup import locate
-from gearbow._run import number
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.peak import Peak
@@ -330,7 +330,7 @@ def synchronous(
     SceneError
         If a speed or the excitation is impossible.
     """
-    wanted = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+    wanted = array(speeds, "speeds")
     data = system._model.synchronous(wanted, excitation)
     return Synchronous(
         speeds=wanted,

@@ -141,7 +141,7 @@ SQUARE = gb.Stiffness.square(2e8)
     [
         (
             {"stiffness": "soft"},
-            r"^meshes\[0\].stiffness: must be a number \[N/m\] or a gb.Stiffness",
+            r"^meshes\[0\].stiffness: must be a number or a gb.Stiffness",
         ),
         ({"stiffness": {"model": "square"}}, r"^meshes\[0\].stiffness: must be"),
         ({"stiffness": -1.0}, r"^meshes\[0\].stiffness: "),
