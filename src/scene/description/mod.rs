@@ -3,12 +3,15 @@
 //! One type for every way in. Nothing here is checked beyond its type: [`Scene::new`](super::Scene::new) does that,
 //! once, and names the place of what is wrong. SI units and radians throughout.
 
+mod reading;
 mod teeth;
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 pub use teeth::{Engagement, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError};
+
+use reading::{some_whole, whole};
 
 use super::SceneError;
 
@@ -108,7 +111,7 @@ pub struct Shaft {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_diameter: Option<f64>,
     /// The least number of elements.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
     /// Shear deformation; on by default.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -136,7 +139,7 @@ pub struct Segment {
     #[serde(default)]
     pub inner_diameter: f64,
     /// The least number of elements.
-    #[serde(default = "one")]
+    #[serde(default = "one", deserialize_with = "whole")]
     pub elements: usize,
 }
 
@@ -167,7 +170,7 @@ pub struct Bow {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
     /// Half waves over the length.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub number: Option<u32>,
     /// Positions of the points, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,6 +234,7 @@ pub struct Gear {
     /// Where on the shaft, m.
     pub position: f64,
     /// Number of teeth.
+    #[serde(deserialize_with = "whole")]
     pub teeth: u32,
     /// Module, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -384,8 +388,7 @@ impl SceneDescription {
                 path if path == "." || path.is_empty() => "system".to_owned(),
                 path => path,
             };
-            let message = error.into_inner().to_string();
-            SceneError::new(path, message.trim_end())
+            SceneError::new(path, reading::explain(error.into_inner().to_string().trim_end()))
         })
     }
 
