@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._lookup import nearest
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
@@ -126,14 +125,10 @@ def matrix(values: object, path: str) -> Array:
     return found
 
 
-def text(value: object, path: str, choices: Iterable[str] = ()) -> str:
-    """Convert a text, one of the choices where there are any."""
+def text(value: object, path: str) -> str:
+    """Convert a text."""
     if not isinstance(value, str):
         raise SceneError(f"{path}: must be text, got {shown(value)}")
-    choices = tuple(choices)
-    if choices and value not in choices:
-        listed = ", ".join(f'"{choice}"' for choice in choices)
-        raise SceneError(f'{path}: must be one of {listed}, got "{value}"{nearest(value, choices)}')
     return str(value)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
+from gearbow._convert import real
 from gearbow._types import At
 from gearbow.errors import GearbowError
 
@@ -15,6 +16,7 @@ def nearest(given: str, names: Iterable[str]) -> str:
 
 def locate(places: Sequence[tuple[str, float]], shaft: str, position: float) -> int | None:
     """Find (shaft, position) in a list of places; positions a nanometre apart are the same."""
+    position = real(position, "position")
     for i, (other, x) in enumerate(places):
         if other == shaft and abs(x - position) <= 1e-9 * max(1.0, abs(x)):
             return i

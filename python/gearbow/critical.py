@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number
+from gearbow._convert import array, number, whole
 from gearbow._core import Model
+from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 
@@ -40,7 +41,7 @@ class CriticalSpeedMap:
 
     >>> import gearbow as gb
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1.0) for x in (0.0, 1.0)]
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> for speed in system.critical_speed_map([1e6, 1e7, 1e12]).lines("forward")[:, 0]:
     ...     print(f"{speed:.1f} rad/s")
@@ -79,7 +80,9 @@ class CriticalSpeedMap:
         width = max((row.size for row in rows), default=0)
         if width == 0:
             names = sorted({name for names in self.whirl for name in names})
-            raise GearbowError(f"no critical speed is {whirl!r}; there are {names}")
+            raise GearbowError(
+                f"no critical speed is {whirl!r}; there are {names}{nearest(str(whirl), names)}"
+            )
         table: Array = np.full((len(rows), width), np.nan)
         for line, row in zip(table, rows, strict=True):
             line[: row.size] = row
@@ -100,7 +103,7 @@ class CriticalSpeedMap:
         """
         from gearbow import frequency_plots  # noqa: PLC0415  # matplotlib is an extra
 
-        return frequency_plots.critical_speed_map(self, count)
+        return frequency_plots.critical_speed_map(self, whole(count, "count"))
 
 
 def critical_speed_map(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import whole
 from gearbow._types import Array, ComplexArray, Dof
 
 if TYPE_CHECKING:
@@ -121,8 +122,9 @@ class Modes:
         lines = [
             f"{'mode':>4}  {'frequency [Hz]':>14}  {'damping [%]':>11}  {'whirl':<9} largest motion"
         ]
+        most = None if count is None else whole(count, "count")
         rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:count], start=1):
+        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:most], start=1):
             lines.append(
                 f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
             )
@@ -173,7 +175,9 @@ class Modes:
         """
         from gearbow import plots, shape_plot  # noqa: PLC0415  # matplotlib is an extra
 
-        return plots.modes(self, count) if number is None else shape_plot.shape(self, number)
+        if number is None:
+            return plots.modes(self, whole(count, "count"))
+        return shape_plot.shape(self, whole(number, "number"))
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from gearbow._describe import places
+from gearbow._describe import place, places
 from gearbow._lookup import locate
 from gearbow._types import Array, At, Record, RunData
 from gearbow.energy import EnergyBalance
@@ -543,6 +543,7 @@ class Response:
 
     def _point(self, name: At) -> int:
         points = self._data["points"]
+        name = place(name, "name")
         if isinstance(name, str):
             for i, (_, _, names) in enumerate(points):
                 if name in names:

@@ -7,7 +7,6 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
-use serde::Deserialize;
 
 use super::convert::{outside_matrix, outside_vector, table};
 use super::errors::{warn, warn_of_speed};
@@ -72,9 +71,7 @@ pub(super) fn geometry(name: &str) -> Result<Geometry, SceneError> {
 impl PyModel {
     #[new]
     fn new(description: &Bound<'_, PyAny>) -> PyResult<Self> {
-        // By way of a value, which keeps truth values and texts apart from numbers; Python's conversions do not.
-        let value = toml::Value::deserialize(&mut Depythonizer::from_object(description))?;
-        Ok(Self::build(SceneDescription::deserialize(value)?)?)
+        Ok(Self::build(SceneDescription::from_objects(&mut Depythonizer::from_object(description))?)?)
     }
 
     #[staticmethod]

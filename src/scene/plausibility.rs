@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::description::{self, SceneDescription};
-use super::{Body, Damping, EntryPath, Gear, MotionKind, Scene, SceneError, Shaft};
+use super::{Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
 
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
@@ -202,7 +202,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     let gears = scene.gears.iter().map(|gear| &gear.body).enumerate().map(|entry| ("gears", entry));
     let disks = scene.disks.iter().enumerate().map(|entry| ("disks", entry));
     for (list, (index, body)) in gears.chain(disks) {
-        check_body(scene, body, &EntryPath::entry(list, index), system.motion, &mut found)?;
+        check_body(scene, body, &EntryPath::entry(list, index), &mut found)?;
     }
     for (index, given) in system.meshes.iter().enumerate() {
         check_mesh(scene, given, index, &mut found);
@@ -237,7 +237,9 @@ fn check_shaft(
     found.judge(&place("length"), length / diameter, &SLENDERNESS);
     let material = at.field("material");
     found.judge(&material.field("youngs_modulus"), shaft.material.youngs_modulus, &MODULUS);
-    found.judge(&material.field("density"), shaft.material.density, &DENSITY);
+    if !is_massless(shaft.material.density) {
+        found.judge(&material.field("density"), shaft.material.density, &DENSITY);
+    }
     if given.material.is_some_and(|material| material.shear_modulus.is_some()) {
         found.judge(&material.field("shear_modulus"), shaft.material.shear_modulus, &SHEAR_MODULUS);
     }
@@ -254,6 +256,12 @@ fn check_shaft(
     bow.phase.iter().for_each(|phase| found.angle(&at.field("phase"), *phase));
     bow.phases.iter().flatten().enumerate().for_each(|(i, phase)| found.angle(&at.field("phases").index(i), *phase));
     Ok(())
+}
+
+/// Whether a density stands for a shaft without mass, such as that of a Jeffcott rotor: a small one that is no solid's in
+/// kg/mm³ or t/mm³. In g/cm³ all that are heavier than water are above 1.
+fn is_massless(density: f64) -> bool {
+    density <= 1.0 && ![1e-9, 1e-12].iter().any(|unit| (DENSITY.low * unit..DENSITY.high * unit).contains(&density))
 }
 
 fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mut Findings) {
@@ -278,17 +286,10 @@ fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mu
     }
 }
 
-fn check_body(
-    scene: &Scene,
-    body: &Body,
-    at: &EntryPath,
-    motion: Option<MotionKind>,
-    found: &mut Findings,
-) -> Result<(), SceneError> {
-    // Zeros are idealisations: a point mass, a body that only turns.
+fn check_body(scene: &Scene, body: &Body, at: &EntryPath, found: &mut Findings) -> Result<(), SceneError> {
+    // A diametral inertia of zero is an idealisation, and in torsion alone it plays no part.
     let (polar, diametral) = (body.polar_inertia, body.diametral_inertia);
-    let rigid = diametral > 0.0 && motion != Some(MotionKind::Torsion);
-    if rigid && polar > 2.0 * diametral * (1.0 + INERTIA_TOLERANCE) {
+    if scene.lateral && diametral > 0.0 && polar > 2.0 * diametral * (1.0 + INERTIA_TOLERANCE) {
         return Err(at.field("polar_inertia").error(format!(
             "{polar} kg m2 is more than twice the diametral inertia, {diametral} kg m2, and no rigid body has that; are the two exchanged?"
         )));
@@ -377,10 +378,10 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
         let stiffness = stiffest(&bearing.stiffness);
         if stiffness > 0.0 && stiffness < SOFT * own && settling > SETTLING {
             let message = format!(
-                "{} N/m is {:.2} % of the stiffness of the shaft, and lets its weight move it by {:.2} % of its radius; is it in N/mm?",
+                "{} N/m is {} % of the stiffness of the shaft, and lets its weight move it by {} % of its radius; is it in N/mm?",
                 short(stiffness),
-                100.0 * stiffness / own,
-                100.0 * settling
+                short(100.0 * stiffness / own),
+                short(100.0 * settling)
             );
             found.add("bearing", &EntryPath::entry("bearings", index).field("stiffness"), &message);
         }

@@ -9,7 +9,10 @@ import gearbow as gb
 from systems import GRAVITY, MIDDLE, Hold, apart, at, released, rotor, sag, train
 
 # What is warned of is held here.
-pytestmark = pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
+pytestmark = [
+    pytest.mark.implausible,
+    pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning"),
+]
 
 TIMES = [1e-3, 7e-3]
 ONE_SIDED = [[1e8, 1e10], [0.0, 1e8]]

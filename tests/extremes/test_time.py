@@ -110,6 +110,7 @@ def test_a_run_cut_anywhere_is_the_same(hold: Hold, method: str):
     hold(f'`"{method}"` in two parts is the same to the last bit', "cut anywhere", worst, 5e-324)
 
 
+@pytest.mark.implausible
 def test_more_steps_than_can_be_counted_are_refused():
     system = train()
     with pytest.raises(gb.SceneError, match=r"duration: .* more steps"):

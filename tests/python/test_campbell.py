@@ -207,6 +207,7 @@ def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
         assert np.abs(system.modes(intersection.speed).eigenvalues - value).min() < 1e-7 * frequency
 
 
+@pytest.mark.implausible
 def test_a_free_disk_starts_to_wobble_from_nothing():
     # a symmetric free rigid body nutates forward at Ω I_p/I_d
     shaft = gb.Shaft(

@@ -80,6 +80,11 @@ SLIPS = {
         "shafts[0].material.density",
         "t/mm3",
     ),
+    "density in kg/mm3": (
+        {"shafts": shaft(material=gb.Material(207e9, 7.85e-6, **STEEL))},
+        "shafts[0].material.density",
+        "is it in",
+    ),
     "density in g/m3": (
         {"shafts": shaft(material=gb.Material(207e9, 7.85e6, **STEEL))},
         "shafts[0].material.density",
@@ -377,6 +382,12 @@ def test_rotors_with_magnetic_bearings_and_polymer_gears():
         shafts=[replace(shaft, material=nylon) for shaft in soft.shafts],
         meshes=[gb.Mesh("ga", "gb", stiffness=2e6)],
     )
+
+
+def test_a_shaft_without_mass():
+    massless = gb.Material(207e9, 1.0, **STEEL)
+    train(shafts=shaft(material=massless), disks=disk())
+    train(shafts=shaft(material=replace(massless, density=1e-3)), disks=disk())
 
 
 def test_angles_of_a_turn_are_plausible():

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import number
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError
 from gearbow.orders.kinematics import Kinematics
@@ -62,7 +63,7 @@ class Waterfall:
         """
         from gearbow.orders import figures  # noqa: PLC0415  # matplotlib is an extra
 
-        return figures.waterfall(self, highest)
+        return figures.waterfall(self, None if highest is None else number(highest, "highest"))
 
 
 def waterfall(

@@ -383,13 +383,16 @@ impl SceneDescription {
     /// # Errors
     /// [`SceneError`] with the path of the entry that does not fit.
     pub fn deserialize<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
-        serde_path_to_error::deserialize(source).map_err(|error| {
-            let path = match error.path().to_string() {
-                path if path == "." || path.is_empty() => "system".to_owned(),
-                path => path,
-            };
-            SceneError::new(path, reading::explain(error.into_inner().to_string().trim_end()))
-        })
+        reading::located(source)
+    }
+
+    /// Reads a description from a source that would convert truth values and texts to numbers, as Python's objects do.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the entry that does not fit.
+    pub fn from_objects<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
+        // Values keep the kind of every entry.
+        Self::deserialize(reading::located::<toml::Value, D>(source)?)
     }
 
     /// Writes the description as TOML.

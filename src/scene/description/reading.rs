@@ -3,13 +3,24 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::Deserializer;
 use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer};
 
-use crate::scene::nearest;
+use crate::scene::{SceneError, nearest};
 
 /// The end of all floats that are exact whole numbers, 2⁵³.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// Reads anything; an error begins with the path of the entry that does not fit.
+pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D) -> Result<T, SceneError> {
+    serde_path_to_error::deserialize(source).map_err(|error| {
+        let path = match error.path().to_string() {
+            path if path == "." || path.is_empty() => "system".to_owned(),
+            path => path,
+        };
+        SceneError::new(path, explain(error.into_inner().to_string().trim_end()))
+    })
+}
 
 /// Reads a whole number; 25.0 is one, 25.5 is not.
 pub(super) fn whole<'de, D: Deserializer<'de>, T: TryFrom<i64>>(source: D) -> Result<T, D::Error> {
@@ -50,7 +61,7 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
 /// Says what serde found wrong in words of the description, and which name was probably meant.
 ///
 /// Serde has no other form of its errors than their text: ``unknown field `lenght`, expected one of `name`, `length` ``.
-pub(super) fn explain(message: &str) -> String {
+fn explain(message: &str) -> String {
     // The path stands before the message already.
     let message = message.split("\nin `").next().unwrap_or(message);
     let message = message.replace("expected f64", "expected a number").replace("floating point", "number");
