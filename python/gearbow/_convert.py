@@ -118,8 +118,9 @@ def array(values: object, path: str, *, least: int = 1) -> Array:
 
 def matrix(values: object, path: str) -> Array:
     """Convert nested sequences of real numbers to an array of any number of axes."""
+    converted = nested(values, path)  # its errors are ValueErrors too
     try:
-        found: Array = np.array(nested(values, path), dtype=np.float64)
+        found: Array = np.array(converted, dtype=np.float64)
     except ValueError:
         raise SceneError(f"{path}: must have rows of equal lengths, got {shown(values)}") from None
     return found

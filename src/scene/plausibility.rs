@@ -93,7 +93,7 @@ const ECCENTRICITY: Usual = usual(
     "eccentricity (unbalance over mass) over the radius of the shaft",
     "",
     0.0,
-    0.1,
+    0.25,
     "an unbalance is in kg m; is it in g mm?",
 );
 /// Straightening removes what is above 1e-3.

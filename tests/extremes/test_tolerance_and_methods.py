@@ -55,7 +55,7 @@ def test_round_off_is_where_tolerances_end(hold: Hold):
         ):
             assert np.array_equal(displaced(STIFFNESS["smooth"], rtol=rtol), found)
     for rtol in (0.0, 1.0, -1.0, np.nan, np.inf):
-        with pytest.raises(gb.SceneError, match="rtol: must lie between 0 and 1"):
+        with pytest.raises(gb.SceneError, match=r"rtol: must (lie between 0 and 1|be finite)"):
             displaced(2e8, rtol=rtol)
 
 

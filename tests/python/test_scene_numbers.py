@@ -258,6 +258,7 @@ def test_other_numbers_are_numbers(value, system):
         (lambda s: s.synchronous([]), "^speeds: must have at least 1"),
         (lambda s: s.synchronous([[1.0], [1.0, 2.0]]), "^speeds: must have rows of equal lengths"),
         (lambda s: s.synchronous(np.ma.masked_array([1.0, 2.0], [0, 1])), "^speeds: .*masked"),
+        (lambda s: s.synchronous([1.0, "2"]), r"^speeds\[1\]: must be a number, got '2'"),
         (lambda s: s.synchronous([math.nan]), r"^speeds\[0\]: must be finite, got nan"),
         (lambda s: s.campbell([]), "^speeds: must have at least 1"),
         (lambda s: s.critical_speed_map([]), "^stiffnesses: must have at least 1"),
