@@ -101,7 +101,6 @@ SLIPS = {
         "shafts[0].bow.phase",
         "degrees",
     ),
-    "profile shift": ({"gears": gears(profile_shift=20.0)}, "gears[0].profile_shift", "length"),
     "face width": ({"gears": gears(face_width=30.0)}, "gears[0].face_width", "millimetres"),
     "mass in grams": ({"gears": gears(mass=1e3)}, "gears[0].mass", "SI units"),
     "disk in grams": ({"disks": disk(mass=1e7)}, "disks[0].mass", "grams"),
@@ -118,11 +117,6 @@ SLIPS = {
     "unbalance in g mm": ({"disks": disk(unbalance=720.0)}, "disks[0].unbalance", "g mm"),
     "unbalance in kg mm": ({"disks": disk(unbalance=0.72)}, "disks[0].unbalance", "g mm"),
     "run-out": ({"gears": gears(run_out=0.02)}, "gears[0].run_out", "millimetres"),
-    "centre distance": (
-        {"meshes": mesh(centre_distance=112.5)},
-        "meshes[0].centre_distance",
-        "millimetres",
-    ),
     "angle of centres": (
         {"meshes": mesh(centre_line_angle=90.0)},
         "meshes[0].centre_line_angle",
@@ -198,6 +192,21 @@ def test_a_mistake_of_units_is_a_warning(name):
     assert (
         "usual is" in found[0] or "more than a turn" in found[0] or "of the stiffness" in found[0]
     )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"meshes": mesh(centre_distance=112.5)},
+        {"gears": gears(profile_shift=20.0)},
+        {"gears": gears(profile_shift=-20.0)},
+    ],
+    ids=str,
+)
+def test_teeth_that_are_out_of_reach_do_not_pass(change):
+    """As a warning of the value, or as an error of the teeth that cannot touch."""
+    with pytest.raises((gb.SceneError, gb.SceneWarning), match=r"^(meshes|gears)\[0\]"):
+        train(**change)
 
 
 @pytest.mark.parametrize(
