@@ -19,6 +19,18 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
+def pytest_configure(config):
+    config.addinivalue_line(
+        "markers", "implausible: the scenes are no machines on purpose; their warnings are ignored"
+    )
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.get_closest_marker("implausible"):
+            item.add_marker(pytest.mark.filterwarnings("ignore::gearbow.SceneWarning"))
+
+
 def pytest_collect_file(file_path, parent):
     return Document.from_parent(parent, path=file_path) if file_path.suffix == ".md" else None
 

@@ -20,9 +20,9 @@ import numpy as np
 
 from gearbow import storage
 from gearbow._container import suffix
+from gearbow._convert import number
 from gearbow._core import __version__, check_final
 from gearbow._files import BusyError, FileLock
-from gearbow._run import number
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError
 from gearbow.response import Response
@@ -66,7 +66,7 @@ class Checkpoint:
         self, path: str | os.PathLike[str], every: object, asked: Mapping[str, Any]
     ) -> None:
         self.path = Path(path)
-        self.every = number(every, "every")
+        self.every = number(every, "every", infinite=True)
         if not self.every > 0.0:
             raise SceneError(f"every: must be positive, got {every!r}")
         suffix(self.path)

@@ -7,12 +7,16 @@ every other.
 
 import dataclasses
 import numbers
-from collections.abc import Iterable, Mapping
-from typing import Any, TypeVar
+import types
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from gearbow._types import At, Plain
+from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._types import Plain
 from gearbow.errors import SceneError
 
 P = TypeVar("P", bound="Part")
@@ -25,13 +29,18 @@ class Part:
         """Give the fields that differ from their default as plain data.
 
         A default is left to the core: it is stated once, and an option that was not given cannot
-        contradict one that was.
+        contradict one that was. What a field may hold follows from its annotation.
         """
         given = {}
+        kinds = _kinds(type(self))  # type: ignore[arg-type]  # classes have hashes
         for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every Part is a dataclass
-            value = getattr(self, field.name)
-            if not _is_default(value, field.default):
-                given[field.name] = plain(value, f"{path}.{field.name}")
+            value, allowed = getattr(self, field.name), kinds[field.name]
+            same = isinstance(value, (complex, Part)) and value == field.default
+            if value is None or (same and float not in allowed and int not in allowed):
+                continue
+            found = _read(value, allowed, f"{path}.{field.name}")
+            if isinstance(found, list) or found != field.default:
+                given[field.name] = found
         return given
 
     @classmethod
@@ -40,59 +49,83 @@ class Part:
         return cls(**description)
 
 
-def plain(value: object, path: str) -> Plain:
-    """Turn a value into dict, list, str, bool, int and float; complex becomes [re, im]."""
-    if isinstance(value, Part):
-        return value._describe(path)
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist(), path)
-    if isinstance(value, (str, bool, np.bool_)):
-        return value if isinstance(value, str) else bool(value)
-    if isinstance(value, numbers.Integral):
-        return int(value)
-    if isinstance(value, numbers.Real):
-        return float(value)
-    if isinstance(value, numbers.Complex):
-        return [float(value.real), float(value.imag)]
-    if isinstance(value, Mapping):
-        return {str(key): plain(item, f"{path}.{key}") for key, item in value.items()}
-    if isinstance(value, Iterable):
-        return [plain(item, f"{path}[{i}]") for i, item in enumerate(value)]
-    raise SceneError(f"{path}: must be a number, text or an array, got {value!r}")
+@cache
+def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
+    """Give the types that each field of a part may have."""
+    unions = (Union, types.UnionType)
+    return {
+        # An array is a union too, of everything that NumPy converts.
+        field: get_args(hint) if get_origin(hint) in unions and hint != ArrayLike else (hint,)
+        for field, hint in get_type_hints(part).items()
+    }
+
+
+def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
+    """Turn the value of a field into plain data."""
+    parts_allowed = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
+    if isinstance(value, Part) and parts_allowed:
+        return expect(value, parts_allowed[0], path)._describe(path)
+    if str in kinds and (isinstance(value, str) or float not in kinds):
+        return text(value, path)
+    if float in kinds or int in kinds:
+        wanted = [f"or a gb.{kind.__name__}" for kind in parts_allowed]
+        return real(value, path, " ".join(["a number", *wanted]))
+    if complex in kinds:
+        return complex_number(value, path)
+    if bool in kinds:
+        if not isinstance(value, (bool, np.bool_)):
+            raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+        return bool(value)
+    if parts_allowed:
+        return expect(value, parts_allowed[0], path)._describe(path)
+    for kind in kinds:
+        entries = [entry for entry in get_args(kind) if isinstance(entry, type)]
+        if get_origin(kind) is Sequence and entries and issubclass(entries[0], Part):
+            found = parts(value, entries[0], path)
+            return [part._describe(f"{path}[{i}]") for i, part in enumerate(found)]
+    return nested(value, path)
 
 
 def freeze(part: Part, *names: str) -> None:
     """Make lists of a part, of whatever kind they were given, tuples that compare and hash."""
-    for name in names:
-        value = getattr(part, name)
+    for field in names:
+        value = getattr(part, field)
         if value is not None:
-            object.__setattr__(part, name, _tuples(plain(value, name)))
+            object.__setattr__(part, field, tuples(nested(value, field)))
 
 
-def _tuples(value: Plain) -> Plain:
+def tuples(value: Plain) -> Plain:
+    """Make nested lists nested tuples."""
     # What is not a list is wrong, and the core says so where it stands.
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+    return tuple(tuples(item) for item in value) if isinstance(value, list) else value
 
 
 def expect(value: object, kind: type[P], path: str) -> P:
     """Give the value back if it is of the class that belongs here."""
     if not isinstance(value, kind):
-        raise SceneError(f"{path}: must be a gb.{kind.__name__}, got {value!r}")
+        raise SceneError(f"{path}: must be a gb.{kind.__name__}, got {shown(value)}")
     return value
 
 
-def parts(given: Iterable[P], kind: type[P], path: str) -> tuple[P, ...]:
+def parts(given: object, kind: type[P], path: str) -> tuple[P, ...]:
     """Collect a list of parts of one class."""
     if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
-        raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {given!r}")
+        raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}")
     return tuple(expect(part, kind, f"{path}[{i}]") for i, part in enumerate(given))
 
 
-def place(at: object) -> Any:
-    """Turn (shaft, position) with NumPy numbers into plain Python; names pass."""
-    if isinstance(at, (tuple, list)):
-        return tuple(item if isinstance(item, str) else plain(item, "at") for item in at)
-    return at
+def place(at: object, path: str = "at") -> Any:
+    """Convert a name or (shaft, position), and what else is recorded, to plain Python."""
+    if isinstance(at, str):
+        return at
+    if isinstance(at, (tuple, list)) and len(at) in (2, 3) and isinstance(at[0], str):
+        return tuple(
+            item if isinstance(item, str) else real(item, f"{path}[{i}]", "a name or a number")
+            for i, item in enumerate(at)
+        )
+    raise SceneError(
+        f"{path}: must be a name or a tuple such as (shaft, position), got {shown(at)}"
+    )
 
 
 def is_place(at: object) -> bool:
@@ -110,18 +143,13 @@ def is_pair(at: object) -> bool:
     return isinstance(at, tuple) and len(at) == 2 and all(isinstance(name, str) for name in at)
 
 
-def places(given: At | Iterable[At]) -> list[At]:
-    """Collect names and (shaft, position) from one of them or from several."""
+def places(given: object, path: str) -> tuple[Any, ...]:
+    """Convert names and (shaft, position) pairs, one of them or several."""
     if isinstance(given, str) or is_place(given):
-        return [place(given)]
-    return [place(at) for at in given]
-
-
-def complex_number(value: Plain) -> complex | float:
-    """Read a complex number of a description: a real one or [re, im]."""
-    return complex(*value) if isinstance(value, (list, tuple)) else value
-
-
-def _is_default(value: object, default: object) -> bool:
-    # An array has no truth value to compare by; no default is one.
-    return value is None or (isinstance(value, (numbers.Number, str, Part)) and value == default)
+        return (place(given, path),)
+    if not isinstance(given, Iterable):
+        raise SceneError(f"{path}: must be a list of names or tuples, got {shown(given)}")
+    found = tuple(place(at, f"{path}[{i}]") for i, at in enumerate(given))
+    if not found:
+        raise SceneError(f"{path}: must name at least one gear, disk or (shaft, position)")
+    return found

@@ -3,15 +3,15 @@
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from operator import index
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
+from gearbow._convert import array, number, real, shown
 from gearbow._types import Array, Plain, Progress, RunData
 from gearbow.errors import RunTimeWarning, SceneError
 from gearbow.speed import SpeedProfile
@@ -32,41 +32,18 @@ WATCHED = 1.0
 MOST_TIMES = 100_000_000
 
 
-def number(value: object, name: str) -> float:
-    """Read an argument that must be a number."""
-    try:
-        return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise SceneError(f"{name}: must be a number, got {value!r}") from None
-
-
-def whole(value: object, name: str) -> int:
-    """Read an argument that must be a positive whole number."""
-    try:
-        count = index(value)  # type: ignore[arg-type]
-    except TypeError:
-        raise SceneError(f"{name}: must be a whole number, got {value!r}") from None
-    if count < 1:
-        raise SceneError(f"{name}: must be at least 1, got {count}")
-    return count
-
-
 def given_speed(speed: object, begin: float, duration: float) -> float | SpeedProfile:
     """Read the speed of a run: a number, a profile, a function of time, or points."""
     if isinstance(speed, SpeedProfile):
         return speed
     if callable(speed):
         return SpeedProfile.function(speed, duration, begin=begin)
-    try:
-        return float(speed)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        pass
-    if isinstance(speed, Sequence | np.ndarray) and not isinstance(speed, str) and len(speed) == 2:
+    if isinstance(speed, (tuple, list)) and len(speed) == 2:
         return SpeedProfile.table(*speed)
-    raise SceneError(
-        "speed: must be a number, a SpeedProfile, a function of time or (times, speeds), "
-        f"got {speed!r}"
-    )
+    if isinstance(speed, np.ndarray) and speed.ndim > 0 and len(speed) == 2:
+        return SpeedProfile.table(*speed)
+    wanted = "a number, a SpeedProfile, a function of time or (times, speeds)"
+    return float(real(speed, "speed", wanted))
 
 
 def plain_speed(speed: float | SpeedProfile) -> Plain:
@@ -84,7 +61,7 @@ def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any
     if isinstance(initial, str):
         return initial, 0.0 if start is None else number(start, "start")
     if not isinstance(initial, Mapping) or "time" not in initial:
-        raise SceneError(f"initial: must be a name or a response, got {initial!r}")
+        raise SceneError(f"initial: must be a name or a response, got {shown(initial)}")
     if start is not None:
         raise SceneError("start: must be left out where a response is continued")
     return dict(initial), number(initial["time"], "initial.time")
@@ -92,11 +69,7 @@ def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any
 
 def distinct(times: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
     """Sort the user's times, each once, and tell which of them each row is."""
-    try:
-        given = np.asarray(times, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        raise SceneError(f"times: must be numbers, got {times!r}") from None
-    return np.unique(given, return_inverse=True)
+    return np.unique(array(times, "times", least=0), return_inverse=True)
 
 
 def grid(start: float, duration: float, step: float) -> Array:

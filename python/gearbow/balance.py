@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array
 from gearbow._describe import places
+from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import SceneError
@@ -124,11 +126,11 @@ def balance(
     """
     if of not in ("total", "elastic"):
         raise SceneError(f'of: must be "total" or "elastic", got {of!r}')
-    chosen = tuple(places(planes))
+    chosen = places(planes, "planes")
     shaft = _shaft(system, chosen)
-    speeds = np.atleast_1d(np.array(speed, dtype=np.float64))
-    if not np.all(np.isfinite(speeds) & (speeds != 0.0)):
-        raise SceneError(f"speed: must be finite and not zero, got {speed!r}")
+    speeds = array(speed, "speed")
+    if not np.all(speeds):
+        raise SceneError(f"speed: must not be zero, got {speed!r}")
 
     # Every influence is that of one kilogram metre, in a system that has a node at every plane.
     base = _fitted(system, chosen, np.zeros(len(chosen), dtype=np.complex128))
@@ -136,7 +138,7 @@ def balance(
         nodes = dict.fromkeys(x for name, x, _ in base.dofs if name == shaft)
         measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)
     else:
-        measured = tuple(places(points))
+        measured = places(points, "points")
 
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, of=of)
     one = np.ones(1, dtype=np.complex128)
@@ -195,6 +197,7 @@ def _fitted(system: "RotorSystem", planes: Iterable[At], unbalances: ComplexArra
         kind: [body._describe(f"{kind}[{i}]") for i, body in enumerate(of)]
         for kind, of in bodies.items()
     }
+    # Corrections are not checked for slips again, unlike in `RotorSystem.replace`.
     return type(system)._from_description({**system.description, **described})
 
 
@@ -206,7 +209,9 @@ def _shaft(system: "RotorSystem", planes: Sequence[At]) -> str:
     for i, plane in enumerate(planes):
         if isinstance(plane, str):
             if plane not in bodies:
-                raise SceneError(f'planes[{i}]: no gear or disk is called "{plane}"')
+                raise SceneError(
+                    f'planes[{i}]: no gear or disk is called "{plane}"{nearest(plane, bodies)}'
+                )
             shafts.append(bodies[plane].shaft)
         else:
             shafts.append(plane[0])

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._describe import Part, plain
+from gearbow._convert import nested, shown
+from gearbow._describe import Part, tuples
 from gearbow.errors import SceneError
 
 #: Points at which the curve of `Bow.function` is read.
@@ -139,15 +140,15 @@ class Bow(Part):
         Bow
             The bow, a cubic spline through the points.
         """
-        deflections = plain(amplitudes, "amplitudes")
-        angles = plain(phases, "phases")
+        deflections = nested(amplitudes, "bow.amplitudes")
+        angles = nested(phases, "bow.phases")
         if isinstance(deflections, list) and not isinstance(angles, list):
             angles = [angles] * len(deflections)
         return cls(
             "points",
-            positions=_tuple(plain(positions, "positions")),
-            amplitudes=_tuple(deflections),
-            phases=_tuple(angles),
+            positions=tuples(nested(positions, "bow.positions")),
+            amplitudes=tuples(deflections),
+            phases=tuples(angles),
         )
 
     @classmethod
@@ -193,11 +194,6 @@ def _finite(curve: Callable[[float], complex], x: float, path: str) -> complex:
         number = complex("nan")
     if not cmath.isfinite(number):
         raise SceneError(
-            f"{path}.function: must give a finite complex number, got {value!r} at x = {x:g} m"
+            f"{path}.function: must give a finite complex number, got {shown(value)} at x = {x:g} m"
         )
     return number
-
-
-def _tuple(value: object) -> tuple[float, ...]:
-    # What is not a list is wrong, and the core says so where it stands.
-    return tuple(value) if isinstance(value, list) else value  # type: ignore[return-value]

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearbow._convert import array, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._run import whole
 from gearbow._types import Array, CampbellData, ComplexArray
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ class Campbell(ReadOnly):
         for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
             source = names[0] if kind == "shaft" else (names[0], names[1])
             lines.append(ExcitationLine(kind, source, harmonic, float(order)))
-        intersections = zip(
+        found = zip(
             data["intersection_modes"],
             data["intersection_lines"],
             data["intersection_speeds"],
@@ -158,7 +158,7 @@ class Campbell(ReadOnly):
                 damping_ratio=float(_ratio(value)),
                 whirl=whirl,
             )
-            for mode, line, speed, value, whirl in intersections
+            for mode, line, speed, value, whirl in found
         )
         whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
         return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections, system)
@@ -296,7 +296,7 @@ def campbell(
     SceneError
         If an argument is impossible.
     """
-    wanted = np.atleast_1d(np.array(speeds, dtype=np.float64))
+    wanted = array(speeds, "speeds")
     count = whole(count, "count")
-    harmonics = 0 if harmonics == 0 else whole(harmonics, "harmonics")
+    harmonics = whole(harmonics, "harmonics", least=0)
     return Campbell._from_data(wanted, system._model.campbell(wanted, count, harmonics), system)

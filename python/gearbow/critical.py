@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array, number, whole
 from gearbow._core import Model
 from gearbow._extras import extra
+from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
-from gearbow._run import number
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 
@@ -42,7 +43,7 @@ class CriticalSpeedMap(ReadOnly):
 
     >>> import gearbow as gb
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1.0) for x in (0.0, 1.0)]
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> for speed in system.critical_speed_map([1e6, 1e7, 1e12]).lines("forward")[:, 0]:
     ...     print(f"{speed:.1f} rad/s")
@@ -81,7 +82,9 @@ class CriticalSpeedMap(ReadOnly):
         width = max((row.size for row in rows), default=0)
         if width == 0:
             names = sorted({name for names in self.whirl for name in names})
-            raise GearbowError(f"no critical speed is {whirl!r}; there are {names}")
+            raise GearbowError(
+                f"no critical speed is {whirl!r}; there are {names}{nearest(str(whirl), names)}"
+            )
         table: Array = np.full((len(rows), width), np.nan)
         for line, row in zip(table, rows, strict=True):
             line[: row.size] = row
@@ -103,7 +106,7 @@ class CriticalSpeedMap(ReadOnly):
         with extra("plot"):
             from gearbow import frequency_plots  # noqa: PLC0415
 
-        return frequency_plots.critical_speed_map(self, count)
+        return frequency_plots.critical_speed_map(self, whole(count, "count"))
 
 
 def critical_speed_map(
@@ -133,14 +136,15 @@ def critical_speed_map(
     SceneError
         If the excitation is not positive, or a stiffness is impossible.
     """
-    wanted = np.atleast_1d(np.array(stiffnesses, dtype=np.float64))
+    wanted = array(stiffnesses, "stiffnesses")
+    excitation = number(excitation, "excitation")
     speeds, whirl = [], []
     for stiffness in wanted:
         description = system.description
         for bearing in description.get("bearings", ()):
             bearing["stiffness"] = float(stiffness)
             bearing.pop("damping", None)
-        found = Model(description).critical_speeds(number(excitation, "excitation"))
+        found = Model(description).critical_speeds(excitation)
         speeds.append(np.array([speed for speed, _ in found]))
         whirl.append(tuple(name for _, name in found))
-    return CriticalSpeedMap(wanted, float(excitation), tuple(speeds), tuple(whirl))
+    return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl))

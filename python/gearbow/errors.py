@@ -101,6 +101,6 @@ class AccuracyWarning(UserWarning):
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always")
     ...     modes = gb.RotorSystem(shafts=[shaft], bearings=bearings).modes()
-    >>> str(caught[0].message)
+    >>> str(caught[-1].message)
     '...the fastest is that of bearings[0], of 1.000e20 N/m'
     """

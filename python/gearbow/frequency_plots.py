@@ -148,7 +148,7 @@ def bode(response: "Synchronous", names: At | Sequence[At], source: str | None =
         Phase [°] above, the largest semi-axis of the orbits [µm] below.
     """
     with _figure(2, 3.6, columns=1, sharex=True) as (figure, (upper, lower)):
-        for number, name in enumerate(places(names)):
+        for number, name in enumerate(places(names, "names")):
             own = response.system.dofs[response.system._lateral(name)[0]][0]
             shaft = response.shafts.index(own if source is None else source)
             style: dict[str, Any] = {

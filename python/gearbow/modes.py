@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof
@@ -123,8 +124,9 @@ class Modes(ReadOnly):
         lines = [
             f"{'mode':>4}  {'frequency [Hz]':>14}  {'damping [%]':>11}  {'whirl':<9} largest motion"
         ]
+        most = None if count is None else whole(count, "count")
         rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:count], start=1):
+        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:most], start=1):
             lines.append(
                 f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
             )
@@ -177,7 +179,9 @@ class Modes(ReadOnly):
         with extra("plot"):
             from gearbow import plots, shape_plot  # noqa: PLC0415
 
-        return plots.modes(self, count) if number is None else shape_plot.shape(self, number)
+        if number is None:
+            return plots.modes(self, whole(count, "count"))
+        return shape_plot.shape(self, whole(number, "number"))
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

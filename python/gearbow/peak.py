@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearbow._run import number
+from gearbow._convert import number
 from gearbow.errors import SceneError
 
 __all__ = ["Peak"]

@@ -238,7 +238,7 @@ def synchronous(response: "Synchronous", names: At | Sequence[At]) -> Figure:
     matplotlib.figure.Figure
         One panel for each name, one line for each shaft that excites the train.
     """
-    chosen = places(names)
+    chosen = places(names, "names")
     with _figure(len(chosen), 2.8, columns=1, sharex=True) as (figure, panels):
         for panel, name in zip(panels, chosen, strict=True):
             orbit = _MICRO * response.orbit(name)
@@ -356,7 +356,7 @@ def _legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
 
 def _points(response: "Response", names: At | Sequence[At] | None) -> list[At]:
     if names is not None:
-        return places(names)
+        return list(places(names, "names"))
     points = response._data["points"]
     named: list[At] = [names[0] for _, _, names in points if names]
     chosen = named or [(shaft, position) for shaft, position, _ in points]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from gearbow._describe import place, places
 from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
@@ -484,7 +485,7 @@ class Response:
 
         if kind not in plots.KINDS:
             raise GearbowError(f"kind: must be one of {', '.join(plots.KINDS)}, got {kind!r}")
-        return plots.KINDS[kind](self, names)
+        return plots.KINDS[kind](self, None if names is None else places(names, "names"))
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give everything as one table.
@@ -560,6 +561,7 @@ class Response:
 
     def _point(self, name: At) -> int:
         points = self._data["points"]
+        name = place(name, "name")
         if isinstance(name, str):
             for i, (_, _, names) in enumerate(points):
                 if name in names:

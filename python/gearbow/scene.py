@@ -5,18 +5,16 @@ Each part is an immutable record of what was given. It is checked, all of it, wh
 """
 
 import math
-import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from types import NoneType
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from gearbow._describe import Part, complex_number, expect, place, plain
+from gearbow._convert import real
+from gearbow._describe import Part, expect, parts, place
 from gearbow._types import At, Plain
 from gearbow.bow import Bow
-from gearbow.errors import SceneError
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 
 __all__ = ["STEEL", "Bearing", "Disk", "Gear", "Material", "Mesh", "Segment", "Shaft", "Torque"]
@@ -132,10 +130,6 @@ class Shaft(Part):
     bow: Bow | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:
-        expect(self.material, Material, f"{path}.material")
-        if self.segments is not None:
-            for i, segment in enumerate(self.segments):
-                expect(segment, Segment, f"{path}.segments[{i}]")
         shaft = self
         if self.bow is not None and expect(self.bow, Bow, f"{path}.bow").curve is not None:
             length = self._length(path)
@@ -145,13 +139,16 @@ class Shaft(Part):
 
     def _length(self, path: str) -> float | None:
         """Give the length along which a curve is read; None where the core will refuse it."""
-        try:
-            length = (
-                self.length if self.segments is None else math.fsum(s.length for s in self.segments)
-            )
-            return float(length) if length is not None and 0.0 < length < math.inf else None
-        except TypeError:
-            raise SceneError(f"{path}.length: must be a number, got {self.length!r}") from None
+        if self.segments is None:
+            lengths = [] if self.length is None else [real(self.length, f"{path}.length")]
+        else:
+            segments = parts(self.segments, Segment, f"{path}.segments")
+            lengths = [
+                real(segment.length, f"{path}.segments[{i}].length")
+                for i, segment in enumerate(segments)
+            ]
+        length = math.fsum(lengths)
+        return length if 0.0 < length < math.inf else None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Shaft":
@@ -171,8 +168,8 @@ class _Body(Part):
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:
         given = dict(description)
         for key in ("unbalance", "run_out"):
-            if key in given:
-                given[key] = complex_number(given[key])
+            if isinstance(given.get(key), (list, tuple)):
+                given[key] = complex(*given[key])
         return cls(**given)
 
 
@@ -324,18 +321,6 @@ class Mesh(Part):
     tip_relief: TipRelief | None = None
     error: TransmissionError | None = None
 
-    def _describe(self, path: str) -> dict[str, Plain]:
-        if not isinstance(self.stiffness, (numbers.Real, Stiffness, NoneType)):
-            raise SceneError(
-                f"{path}.stiffness: must be a number [N/m] or a gb.Stiffness, "
-                f"got {self.stiffness!r}"
-            )
-        if self.tip_relief is not None:
-            expect(self.tip_relief, TipRelief, f"{path}.tip_relief")
-        if self.error is not None:
-            expect(self.error, TransmissionError, f"{path}.error")
-        return super()._describe(path)
-
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
         given = dict(description)
@@ -412,10 +397,10 @@ class Torque(Part):
         return cls(at, "balance")
 
     def _describe(self, path: str) -> dict[str, Plain]:
-        at = plain(place(self.at), f"{path}.at")
+        at = place(self.at, f"{path}.at")
         if isinstance(self.value, str) and self.value == "balance":
             return {"at": at, "balance": True}
-        return {"at": at, "value": plain(self.value, f"{path}.value")}
+        return {"at": at, "value": real(self.value, f"{path}.value", 'a number [N m] or "balance"')}
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Torque":

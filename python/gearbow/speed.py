@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearbow._convert import array, matrix, number
 from gearbow._core import check_speed
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
@@ -55,9 +56,9 @@ class SpeedProfile:
 
     def __post_init__(self) -> None:
         for name, axes in (("breaks", 1), ("coefficients", 2)):
-            values = _numbers(getattr(self, name), name)
+            values = matrix(getattr(self, name), f"speed.{name}")
             if values.ndim != axes:
-                raise SceneError(f"speed: {name} must have {axes} axes, got {values.ndim}")
+                raise SceneError(f"speed.{name}: must have {axes} axes, got {values.ndim}")
             values.flags.writeable = False
             object.__setattr__(self, name, values)
         check_speed(self.breaks.tolist(), self.coefficients.tolist())
@@ -89,9 +90,12 @@ class SpeedProfile:
         SceneError
             If the duration is not positive, or a number is not finite.
         """
+        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
         if not duration > 0.0:
-            raise SceneError(f"speed: the duration of a ramp must be positive, got {duration!r}")
-        return cls.table([begin, begin + duration], [start, end])
+            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        return cls.table(
+            [begin, begin + duration], [number(start, "speed.start"), number(end, "speed.end")]
+        )
 
     @classmethod
     def table(cls, times: ArrayLike, speeds: ArrayLike) -> "SpeedProfile":
@@ -114,11 +118,11 @@ class SpeedProfile:
         SceneError
             If times do not ascend, or times and speeds are not as many.
         """
-        t, values = _numbers(times, "times"), _numbers(speeds, "speeds")
-        if t.ndim != 1 or t.shape != values.shape or t.size < 2:
+        t, values = array(times, "speed.times"), array(speeds, "speed.speeds")
+        if t.shape != values.shape or t.size < 2:
             raise SceneError(
-                f"speed: times and speeds must be as many, two at least, got {t.shape} and "
-                f"{values.shape}"
+                f"speed: needs as many times as speeds, and at least two, got {t.size} times and "
+                f"{values.size} speeds"
             )
         # Times that do not ascend are an error of the core.
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -150,10 +154,9 @@ class SpeedProfile:
         SceneError
             If the function jumps, or has a value that is not finite.
         """
-        if not 0.0 < duration < np.inf:
-            raise SceneError(
-                f"speed: the duration of a function must be positive, got {duration!r}"
-            )
+        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
+        if not duration > 0.0:
+            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
         left, coefficients = _sampled(f, np.linspace(begin, begin + duration, _FIRST + 1))
         return cls(np.append(left, begin + duration), coefficients)
 
@@ -170,7 +173,7 @@ class SpeedProfile:
         ndarray, shape (k,)
             Speeds [rad/s].
         """
-        t = np.clip(np.asarray(times, dtype=np.float64), self.breaks[0], self.breaks[-1])
+        t = np.clip(matrix(times, "times"), self.breaks[0], self.breaks[-1])
         piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
         since = t - self.breaks[piece]
         speed: Array = np.zeros_like(t)
@@ -188,13 +191,6 @@ class SpeedProfile:
             f"SpeedProfile({self.breaks.size - 1} pieces, {start:g} s to {end:g} s; "
             f"{first:g} rad/s to {last:g} rad/s)"
         )
-
-
-def _numbers(values: ArrayLike, name: str) -> Array:
-    try:
-        return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise SceneError(f"speed: {name} must be numbers, got {values!r}") from None
 
 
 def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array, number
 from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
-from gearbow._run import number
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.peak import Peak, operating_range
@@ -335,7 +335,7 @@ def synchronous(
     SceneError
         If a speed or the excitation is impossible.
     """
-    wanted = np.atleast_1d(np.array(speeds, dtype=np.float64))
+    wanted = array(speeds, "speeds")
     data = system._model.synchronous(wanted, excitation)
     return Synchronous(
         speeds=wanted,

@@ -1,6 +1,7 @@
 """The rotor system: checked when it is made, then asked."""
 
 import os
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
@@ -11,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._checkpoint import Checkpoint
+from gearbow._convert import copied, nested, number, shown, text, whole
 from gearbow._core import Model
-from gearbow._describe import Part, parts, place, plain
+from gearbow._describe import Part, parts, place, tuples
 from gearbow._files import replacing
-from gearbow._lookup import require
+from gearbow._lookup import nearest, require
 from gearbow._run import (
     SpeedLike,
     beginning,
@@ -22,10 +24,8 @@ from gearbow._run import (
     given_speed,
     grid,
     in_order,
-    number,
     plain_speed,
     reported,
-    whole,
 )
 from gearbow._types import Array, At, CoreCheckpoint, Dof, Plain, Progress, Record, RunData
 from gearbow.accuracy import accuracy_of
@@ -51,6 +51,14 @@ _PARTS: dict[str, type[Part]] = {
     "bearings": Bearing,
     "torques": Torque,
     "disks": Disk,
+}
+#: The options of a system, and how each is converted.
+_OPTIONS: dict[str, Callable[[object, str], Plain]] = {
+    "reference": text,
+    "modal_damping": number,
+    "rayleigh": nested,
+    "gravity": nested,
+    "motion": text,
 }
 
 
@@ -86,6 +94,8 @@ class RotorSystem:
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
         The parts as they were given.
+    reference, modal_damping, rayleigh, gravity, motion
+        The options as they were given; None where one was left out.
 
     Raises
     ------
@@ -134,6 +144,11 @@ class RotorSystem:
     bearings: tuple[Bearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    reference: str | None
+    modal_damping: float | None
+    rayleigh: tuple[float, float] | None
+    gravity: float | tuple[float, float] | None
+    motion: str | None
 
     def __init__(
         self,
@@ -167,15 +182,17 @@ class RotorSystem:
             key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
             for key in _PARTS
         }
-        description |= {
-            key: plain(value, key) for key, value in options.items() if value is not None
-        }
+        for key, value in options.items():
+            converted = None if value is None else _OPTIONS[key](value, key)
+            setattr(self, key, tuples(converted))
+            if converted is not None:
+                description[key] = converted
         self._model = Model(description)
         _warn(self._model)
 
     @classmethod
     def _from_model(cls, model: Model) -> "RotorSystem":
-        """Wrap a checked model; its parts come from its description."""
+        """Wrap a checked model; its parts and options come from its description."""
         system = cls.__new__(cls)
         system._model = model
         description = model.description()
@@ -185,11 +202,96 @@ class RotorSystem:
                 key,
                 tuple(kind._from_description(part) for part in description.get(key, ())),
             )
+        for key in _OPTIONS:
+            setattr(system, key, tuples(description.get(key)))
         return system
 
     @classmethod
-    def _from_description(cls, description: dict[str, Plain]) -> "RotorSystem":
-        return cls._from_model(Model(description))
+    def _from_description(cls, description: Mapping[str, Plain]) -> "RotorSystem":
+        """Make a system that was checked before, without repeating its warnings."""
+        return cls._from_model(Model(copied(description, "")))
+
+    @classmethod
+    def from_dict(cls, description: Mapping[str, Plain]) -> "RotorSystem":
+        """Make a system from plain data, the inverse of `description`.
+
+        Parameters
+        ----------
+        description : mapping
+            The keys are the names of the parameters, as in a TOML file; complex numbers may be
+            pairs [re, im].
+
+        Returns
+        -------
+        RotorSystem
+            The system.
+
+        Raises
+        ------
+        SceneError
+            If the description is impossible, or has an unknown key.
+
+        Warns
+        -----
+        SceneWarning
+            If the description looks like a slip.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> shaft = {"name": "rotor", "length": 1.0, "outer_diameter": 0.05, "elements": 4}
+        >>> gb.RotorSystem.from_dict({"shafts": [shaft], "gravity": 9.81}).gravity
+        9.81
+        """
+        if not isinstance(description, Mapping):
+            raise SceneError(f"description: must be a mapping, got {shown(description)}")
+        system = cls._from_description(description)
+        _warn(system._model)
+        return system
+
+    def replace(self, **changes: Any) -> "RotorSystem":
+        """Make a system with other parts or options; all that is not given stays.
+
+        Parameters
+        ----------
+        **changes
+            Parameters of `RotorSystem` by name: lists of parts replace the whole list, None removes
+            an option. `dataclasses.replace` changes a single part.
+
+        Returns
+        -------
+        RotorSystem
+            The new system; this one stays as it is.
+
+        Raises
+        ------
+        SceneError
+            If a name is unknown, or the new system is impossible.
+
+        Warns
+        -----
+        SceneWarning
+            If the new system looks like a slip.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import gearbow as gb
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+        >>> system = gb.RotorSystem(shafts=[shaft], gravity=9.81)
+        >>> bent = system.replace(shafts=[replace(shaft, bow=gb.Bow.half_sine(1e-4))])
+        >>> bent.shafts[0].bow.amplitude, bent.gravity
+        (0.0001, 9.81)
+        >>> system.replace(gravity=None).gravity is None
+        True
+        """
+        names = (*_PARTS, *_OPTIONS)
+        for key in changes:
+            if key not in names:
+                raise SceneError(
+                    f"replace: {key!r} is no parameter of a system{nearest(key, names)}"
+                )
+        return RotorSystem(**{**{key: getattr(self, key) for key in names}, **changes})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "RotorSystem":
@@ -213,10 +315,13 @@ class RotorSystem:
             If the file cannot be opened.
         """
         try:
-            text = Path(path).read_text(encoding="utf-8")
+            document = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as error:
-            raise SceneError(f"{path}: must be text in UTF-8: {error}") from None
-        model = Model.from_toml(text)
+            raise SceneError(
+                f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
+                f"position {error.start}); save it as UTF-8"
+            ) from None
+        model = Model.from_toml(document)
         _warn(model)
         return cls._from_model(model)
 
@@ -302,7 +407,7 @@ class RotorSystem:
             If the speed or the count is impossible.
         """
         speed = number(speed, "speed")
-        data = self._model.modes(speed, count)
+        data = self._model.modes(speed, None if count is None else whole(count, "count"))
         return Modes(
             frequencies_hz=data["frequencies_hz"],
             damping_ratios=data["damping_ratios"],
@@ -332,7 +437,7 @@ class RotorSystem:
         ConvergenceError
             If no equilibrium is found.
         """
-        return Static(self._model.static(geometry), self)
+        return Static(self._model.static(text(geometry, "geometry")), self)
 
     def simulate(
         self,
@@ -459,6 +564,10 @@ class RotorSystem:
         200 µm
         """
         duration = number(duration, "duration")
+        if method is not None:
+            method = text(method, "method")
+        if linear is not None:
+            linear = text(linear, "linear")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         speed = given_speed(speed, begin, duration)
         expected = None
@@ -488,8 +597,8 @@ class RotorSystem:
             "stages": None if stages is None else whole(stages, "stages"),
             "modes": None if modes is None else whole(modes, "modes"),
             "initial": state,
-            "record": [record] if isinstance(record, str) else [place(r) for r in record],
-            "geometry": geometry,
+            "record": _requests(record),
+            "geometry": text(geometry, "geometry"),
             "start": begin,
         }
 
@@ -572,7 +681,19 @@ class RotorSystem:
         return f"RotorSystem({', '.join(counts)}; {len(self._model.dofs)} degrees of freedom)"
 
 
+def _requests(record: object) -> list[Any]:
+    """Convert what to record to names and tuples of names and positions."""
+    if isinstance(record, str):
+        return [record]
+    if not isinstance(record, Iterable):
+        raise SceneError(f"record: must be a list of names or tuples, got {shown(record)}")
+    return [place(entry, f"record[{i}]") for i, entry in enumerate(record)]
+
+
 def _warn(model: Model) -> None:
-    for text in model.warnings:
-        # The line to point at is the one that made or loaded the system.
-        warnings.warn(text, SceneWarning, stacklevel=3)
+    """Warn of what looks like a slip, at the line outside the package that made the system."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__") == __name__:
+        level, frame = level + 1, frame.f_back
+    for message in model.warnings:
+        warnings.warn(message, SceneWarning, stacklevel=level)

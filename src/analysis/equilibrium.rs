@@ -92,33 +92,58 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
 }
 
-/// A load that drives a null motion has no equilibrium: says which.
+/// A load that drives a null motion has no equilibrium: says whether a bearing or a torque is missing.
 fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    // Null motions may be any mixture of rolling and sideways motion. Their sum is the acceleration under the load, which
+    // does not depend on the mixture.
+    let mut acceleration = DVector::zeros(model.len());
     for column in null.column_iter() {
         let drive: f64 = column.dot(load);
         let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
         // Of a motion that does not move at a load, round-off is left there.
         let nothing = ROUND_OFF * column.amax() * load.lp_norm(1);
-        if drive.abs() <= (BALANCED * acting).max(nothing) {
-            continue;
+        if drive.abs() > (BALANCED * acting).max(nothing) {
+            acceleration.axpy(drive, &column, 1.0);
         }
-        let numbering = &model.numbering;
-        let lateral = numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
-        let (shaft, held) = lateral.fold((0, 0.0), |(shaft, most), dof| {
-            let motion = column[dof.index].abs();
-            if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
-        });
-        let error = if held > 0.0 {
-            let name = &model.scene.shafts[shaft].name;
-            SceneError::new(format!("shafts[{shaft}]"), format!("\"{name}\" is not held: no static equilibrium"))
-        } else {
-            let message =
-                "are out of balance, so that the train gains speed: no static equilibrium (see Torque.balance)";
-            SceneError::new("torques", message)
-        };
-        return Err(error.into());
     }
-    Ok(())
+    let largest = acceleration.amax();
+    if largest == 0.0 {
+        return Ok(());
+    }
+    let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
+    let (shaft, sideways) = lateral.fold((0, 0.0), |(shaft, most), dof| {
+        let motion = acceleration[dof.index].abs();
+        if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
+    });
+    Err(if sideways > CARRIED * largest { unsupported(model, shaft) } else { unbalanced(model) }.into())
+}
+
+/// The load moves a shaft sideways that its bearings do not hold.
+fn unsupported(model: &Model, shaft: usize) -> SceneError {
+    let name = &model.scene.shafts[shaft].name;
+    let has_bearing = model.scene.bearings.iter().any(|bearing| bearing.node.shaft == shaft);
+    let cause = if has_bearing {
+        format!(
+            "the bearings of \"{name}\" let the load move or tilt it; add one at another position, or give those that it has a stiffness in both directions"
+        )
+    } else {
+        format!(
+            "no bearing holds \"{name}\" sideways against the load; add gb.Bearing(\"{name}\", position, stiffness=...)"
+        )
+    };
+    SceneError::new(format!("shafts[{shaft}]"), format!("no static equilibrium: {cause}"))
+}
+
+/// The torques turn the train.
+fn unbalanced(model: &Model) -> SceneError {
+    let scene = &model.scene;
+    let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
+    SceneError::new(
+        "torques",
+        format!(
+            "no static equilibrium: the torques do not balance, {net} N m of them, referred to the reference shaft, speed up the train; add gb.Torque.balance(at) where the load takes its torque"
+        ),
+    )
 }
 
 /// Bearings whose stiffness is neither symmetric nor regular hold what their null motions do not tell: what those got for

@@ -7,17 +7,26 @@ use pyo3::{PyErr, PyResult, PyTypeInfo, Python};
 
 use crate::analysis::AnalysisError;
 use crate::linalg::DecompositionError;
+use crate::scene::Scene;
 
 pyo3::import_exception!(gearbow.errors, SceneError);
 pyo3::import_exception!(gearbow.errors, StabilityError);
 pyo3::import_exception!(gearbow.errors, ContactError);
 pyo3::import_exception!(gearbow.errors, ConvergenceError);
 pyo3::import_exception!(gearbow.errors, AccuracyWarning);
+pyo3::import_exception!(gearbow.errors, SceneWarning);
 
 /// Warns whoever called the function of the package that called the core.
 pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
     let text = CString::new(text).unwrap_or_default();
     PyErr::warn(py, &AccuracyWarning::type_object(py), &text, 2)
+}
+
+/// Warns of a speed of the reference shaft, rad/s, that is too high for the gears.
+pub fn warn_of_speed(py: Python<'_>, scene: &Scene, speed: f64) -> PyResult<()> {
+    let Some(text) = scene.pitch_line_warning(speed) else { return Ok(()) };
+    let text = CString::new(text).unwrap_or_default();
+    PyErr::warn(py, &SceneWarning::type_object(py), &text, 2)
 }
 
 impl From<crate::scene::SceneError> for PyErr {

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
-use super::errors::warn;
+use super::errors::{warn, warn_of_speed};
 use super::model::PyModel;
 use super::simulate;
 use crate::analysis::{self, AnalysisError, Dense, ExcitationPart, ExcitationSource};
@@ -31,6 +31,11 @@ fn finite(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
     Ok(speeds)
 }
 
+/// The speed of the largest magnitude.
+fn fastest(speeds: &[f64]) -> f64 {
+    speeds.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
+}
+
 /// A Campbell diagram: eigenvalues (speeds, modes), lines, and where they meet.
 pub fn campbell<'py>(
     model: &PyModel,
@@ -40,6 +45,7 @@ pub fn campbell<'py>(
     harmonics: u32,
 ) -> PyResult<Bound<'py, PyDict>> {
     let speeds = speeds.as_array().to_vec();
+    warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let rows = speeds.len();
     let found = model.run(py, Dense::Damped, move |cached, interrupt| {
         analysis::campbell(cached, &speeds, count, harmonics, interrupt)
@@ -88,6 +94,7 @@ pub fn synchronous<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite(speeds)?, part(excitation)?);
     model.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
+    warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let asked = speeds.clone();
     let amplitudes = model.run(py, Dense::Undamped, move |cached, interrupt| {
         let at = |speed: &f64| {

@@ -10,14 +10,14 @@ use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{outside_matrix, outside_vector, table};
-use super::errors::warn;
+use super::errors::{warn, warn_of_speed};
 use super::{background, frequency, simulate, state};
 use crate::analysis::{self, AnalysisError, Dense, Interrupt};
 use crate::linalg::DecompositionError;
 use crate::mesh::Geometry;
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
-use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError};
+use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, nearest};
 
 /// A checked and assembled system.
 #[pyclass(name = "Model", module = "gearbow._core", frozen)]
@@ -93,8 +93,7 @@ pub(super) fn geometry(name: &str) -> Result<Geometry, SceneError> {
 impl PyModel {
     #[new]
     fn new(description: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let system = SceneDescription::deserialize(&mut Depythonizer::from_object(description))?;
-        Ok(Self::build(system)?)
+        Ok(Self::build(SceneDescription::from_objects(&mut Depythonizer::from_object(description))?)?)
     }
 
     #[staticmethod]
@@ -140,14 +139,12 @@ impl PyModel {
         let model = self.model();
         let place = EntryPath::root("at");
         let node = match &at {
-            At::Body(name) => model
-                .scene
-                .body(name)
-                .map(|body| body.node)
-                .ok_or_else(|| place.error(format!("no gear or disk is called \"{name}\"")))?,
+            At::Body(name) => model.scene.body(name).map(|body| body.node).ok_or_else(|| {
+                let names = model.scene.bodies().map(|body| body.name.as_str());
+                place.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, names)))
+            })?,
             At::Position(shaft, position) => {
-                let index = model.scene.shaft(shaft);
-                let index = index.ok_or_else(|| place.error(format!("no shaft is called \"{shaft}\"")))?;
+                let index = model.scene.known_shaft(shaft, &place)?;
                 let node = model.scene.shafts[index].node_at(*position);
                 let none = || place.error(format!("shaft \"{shaft}\" has no node at {position} m"));
                 Node { shaft: index, node: node.ok_or_else(none)? }
@@ -311,6 +308,7 @@ impl PyModel {
             checkpoint: checkpoint.map(state::checkpoint).transpose()?,
         };
         self.warn_of_ill_conditioning(py, 0.0, options.dense(&self.cached.model))?;
+        warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }
 }

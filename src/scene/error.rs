@@ -71,6 +71,18 @@ impl EntryPath {
     }
 }
 
+/// The end of a message that suggests the name nearest to a misspelt one; nothing where none is near.
+///
+/// A name is near when at most a third of the letters, and at least one, must be inserted, deleted, replaced or swapped.
+pub(crate) fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let distance = |name: &'a str| (strsim::osa_distance(&given.to_lowercase(), &name.to_lowercase()), name);
+    let most = (given.chars().count() / 3).max(1);
+    match names.into_iter().map(distance).min_by_key(|(distance, _)| *distance) {
+        Some((distance, name)) if distance <= most => format!("; did you mean \"{name}\"?"),
+        _ => String::new(),
+    }
+}
+
 /// A number that is not finite, as Python and TOML write it.
 fn lower(value: f64) -> String {
     value.to_string().to_lowercase()

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::contact::{check_contact, check_undercut};
 use super::description::{self, STEEL, SceneDescription};
 use super::place::Names;
-use super::{Body, EntryPath, SceneError, Shaft, Teeth, complex};
+use super::{Body, EntryPath, SceneError, Shaft, Teeth, complex, nearest};
 
 /// Base pitches of a pair that differ by more than this part cannot mesh; published data round their radii.
 const BASE_PITCH_TOLERANCE: f64 = 0.05;
@@ -220,10 +220,10 @@ fn mesh(
 ) -> Result<Mesh, SceneError> {
     let find = |field: &str, name: &str| {
         let place = at.field(field);
-        gears
-            .iter()
-            .position(|gear| gear.body.name == name)
-            .ok_or_else(|| place.error(format!("no gear is called \"{name}\"")))
+        gears.iter().position(|gear| gear.body.name == name).ok_or_else(|| {
+            let names = gears.iter().map(|gear| gear.body.name.as_str());
+            place.error(format!("no gear is called \"{name}\"{}", nearest(name, names)))
+        })
     };
     let (driver, driven) = (find("driver", &given.driver)?, find("driven", &given.driven)?);
     let (a, b) = (&gears[driver], &gears[driven]);

@@ -10,6 +10,7 @@ mod error;
 mod gear;
 mod material;
 mod place;
+mod plausibility;
 mod shaft;
 mod teeth;
 mod train;
@@ -25,8 +26,9 @@ pub use material::Material;
 pub use shaft::{Element, Shaft};
 pub use teeth::{Engagement, Foundation, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
 
-pub(crate) use error::EntryPath;
+pub(crate) use error::{EntryPath, nearest};
 use place::Names;
+pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
 /// More elements than this are refused: dense modes of them would not fit any machine's memory.
 pub const MAX_ELEMENTS: usize = 10_000;
@@ -141,6 +143,8 @@ impl Scene {
             warnings,
         };
         (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
+        let implausible = plausibility::check(system, &scene)?;
+        scene.warnings.extend(implausible);
         Ok(scene)
     }
 
@@ -157,6 +161,16 @@ impl Scene {
     /// The shaft of this name.
     pub fn shaft(&self, name: &str) -> Option<usize> {
         self.shafts.iter().position(|shaft| shaft.name == name)
+    }
+
+    /// The shaft of this name, which the entry `at` gave.
+    ///
+    /// # Errors
+    /// [`SceneError`] if there is none.
+    pub(crate) fn known_shaft(&self, name: &str, at: &EntryPath) -> Result<usize, SceneError> {
+        let names = || self.shafts.iter().map(|shaft| shaft.name.as_str());
+        let unknown = || at.error(format!("no shaft is called \"{name}\"{}", nearest(name, names())));
+        self.shaft(name).ok_or_else(unknown)
     }
 
     /// The mesh of these two gears, in either order.

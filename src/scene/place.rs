@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::description::{Place, SceneDescription};
-use super::{EntryPath, Node, SceneError, Shaft};
+use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
 /// The names of a description, each used once.
 pub(super) struct Names<'a> {
@@ -42,7 +42,9 @@ impl<'a> Names<'a> {
 
     /// The shaft of this name, which the entry `at` gave.
     pub(super) fn shaft(&self, name: &str, at: &EntryPath) -> Result<usize, SceneError> {
-        self.shafts.get(name).copied().ok_or_else(|| at.error(format!("no shaft is called \"{name}\"")))
+        self.shafts.get(name).copied().ok_or_else(|| {
+            at.error(format!("no shaft is called \"{name}\"{}", nearest(name, self.shafts.keys().copied())))
+        })
     }
 
     /// The node at a position that [`Self::stations`] made one.
@@ -69,11 +71,12 @@ impl<'a> Names<'a> {
     fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &EntryPath) -> Result<(&'b str, f64), SceneError> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
-            Place::Body(name) => self
-                .bodies
-                .get(name.as_str())
-                .copied()
-                .ok_or_else(|| at.field("at").error(format!("no gear or disk is called \"{name}\""))),
+            Place::Body(name) => self.bodies.get(name.as_str()).copied().ok_or_else(|| {
+                at.field("at").error(format!(
+                    "no gear or disk is called \"{name}\"{}",
+                    nearest(name, self.bodies.keys().copied())
+                ))
+            }),
         }
     }
 

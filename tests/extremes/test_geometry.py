@@ -60,6 +60,7 @@ def test_short_element_does_not_change_runs(hold: Hold):
     )
 
 
+@pytest.mark.implausible
 def test_static_sag_of_slender_and_short_shafts(hold: Hold):
     worst = 0.0
     for over in (0.5, 1.0, 10.0, 100.0, 1e3, 1e4):

@@ -101,12 +101,13 @@ def test_growth_at_an_undamped_critical_speed(hold: Hold):
         3.0,
         '`initial="synchronous"`: `SceneError`; `system.synchronous`: `AccuracyWarning`',
     )
-    with pytest.raises(gb.SceneError, match="a critical one that nothing damps"):
+    with pytest.raises(gb.SceneError, match="critical speed with too little damping"):
         system.simulate(0.01, speed, initial="synchronous")
     with pytest.warns(gb.AccuracyWarning, match=r"speeds\[1\]: a displacement of"):
         system.synchronous([100.0, speed])
 
 
+@pytest.mark.implausible
 def test_response_is_proportional_to_the_bow(hold: Hold):
     worst = 0.0
     for phase in np.linspace(0, 2 * np.pi, 7):
@@ -124,6 +125,7 @@ def test_response_is_proportional_to_the_bow(hold: Hold):
     )
 
 
+@pytest.mark.implausible
 def test_train_response_is_proportional_to_a_small_bow(hold: Hold):
     def run(amplitude: float) -> np.ndarray:
         moved = []

@@ -115,6 +115,7 @@ def test_run_in_two_parts_is_bit_identical(hold: Hold, method: str):
     )
 
 
+@pytest.mark.implausible
 def test_too_many_steps_are_an_error():
     system = train()
     with pytest.raises(gb.SceneError, match=r"duration: .* more steps"):

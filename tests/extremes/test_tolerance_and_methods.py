@@ -43,6 +43,7 @@ def test_error_stays_below_a_multiple_of_rtol(hold: Hold, method: str):
     )
 
 
+@pytest.mark.implausible
 def test_smallest_tolerance(hold: Hold):
     exact = displaced(STIFFNESS["smooth"], method="rk45", rtol=1e-13)
     found = displaced(STIFFNESS["smooth"], rtol=1e-13)
@@ -59,7 +60,7 @@ def test_smallest_tolerance(hold: Hold):
         ):
             assert np.array_equal(displaced(STIFFNESS["smooth"], rtol=rtol), found)
     for rtol in (0.0, 1.0, -1.0, np.nan, np.inf):
-        with pytest.raises(gb.SceneError, match="rtol: must lie between 0 and 1"):
+        with pytest.raises(gb.SceneError, match=r"rtol: must (lie between 0 and 1|be finite)"):
             displaced(2e8, rtol=rtol)
 
 

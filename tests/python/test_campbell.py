@@ -143,8 +143,7 @@ def veering(anisotropy: float, steps: int) -> gb.Campbell:
         gb.Bearing("shaft", bearing.position, stiffness=(1e6, anisotropy * 1e6))
         for bearing in system.bearings
     ]
-    system = gb.RotorSystem(system.shafts, bearings=bearings, disks=system.disks)
-    return system.campbell(np.linspace(500.0, 2500.0, steps), count=6)
+    return system.replace(bearings=bearings).campbell(np.linspace(500.0, 2500.0, steps), count=6)
 
 
 def test_isotropic_bearings_let_forward_and_backward_cross():
@@ -208,6 +207,7 @@ def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
         assert np.abs(system.modes(intersection.speed).eigenvalues - value).min() < 1e-7 * frequency
 
 
+@pytest.mark.implausible
 def test_a_free_disk_starts_to_wobble_from_nothing():
     # a symmetric free rigid body nutates forward at Ω I_p/I_d
     shaft = gb.Shaft(
@@ -232,7 +232,7 @@ def test_a_free_disk_starts_to_wobble_from_nothing():
         ({"speeds": [-1.0, 1.0]}, r"speeds\[0\]: must not be negative, got -1"),
         ({"speeds": [0.0, np.nan]}, r"speeds\[1\]: must be finite, got nan"),
         ({"speeds": [0.0, 1.0], "count": 0}, "count: must be at least 1"),
-        ({"speeds": [0.0, 1.0], "harmonics": -1}, "harmonics: must be at least 1"),
+        ({"speeds": [0.0, 1.0], "harmonics": -1}, "harmonics: must be at least 0"),
     ],
 )
 def test_what_cannot_be_asked(given, message):

@@ -239,6 +239,7 @@ def test_function_and_points_are_the_same_curve():
 @pytest.mark.filterwarnings(
     "ignore::gearbow.AccuracyWarning"
 )  # of displacements that are not small
+@pytest.mark.implausible
 def test_response_is_linear_in_the_bow():
     at = ("s", 0.5)
     unit = forward(single_shaft(gb.Bow.half_sine(1.0)), at, 400.0)

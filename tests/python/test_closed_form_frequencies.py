@@ -152,6 +152,7 @@ def base(teeth: int) -> float:
 
 
 @pytest.mark.parametrize("options", [{}, {"motion": "torsion"}], ids=["left out", "asked for"])
+@pytest.mark.implausible
 def test_two_rigid_gears(options: dict[str, str]):
     inertias, stiffness = [0.02, 0.3], 2e8
     system = rigid_train([(25, 50)], inertias, [stiffness], **options)
@@ -163,6 +164,7 @@ def test_two_rigid_gears(options: dict[str, str]):
     assert modes.frequencies_hz[0] == pytest.approx(0, abs=1e-3)
 
 
+@pytest.mark.implausible
 def test_chain_of_four_rigid_shafts():
     teeth, inertias = [(25, 50), (20, 61), (33, 17)], [0.02, 0.3, 0.11, 0.07]
     stiffnesses = [2e8, 1e8, 3.3e8]

@@ -19,6 +19,8 @@ import gearbow as gb
 from gearbow._core import Model
 from test_response import train
 
+pytestmark = pytest.mark.implausible
+
 TIMES = os.environ.get("GEARBOW_CASES")
 
 leaves = st.one_of(

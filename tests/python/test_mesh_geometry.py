@@ -15,6 +15,9 @@ from reference.bows import HalfSine
 from reference.mesh_law import MeshLaw
 from reference.scenes import PAIR, GearAt, Geared
 
+# Shafts are stiffer than any material.
+pytestmark = pytest.mark.implausible
+
 ALPHA = np.radians(20)
 
 # Shafts so stiff and so well held that a gear centre sits where the bow and the bearings put it.

@@ -11,10 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, example, given, reject, settings
 from hypothesis import strategies as st
 
 import gearbow as gb
+
+pytestmark = pytest.mark.implausible
 
 TIMES = os.environ.get("GEARBOW_CASES")
 SPEEDS = (0.0, 40.0, -150.0, 600.0)

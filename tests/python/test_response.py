@@ -260,7 +260,7 @@ class TestTimes:
         ({"speed": "fast"}, "^speed: must be a number, .* got 'fast'"),
         ({"duration": None}, "^duration: must be a number"),
         ({"output_step": "fine"}, "^output_step: must be a number"),
-        ({"times": ["never"]}, "^times: must be numbers"),
+        ({"times": ["never"]}, r"^times\[0\]: must be a number"),
         ({"initial": 5}, "^initial: must be a name or a response, got 5"),
         ({"initial": "middle"}, "^initial: must be .*middle"),
         ({"start": "now"}, "^start: must be a number"),

@@ -263,7 +263,7 @@ def test_numpy_numbers_and_arrays_are_taken():
         st.sampled_from([0.0, -0.0, 5e-324, 1e-300, 1e300, -1e300, 1.7976931348623157e308]),
     ),
 )
-@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
+@pytest.mark.implausible
 def test_any_number_anywhere_is_taken_or_refused_in_words(path, value):
     """No other exception, no crash; and what is taken can be assembled."""
     count = path[-1] in COUNTS and abs(value) < 50

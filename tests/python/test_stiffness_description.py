@@ -141,11 +141,11 @@ SQUARE = gb.Stiffness.square(2e8)
     [
         (
             {"stiffness": "soft"},
-            r"^meshes\[0\].stiffness: must be a number \[N/m\] or a gb.Stiffness",
+            r"^meshes\[0\].stiffness: must be a number or a gb.Stiffness",
         ),
         ({"stiffness": {"model": "square"}}, r"^meshes\[0\].stiffness: must be"),
         ({"stiffness": -1.0}, r"^meshes\[0\].stiffness: "),
-        ({"stiffness": gb.Stiffness("banana")}, r"^meshes\[0\].stiffness: "),
+        ({"stiffness": gb.Stiffness("banana")}, r"^meshes\[0\].stiffness.model: "),
         ({"stiffness": gb.Stiffness.square()}, r"^meshes\[0\].stiffness: needs one of mean and"),
         ({"stiffness": gb.Stiffness.square(1e8, pair=1e8)}, r"needs one of mean and pair"),
         (
@@ -278,6 +278,7 @@ class TestValues:
             mean = mesh.stiffness.mean() / 1.5e8
             assert mean == pytest.approx(mesh.contact_ratio[0], abs=0.01)
 
+    @pytest.mark.implausible
     def test_relief_takes_pairs_off_the_ends_of_the_path(self):
         model = gb.Stiffness.square(2e8, phase="prescribed")
         plain, relieved = (

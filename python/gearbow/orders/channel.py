@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gearbow._describe import place
 from gearbow._types import Array, Record
 from gearbow.errors import ChannelError
 
@@ -68,6 +69,7 @@ def channel(response: "Response", of: Record, quantity: str | None = None) -> Ch
     ChannelError
         If it was not recorded, or there is no such quantity.
     """
+    of = place(of, "of")
     if isinstance(of, tuple) and len(of) == 3:
         name, component = _chosen(of, quantity, _BEARING)
         force = response.bearing_force(of[1], of[2])

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import number, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Record
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.orders.kinematics import Order
 from gearbow.speed import SpeedProfile
@@ -102,7 +103,8 @@ class Orders(ReadOnly):
         """
         rows = [f"{self.label}: mean {self.mean:.6g} {self.unit}, rest {self.rest:.2g}"]
         rows.append(f"{'order':>9}  {'[Hz]':>9}  {f'[{self.unit}]':>10}  excited by")
-        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")[:count]
+        most = None if count is None else whole(count, "count")
+        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")[:most]
         rows += [
             f"{self.orders[j].value:>9.6g}  {self.frequencies_hz[j]:>9.4g}"
             f"  {abs(self.amplitudes[j]):>10.4g}  {self.orders[j]}"
@@ -126,7 +128,7 @@ class Orders(ReadOnly):
         with extra("plot"):
             from gearbow.orders import figures  # noqa: PLC0415
 
-        return figures.orders(self, count)
+        return figures.orders(self, whole(count, "count"))
 
     def __str__(self) -> str:
         return self.table()
@@ -166,15 +168,10 @@ def orders(
         raise GearbowError("the orders of this response are unknown: its file does not tell them")
     if isinstance(response.speed, SpeedProfile):
         raise GearbowError("orders need a constant speed; this run changes it")
-    for name, value in (
-        ("shaft_harmonics", shaft_harmonics),
-        ("mesh_harmonics", mesh_harmonics),
-        ("sidebands", sidebands),
-    ):
-        if value < 0:
-            raise SceneError(f"{name}: must not be negative, got {value}")
     signal = channel(response, of, quantity)
-    kept = response.time >= (response.time[0] if response.time.size else 0.0) + settle
+    kept = response.time >= (response.time[0] if response.time.size else 0.0) + number(
+        settle, "settle"
+    )
     time, values = response.time[kept], signal.values[kept]
     found = response.kinematics.orders(shaft_harmonics, mesh_harmonics, sidebands)
     frequencies = np.array([order.value for order in found]) * abs(response.speed) / (2.0 * np.pi)

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from gearbow._convert import whole
+
 if TYPE_CHECKING:
     from gearbow.system import RotorSystem
 
@@ -120,6 +122,9 @@ class Kinematics:
         tuple of Order
             In ascending order.
         """
+        shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", least=0)
+        mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", least=0)
+        sidebands = whole(sidebands, "sidebands", least=0)
         named = [
             *self._shafts(shaft_harmonics),
             *self._meshes(mesh_harmonics, 0),

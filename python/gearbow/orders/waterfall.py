@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import number
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
@@ -65,7 +66,7 @@ class Waterfall(ReadOnly):
         with extra("plot"):
             from gearbow.orders import figures  # noqa: PLC0415
 
-        return figures.waterfall(self, highest)
+        return figures.waterfall(self, None if highest is None else number(highest, "highest"))
 
 
 def waterfall(

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from gearbow._run import number, reported
+from gearbow._convert import number
+from gearbow._run import reported
 from gearbow._types import Progress
 from gearbow.errors import SceneError
 from gearbow.tradeoff.plan import plan
@@ -117,7 +118,7 @@ def tradeoff(
         output_step=output_step,
         repeats=repeats,
     )
-    seconds = number(budget, "budget")
+    seconds = number(budget, "budget", infinite=True)
     if not seconds > 0.0:
         raise SceneError(f"budget: must be positive, got {budget!r}")
     with reported(progress, 100.0, "%", estimate=False) as report:

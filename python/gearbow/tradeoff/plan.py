@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from gearbow._run import grid, number, whole
+from gearbow._convert import number, whole
+from gearbow._run import grid
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.tradeoff.models import Model, simplified

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from gearbow._convert import number
 from gearbow._extras import extra
-from gearbow._run import number
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
 from gearbow.tradeoff.trial import Skipped, Trial, table

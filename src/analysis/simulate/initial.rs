@@ -13,7 +13,7 @@ use crate::mesh::Geometry;
 use crate::modal::CachedModel;
 use crate::model::DofKind;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
-use crate::scene::{SceneError, Shaft};
+use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
 
 /// A tolerance is relative to no less than this part of the energy norm of the equilibrium: what round-off leaves of it.
 const FLOOR: f64 = 1e-9;
@@ -107,7 +107,8 @@ pub(super) fn start(
     Ok(Start { course, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
 }
 
-/// A linear synchronous motion as long as the shafts is that of a critical speed which nothing damps.
+/// A linear synchronous motion as long as the shafts is that of an unbalance in wrong units, or of a critical speed with
+/// too little damping.
 fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
     let model = &cached.model;
     let longest = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
@@ -116,8 +117,17 @@ fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Resul
     if largest < longest {
         return Ok(());
     }
+    if let Some(body) = model.scene.bodies().find(|body| implausible_unbalance(&model.scene, body)) {
+        let message = format!(
+            "the synchronous motion would be {largest:.1e} m, because the unbalance of \"{}\" is {:.4e} kg m, an eccentricity of {:.1e} m; is it in g mm?",
+            body.name,
+            body.unbalance.norm(),
+            eccentricity(&model.scene, body)
+        );
+        return Err(SceneError::new("initial", message));
+    }
     let message = format!(
-        "the synchronous motion would be {largest:.1e} m at this speed, a critical one that nothing damps; take \"static\" or \"rest\""
+        "the synchronous motion would be {largest:.1e} m: this speed is a critical speed with too little damping; add damping, change the speed, or start from \"static\" or \"rest\""
     );
     Err(SceneError::new("initial", message))
 }

@@ -2,7 +2,10 @@
 
 use crate::exponential::Selection;
 use crate::model::Model;
-use crate::scene::{EntryPath, Node, SceneError};
+use crate::scene::{EntryPath, Node, SceneError, nearest};
+
+/// Names of everything of one kind.
+const GROUPS: [&str; 6] = ["gears", "disks", "meshes", "bearings", "nodes", "energy"];
 
 /// One entry of a list of what to record.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,8 +69,13 @@ impl RecordPlan {
                     (Some(body), _) => self.add_point(model, body.node),
                     (None, Some(shaft)) => self.add_shaft(model, shaft),
                     (None, None) => {
-                        let groups = "gears, disks, meshes, bearings, nodes, energy";
-                        return Err(at.error(format!("\"{name}\" is no gear, disk or shaft, and none of {groups}")));
+                        let bodies = scene.bodies().map(|body| body.name.as_str());
+                        let shafts = scene.shafts.iter().map(|shaft| shaft.name.as_str());
+                        let near = nearest(name, bodies.chain(shafts).chain(GROUPS));
+                        let groups = GROUPS.join(", ");
+                        return Err(
+                            at.error(format!("\"{name}\" is no gear, disk or shaft, and none of {groups}{near}"))
+                        );
                     }
                 },
             },
@@ -81,7 +89,13 @@ impl RecordPlan {
             }
             Request::Mesh(first, second) => {
                 let mesh = scene.mesh(first, second);
-                self.add_mesh(mesh.ok_or_else(|| at.error(format!("\"{first}\" and \"{second}\" are not in mesh")))?);
+                let near = || {
+                    let gears = || scene.gears.iter().map(|gear| gear.body.name.as_str());
+                    let unknown = [first, second].into_iter().find(|name| !gears().any(|gear| gear == name.as_str()));
+                    unknown.map_or_else(String::new, |name| nearest(name, gears()))
+                };
+                let error = || at.error(format!("\"{first}\" and \"{second}\" are not in mesh{}", near()));
+                self.add_mesh(mesh.ok_or_else(error)?);
             }
         }
         Ok(())
@@ -151,7 +165,7 @@ impl RecordPlan {
 }
 
 fn node(model: &Model, shaft: &str, position: f64, at: &EntryPath) -> Result<Node, SceneError> {
-    let index = model.scene.shaft(shaft).ok_or_else(|| at.error(format!("no shaft is called \"{shaft}\"")))?;
+    let index = model.scene.known_shaft(shaft, at)?;
     let node = model.scene.shafts[index].node_at(position);
     let node = node.ok_or_else(|| at.error(format!("shaft \"{shaft}\" has no node at {position} m")))?;
     Ok(Node { shaft: index, node })

@@ -3,6 +3,7 @@
 //! One type for every way in. Nothing here is checked beyond its type: [`Scene::new`](super::Scene::new) does that,
 //! once, and names the place of what is wrong. SI units and radians throughout.
 
+mod reading;
 mod teeth;
 
 use num_complex::Complex64;
@@ -11,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
 };
+
+use reading::{some_whole, whole};
 
 use super::SceneError;
 
@@ -110,7 +113,7 @@ pub struct Shaft {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_diameter: Option<f64>,
     /// The least number of elements.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
     /// Shear deformation; on by default.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -138,7 +141,7 @@ pub struct Segment {
     #[serde(default)]
     pub inner_diameter: f64,
     /// The least number of elements.
-    #[serde(default = "one")]
+    #[serde(default = "one", deserialize_with = "whole")]
     pub elements: usize,
 }
 
@@ -169,7 +172,7 @@ pub struct Bow {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
     /// Half waves over the length.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub number: Option<u32>,
     /// Positions of the points, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -233,6 +236,7 @@ pub struct Gear {
     /// Where on the shaft, m.
     pub position: f64,
     /// Number of teeth.
+    #[serde(deserialize_with = "whole")]
     pub teeth: u32,
     /// Module, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -381,14 +385,16 @@ impl SceneDescription {
     /// # Errors
     /// [`SceneError`] with the path of the entry that does not fit.
     pub fn deserialize<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
-        serde_path_to_error::deserialize(source).map_err(|error| {
-            let path = match error.path().to_string() {
-                path if path == "." || path.is_empty() => "system".to_owned(),
-                path => path,
-            };
-            let message = error.into_inner().to_string();
-            SceneError::new(path, message.trim_end())
-        })
+        reading::located(source)
+    }
+
+    /// Reads a description from a source that would convert truth values and texts to numbers, as Python's objects do.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the entry that does not fit.
+    pub fn from_objects<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
+        // Values keep the kind of every entry.
+        Self::deserialize(reading::located::<toml::Value, D>(source)?)
     }
 
     /// Writes the description as TOML.

@@ -1,15 +1,52 @@
 //! The teeth of a mesh, as a user describes them.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Stiffness of a mesh: a mean, or a model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected a number [N/m] or a stiffness model with the parameters that it has")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Stiffness {
     /// Mean, N/m.
     Mean(f64),
     /// A model.
     Model(StiffnessModel),
+}
+
+/// Not derived: an error inside a model names the field, which trying one variant after the other does not.
+impl<'de> Deserialize<'de> for Stiffness {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        struct Reader;
+
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Stiffness;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a number [N/m] or a stiffness model")
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Stiffness, E> {
+                Ok(Stiffness::Mean(value))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Stiffness, E> {
+                Ok(Stiffness::Mean(value as f64))
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Stiffness, E> {
+                Ok(Stiffness::Mean(value as f64))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Stiffness, A::Error> {
+                StiffnessModel::deserialize(MapAccessDeserializer::new(map)).map(Stiffness::Model)
+            }
+        }
+
+        source.deserialize_any(Reader)
+    }
 }
 
 /// The family of a stiffness model.

@@ -1,0 +1,166 @@
+"""Conversion of arguments to plain numbers: the one place that decides what counts as a number.
+
+Text, truth values, complex numbers, dates and masked arrays are no real numbers, even where Python
+or NumPy would convert them: each of them is more likely a slip. Every error is a `SceneError` that
+begins with the path of the argument.
+"""
+
+import math
+import numbers
+from collections.abc import Iterable, Mapping
+from operator import index
+from typing import Any
+
+import numpy as np
+
+from gearbow._types import Array, Plain
+from gearbow.errors import SceneError
+
+#: Integers from this size on are converted to floats: the core reads 64 bits.
+_LARGEST_INTEGER = 2**63
+#: Keys whose values may be complex.
+_COMPLEX = ("unbalance", "run_out")
+#: Longest representation of a value in an error message.
+_LONGEST = 100
+
+
+def shown(value: object) -> str:
+    """Give the representation of a value, shortened to fit into a message."""
+    try:
+        text = repr(value)
+    except ValueError:  # integers of more than 4300 digits have none
+        text = "a very large integer"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def real(value: object, path: str, wanted: str = "a number") -> float:
+    """Convert one real number; NaN and infinity pass, since the core refuses them.
+
+    Integers stay integers. NumPy scalars, arrays without axes and objects with ``__float__`` or
+    ``__index__`` are numbers too.
+    """
+    if type(value) is float:
+        return value
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if not _is_real(value):
+        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}")
+    try:
+        if hasattr(value, "__index__"):
+            whole = index(value)
+            return whole if abs(whole) < _LARGEST_INTEGER else float(whole)
+        return float(value)  # type: ignore[arg-type]  # it has __float__
+    except (TypeError, ValueError):
+        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}") from None
+    except OverflowError:
+        raise SceneError(
+            f"{path}: must be below 1.8e308, the largest floating-point number, got {shown(value)}"
+        ) from None
+
+
+def number(value: object, path: str, *, infinite: bool = False) -> float:
+    """Convert one real number, finite unless infinity means something."""
+    found = float(real(value, path))
+    if not (math.isfinite(found) or (infinite and found == math.inf)):
+        raise SceneError(f"{path}: must be finite, got {found}")
+    return found
+
+
+def whole(value: object, path: str, least: int = 1) -> int:
+    """Convert one whole number; 25.0 is one, 25.5 is not."""
+    found = real(value, path, "a whole number")
+    if not float(found).is_integer():
+        raise SceneError(f"{path}: must be a whole number, got {found}")
+    if found < least:
+        raise SceneError(f"{path}: must be at least {least}, got {shown(value)}")
+    return int(found)
+
+
+def complex_number(value: object, path: str) -> Plain:
+    """Convert a real number, a complex number or a pair [re, im]; complex becomes a pair."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, (complex, np.complexfloating)):
+        return [float(value.real), float(value.imag)]
+    if isinstance(value, (tuple, list, np.ndarray)):
+        return nested(value, path)
+    return real(value, path)
+
+
+def nested(value: object, path: str) -> Plain:
+    """Convert a real number, or sequences of them in sequences, to numbers and lists."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise SceneError(f"{path}: must not be a masked array; give its `.filled()` values")
+    if hasattr(value, "__array__") and not isinstance(value, np.generic):
+        value = np.asarray(value)
+        if value.ndim > 0 and value.dtype.kind in "iuf":
+            # Extended precision has no other plain form.
+            return value.astype(np.float64).tolist() if value.dtype.kind == "f" else value.tolist()
+    if getattr(value, "ndim", None) == 0 or not _is_sequence(value):
+        return real(value, path)
+    return [nested(item, f"{path}[{i}]") for i, item in enumerate(value)]  # type: ignore[arg-type,var-annotated]  # checked
+
+
+def array(values: object, path: str, *, least: int = 1) -> Array:
+    """Convert a sequence of finite real numbers; a single number is a sequence of one."""
+    found = matrix(values, path)
+    if found.ndim == 0:
+        found = found.reshape(1)
+    if found.ndim != 1:
+        raise SceneError(f"{path}: must be one sequence of numbers, got the shape {found.shape}")
+    if found.size < least:
+        raise SceneError(f"{path}: must have at least {least} number(s), got {found.size}")
+    if not np.isfinite(found).all():
+        i = int(np.argmin(np.isfinite(found)))
+        raise SceneError(f"{path}[{i}]: must be finite, got {found[i]}")
+    return found
+
+
+def matrix(values: object, path: str) -> Array:
+    """Convert nested sequences of real numbers to an array of any number of axes."""
+    converted = nested(values, path)  # its errors are ValueErrors too
+    try:
+        found: Array = np.array(converted, dtype=np.float64)
+    except ValueError:
+        raise SceneError(f"{path}: must have rows of equal lengths, got {shown(values)}") from None
+    return found
+
+
+def text(value: object, path: str) -> str:
+    """Convert a text."""
+    if not isinstance(value, str):
+        raise SceneError(f"{path}: must be text, got {shown(value)}")
+    return str(value)
+
+
+def _is_real(value: object) -> bool:
+    if isinstance(value, (bool, np.bool_, str, bytes, bytearray, np.ma.MaskedArray)):
+        return False
+    if isinstance(value, np.generic):
+        return value.dtype.kind in "iuf"
+    if isinstance(value, numbers.Complex):
+        return isinstance(value, numbers.Real)
+    if getattr(value, "ndim", 0) != 0:
+        return False
+    return hasattr(value, "__float__") or hasattr(value, "__index__")
+
+
+def _is_sequence(value: object) -> bool:
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, bytearray, Mapping))
+
+
+def copied(value: Any, path: str) -> Plain:
+    """Convert nested mappings and sequences of numbers, texts and truth values to plain data."""
+    if isinstance(value, Mapping):
+        return {
+            text(key, path): copied(item, f"{path}.{key}" if path else key)
+            for key, item in value.items()
+            if item is not None
+        }
+    if isinstance(value, (str, bool, np.bool_)):
+        return value if isinstance(value, str) else bool(value)
+    if path.rsplit(".", 1)[-1] in _COMPLEX:
+        return complex_number(value, path)
+    if _is_sequence(value) and not isinstance(value, np.ndarray):
+        return [copied(item, f"{path}[{i}]") for i, item in enumerate(value)]
+    return nested(value, path)

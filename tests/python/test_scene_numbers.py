@@ -1,0 +1,348 @@
+"""What counts as a number: every argument of every public callable refuses what is none, in words."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime as dt
+import math
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.spoilt import SCENE, build, numbers, spoil, written
+
+#: What is no real number, though Python or NumPy would convert most of them.
+WRONG = {
+    "text": "1",
+    "bytes": b"1",
+    "truth value": True,
+    "NumPy truth value": np.bool_(True),
+    "complex": 1.0 + 1.0j,
+    "NumPy complex": np.complex128(1.0),
+    "date": np.datetime64("2020-01-01"),
+    "time difference": np.timedelta64(1, "s"),
+    "Python time difference": dt.timedelta(1),
+    "masked": np.ma.masked,
+    "masked array": np.ma.masked_array([1.0], [True]),
+    "beyond floats": 10**400,
+    "beyond texts": 10**5000,
+    "mapping": {"a": 1.0},
+    "object": object(),
+    "empty text": "",
+}
+#: What is one.
+RIGHT = {
+    "int": 1,
+    "NumPy int": np.int32(1),
+    "NumPy float": np.float32(1.0),
+    "extended": np.longdouble(1.0),
+    "no axes": np.array(1.0),
+    "fraction": Fraction(1),
+    "decimal": Decimal(1),
+}
+COMPLEX = ("unbalance",)
+
+
+def rotor() -> gb.RotorSystem:
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    return gb.RotorSystem(
+        [shaft],
+        bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
+        disks=[gb.Disk("wheel", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-4)],
+    )
+
+
+@pytest.fixture(scope="module")
+def system() -> gb.RotorSystem:
+    return rotor()
+
+
+@pytest.fixture(scope="module")
+def response(system: gb.RotorSystem) -> gb.Response:
+    return system.simulate(0.05, 100.0, record=["wheel"], output_step=1e-3)
+
+
+def wrong(*without: str) -> Any:
+    return pytest.mark.parametrize(
+        "value",
+        [value for name, value in WRONG.items() if name not in without],
+        ids=[name for name in WRONG if name not in without],
+    )
+
+
+# --- the fields of parts ---------------------------------------------------------------------------------------
+
+
+@wrong()
+@pytest.mark.parametrize("path", numbers(SCENE), ids=written)
+def test_a_field_that_is_no_number(path: tuple[str | int, ...], value: object):
+    if path[-1] in COMPLEX and isinstance(value, complex):
+        return
+    start = written(path[:1])
+    with pytest.raises(gb.SceneError) as caught:
+        build(spoil(list(path), value))
+    text = str(caught.value)
+    # Constructors of bows and models know the field, not yet the part.
+    assert text.startswith((start, "bow.", str(path[-2:][0]))), text
+
+
+def test_every_numeric_field_is_in_that_scene():
+    """So that the test above misses none that a part has."""
+    beside = {"shear_modulus", "run_out", "backlash", "bow", "error", "tip_relief", "segments"}
+    parts = (gb.Material, gb.Segment, gb.Shaft, gb.Disk, gb.Gear, gb.Mesh, gb.Bearing)
+    known = {key for path in numbers(SCENE) for key in path}
+    for part in parts:
+        for field in dataclasses.fields(part):
+            texts = {"name", "shaft", "driver", "driven", "material", "shear"}
+            assert field.name in known | beside | texts, (part, field.name)
+
+
+@wrong()
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x: gb.Shaft("s", length=1.0, outer_diameter=0.1, elements=2, bow=gb.Bow.sag(x)),
+        lambda x: gb.Shaft(
+            "s", length=1.0, outer_diameter=0.1, elements=2, bow=gb.Bow.mode(x, 1e-4)
+        ),
+        lambda x: gb.Shaft(
+            "s",
+            length=x,
+            outer_diameter=0.1,
+            elements=2,
+            bow=gb.Bow.function(lambda at: 1e-4 * at),
+        ),
+        lambda x: gb.Shaft(
+            "s",
+            length=1.0,
+            outer_diameter=0.1,
+            elements=2,
+            material=gb.Material(2e11, 7800.0, shear_modulus=x),
+        ),
+        lambda x: gb.Shaft("s", segments=[gb.Segment(0.1, x)]),
+    ],
+)
+def test_a_shaft_with_what_is_no_number(make, value):
+    with pytest.raises(gb.SceneError, match=r"^shafts\[0\]"):
+        gb.RotorSystem([make(value)])
+
+
+def pair(**mesh: Any) -> gb.RotorSystem:
+    gear = {"module": 3e-3, "face_width": 0.03}
+    return gb.RotorSystem(
+        [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in "ab"],
+        gears=[gb.Gear(f"g{x}", x, 0.25, 30, **gear) for x in "ab"],
+        meshes=[gb.Mesh("ga", "gb", **mesh)],
+    )
+
+
+@wrong()
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x: {"stiffness": gb.Stiffness.square(x)},
+        lambda x: {"stiffness": gb.Stiffness.parabolic(pair=x)},
+        lambda x: {"stiffness": gb.Stiffness.parabolic(2e8, end_ratio=x)},
+        lambda x: {"stiffness": gb.Stiffness.square(2e8, engagement=x)},
+        lambda x: {"stiffness": gb.Stiffness.table([2e8, x, 2e8])},
+        lambda x: {"stiffness": gb.Stiffness.fourier(2e8, [x])},
+        lambda x: {"stiffness": gb.Stiffness.potential_energy([x, 0.01])},
+        lambda x: {"stiffness": gb.Stiffness.square(2e8), "tip_relief": gb.TipRelief(x, 1e-3)},
+        lambda x: {"error": gb.TransmissionError(tooth=[(1e-6, x)])},
+        lambda x: {"error": gb.TransmissionError(table=[0.0, 1e-6, x])},
+        lambda x: {"backlash": x},
+    ],
+)
+def test_teeth_with_what_is_no_number(make, value):
+    with pytest.raises(gb.SceneError, match=r"^(meshes\[0\]|values|amplitudes|bore|tooth|table)"):
+        pair(**make(value))
+
+
+# --- the arguments of functions --------------------------------------------------------------------------------
+
+ARGUMENTS = {
+    "modes speed": (lambda s, _, x: s.modes(x), "speed"),
+    "modes count": (lambda s, _, x: s.modes(0.0, x), "count"),
+    "campbell speeds": (lambda s, _, x: s.campbell([0.0, x]), "speeds"),
+    "campbell count": (lambda s, _, x: s.campbell([0.0, 1.0], count=x), "count"),
+    "campbell harmonics": (lambda s, _, x: s.campbell([0.0, 1.0], harmonics=x), "harmonics"),
+    "critical stiffness": (lambda s, _, x: s.critical_speed_map([x]), "stiffnesses"),
+    "critical excitation": (
+        lambda s, _, x: s.critical_speed_map([1e8], excitation=x),
+        "excitation",
+    ),
+    "synchronous": (lambda s, _, x: s.synchronous([1.0, x]), "speeds"),
+    "slow roll": (lambda s, _, x: s.synchronous([1.0]).less_slow_roll(x), "speed"),
+    "operating": (
+        lambda s, _, x: s.synchronous([1.0, 2.0]).peaks("wheel", operating=(x, 2.0)),
+        "operating",
+    ),
+    "balance speed": (lambda s, _, x: s.balance(["wheel"], x), "speed"),
+    "balance plane": (lambda s, _, x: s.balance([("rotor", x)], 1.0), "planes"),
+    "duration": (lambda s, _, x: s.simulate(x, 1.0), "duration"),
+    "speed": (lambda s, _, x: s.simulate(1e-3, x), "speed"),
+    "speed table": (lambda s, _, x: s.simulate(1e-3, ([0.0, 1.0], [1.0, x])), "speed"),
+    "step": (lambda s, _, x: s.simulate(1e-3, 1.0, step=x), "step"),
+    "rtol": (lambda s, _, x: s.simulate(1e-3, 1.0, rtol=x), "rtol"),
+    "stages": (lambda s, _, x: s.simulate(1e-3, 1.0, stages=x), "stages"),
+    "modes": (lambda s, _, x: s.simulate(1e-3, 1.0, modes=x), "modes"),
+    "output_step": (lambda s, _, x: s.simulate(1e-3, 1.0, output_step=x), "output_step"),
+    "times": (lambda s, _, x: s.simulate(1e-3, 1.0, times=[0.0, x]), "times"),
+    "start": (lambda s, _, x: s.simulate(1e-3, 1.0, start=x), "start"),
+    "record": (lambda s, _, x: s.simulate(1e-3, 1.0, record=[("rotor", x)]), "record"),
+    "tradeoff": (lambda s, _, x: s.tradeoff(x, 1.0, of="wheel"), "duration"),
+    "ramp": (lambda *a: gb.SpeedProfile.ramp(0.0, 1.0, a[2]), "speed"),
+    "ramp start": (lambda *a: gb.SpeedProfile.ramp(a[2], 1.0, 1.0), "speed"),
+    "table": (lambda *a: gb.SpeedProfile.table([0.0, a[2]], [0.0, 1.0]), "speed"),
+    "profile": (lambda *a: gb.SpeedProfile([0.0, 1.0], [[a[2]]]), "speed"),
+    "gravity": (lambda s, _, x: s.replace(gravity=x), "gravity"),
+    "gravity vector": (lambda s, _, x: s.replace(gravity=(0.0, x)), "gravity"),
+    "modal damping": (lambda s, _, x: s.replace(modal_damping=x), "modal_damping"),
+    "rayleigh": (lambda s, _, x: s.replace(rayleigh=(x, 0.0)), "rayleigh"),
+    "orders settle": (lambda _, r, x: r.orders("wheel", settle=x), "settle"),
+    "orders shafts": (lambda _, r, x: r.orders("wheel", shaft_harmonics=x), "shaft_harmonics"),
+    "orders meshes": (lambda _, r, x: r.orders("wheel", mesh_harmonics=x), "mesh_harmonics"),
+    "orders sidebands": (lambda _, r, x: r.orders("wheel", sidebands=x), "sidebands"),
+    "orders of": (lambda _, r, x: r.orders(("rotor", x)), "of"),
+    "spectrum of": (lambda _, r, x: r.spectrum(("rotor", x)), "of"),
+    "displacement": (lambda _, r, x: r.displacement(("rotor", x)), "name"),
+    "bearing force": (lambda _, r, x: r.bearing_force("rotor", x), "position"),
+    "static displacement": (lambda s, _, x: s.static().displacement(("rotor", x)), "at"),
+    "static bearing": (lambda s, _, x: s.static().bearing_force("rotor", x), "position"),
+    "synchronous place": (lambda s, _, x: s.synchronous([1.0]).displacement(("rotor", x)), "at"),
+    "synchronous bearing": (
+        lambda s, _, x: s.synchronous([1.0]).bearing_force("rotor", x),
+        "position",
+    ),
+    "modes table": (lambda s, _, x: s.modes().table(x), "count"),
+    "modes plot": (lambda s, _, x: s.modes().plot(x), "number"),
+    "map plot": (lambda s, _, x: s.critical_speed_map([1e8]).plot(x), "count"),
+    "profile at": (lambda *a: gb.SpeedProfile.ramp(0.0, 1.0, 1.0)(a[2]), "times"),
+    "dictionary": (lambda s, _, x: gb.RotorSystem.from_dict({**s.description, "gravity": x}), ""),
+}
+#: A name where a number may stand beside names.
+NAMES = ("record", "balance plane", "orders of", "spectrum of", "displacement")
+
+
+@pytest.mark.parametrize("name", ARGUMENTS)
+@wrong()
+def test_an_argument_that_is_no_number(name, value, system, response):
+    where = ARGUMENTS[name][1]
+    if isinstance(value, str) and (name in NAMES or where == "at"):
+        return
+    with pytest.raises(gb.GearbowError, match=rf"^{where}"):
+        ARGUMENTS[name][0](system, response, value)
+
+
+@pytest.mark.parametrize("value", RIGHT.values(), ids=RIGHT)
+def test_other_numbers_are_numbers(value, system):
+    assert system.modes(value).speed == 1.0
+    assert system.synchronous([value, value]).speeds.tolist() == [1.0, 1.0]
+    assert system.campbell([value], count=value).speeds.tolist() == [1.0]
+    longer = system.replace(
+        shafts=[gb.Shaft("rotor", length=value, outer_diameter=0.05, elements=value)]
+    )
+    assert longer.description["shafts"][0]["length"] == 1.0
+    assert longer.description["shafts"][0]["elements"] == 1
+    assert system.simulate(1e-3, value, record=["wheel"]).speed == 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda s: s.synchronous([[1.0, 2.0]]), r"^speeds: must be one sequence .* \(1, 2\)"),
+        (lambda s: s.synchronous([]), "^speeds: must have at least 1"),
+        (lambda s: s.synchronous([[1.0], [1.0, 2.0]]), "^speeds: must have rows of equal lengths"),
+        (lambda s: s.synchronous(np.ma.masked_array([1.0, 2.0], [0, 1])), "^speeds: .*masked"),
+        (lambda s: s.synchronous([1.0, "2"]), r"^speeds\[1\]: must be a number, got '2'"),
+        (lambda s: s.synchronous([math.nan]), r"^speeds\[0\]: must be finite, got nan"),
+        (lambda s: s.campbell([]), "^speeds: must have at least 1"),
+        (lambda s: s.critical_speed_map([]), "^stiffnesses: must have at least 1"),
+        (lambda s: s.modes(0.0, -1), "^count: must be at least 1, got -1"),
+        (lambda s: s.modes(0.0, 2.5), "^count: must be a whole number, got 2.5"),
+        (lambda s: s.modes(math.nan), "^speed: must be finite, got nan"),
+        (lambda s: s.balance(["wheel"], 100.0, points=[]), "^points: must name at least one"),
+        (lambda s: s.balance([], 100.0), "^planes: must"),
+        (lambda s: s.balance([None], 100.0), r"^planes\[0\]: must be a name"),
+        (lambda s: s.balance(None, 100.0), "^planes: must be a list"),
+        (lambda s: s.simulate(10**400, 1.0), "^duration: must be below 1.8e308"),
+        (lambda s: s.simulate(1e-3, 1.0, record=[None]), r"^record\[0\]: must be a name or"),
+        (lambda s: s.simulate(1e-3, 1.0, record=None), "^record: must be a list"),
+        (lambda s: s.simulate(1e-3, 1.0, record=5), "^record: must be a list"),
+        (lambda s: s.simulate(1e-3, 1.0, record=[("wheel",)]), r"^record\[0\]: must be"),
+        (lambda s: s.simulate(1e-3, 1.0, method=4), "^method: must be text"),
+        (lambda s: s.simulate(1e-3, 1.0, geometry=None), "^geometry: must be text"),
+        (lambda s: s.simulate(1e-3, 1.0, times=[[0.0, 1e-3]]), r"^times: must be one sequence"),
+        (lambda s: s.simulate(1e-3, ([0.0, 1.0], [1.0])), "^speed: needs as many"),
+        (lambda s: s.simulate(1e-3, 1.0).plot("orbits", []), "^names: must name at least one"),
+        (lambda s: s.replace(reference=1), "^reference: must be text"),
+        (lambda s: s.replace(motion=["coupled"]), "^motion: must be text"),
+        (lambda s: s.replace(shafts=None), "^shafts: must be a list"),
+        (lambda _: gb.RotorSystem.from_dict([]), "^description: must be a mapping"),
+        (lambda _: gb.Bow.points(None, [1.0]), "^bow.positions: must be a number"),
+    ],
+)
+def test_a_call_that_cannot_be(call, text, system):
+    with pytest.raises(gb.GearbowError, match=text):
+        call(system)
+
+
+# --- whole numbers ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("elements", [8.0, np.float32(8.0), np.int8(8), Fraction(8)])
+def test_a_whole_number_may_be_written_as_a_float(elements):
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements)
+    system = gb.RotorSystem([shaft])
+    assert system.description["shafts"][0]["elements"] == 8
+    assert len({x for _, x, _ in system.dofs}) == 9
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (25.5, "must be a whole number, got 25.5"),
+        (-3, "must be at least"),
+        (-3.0, "must be at least"),
+        (2**40, "must be smaller"),
+        (1e300, "must be a whole number"),
+        (math.nan, "must be a whole number, got"),
+    ],
+)
+def test_teeth_that_are_no_whole_number(value, text):
+    with pytest.raises(gb.SceneError, match=rf"^gears\[0\].teeth: {text}"):
+        build(spoil(["gears", 0, "teeth"], value))
+
+
+def test_files_read_whole_numbers_alike(tmp_path):
+    system = rotor()
+    file = tmp_path / "scene.toml"
+    system.save(file)
+    text = file.read_text()
+    assert "elements = 4" in text
+    file.write_text(text.replace("elements = 4", "elements = 4.0"))
+    assert gb.RotorSystem.load(file).description == system.description
+    file.write_text(text.replace("elements = 4", "elements = 4.5"))
+    with pytest.raises(
+        gb.SceneError, match=r"(?s)^shafts\[0\].elements: .*must be a whole number, got 4.5"
+    ):
+        gb.RotorSystem.load(file)
+    file.write_text(text.replace("elements = 4", "elements = true"))
+    with pytest.raises(gb.SceneError, match=r"(?s)^shafts\[0\].elements: .*whole number"):
+        gb.RotorSystem.load(file)
+
+
+def test_a_file_that_is_not_text(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_bytes("[[shafts]]\nname = 'Wellenlänge'\n".encode("latin-1"))
+    with pytest.raises(gb.SceneError, match=r"^toml: .*scene.toml is not UTF-8 text .*0xe4"):
+        gb.RotorSystem.load(file)
+
+
+def test_integers_beyond_64_bits_are_numbers():
+    stiff = gb.Bearing("rotor", 0.0, stiffness=10**20)
+    assert stiff._describe("bearings[0]")["stiffness"] == 1e20
