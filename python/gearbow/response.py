@@ -62,13 +62,14 @@ class MeshResponse:
     stiffness : ndarray, shape (k,)
         Mesh stiffness [N/m].
     pressure_angle : ndarray, shape (k,)
-        Operating pressure angle of the moving centres [rad].
+        Operating pressure angle of the moving centres [rad]. NaN where the base circles overlap, in
+        frozen geometry.
     centre_distance : ndarray, shape (k,)
         Distance of the moving centres [m].
     centre_line_angle : ndarray, shape (k,)
         Angle of the line of centres, driver to driven, from y towards z [rad].
     contact_ratio : ndarray, shape (k,)
-        Contact ratio at the moving centres.
+        Contact ratio at the moving centres, NaN where the base circles overlap.
     pairs_in_contact : ndarray, shape (k,)
         Number of tooth pairs that carry load.
     """
@@ -356,6 +357,10 @@ class Response:
     @property
     def events(self) -> tuple[Event, ...]:
         """What the meshes did between the recorded times: contact, separation, loss of overlap.
+
+        A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
+        only after the start of the run. The mode at the start, flanks that touch there and part or
+        press at once included, is not an event.
 
         Returns
         -------

@@ -63,13 +63,13 @@ class MeshState:
     stiffness : float
         Mesh stiffness [N/m].
     pressure_angle : float
-        Operating pressure angle [rad].
+        Operating pressure angle [rad]. NaN where the base circles overlap, in frozen geometry.
     centre_distance : float
         Distance of the centres [m].
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     contact_ratio : float
-        Contact ratio.
+        Contact ratio, NaN where the base circles overlap.
     pairs_in_contact : float
         Number of tooth pairs that carry load.
     """

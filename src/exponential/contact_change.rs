@@ -14,6 +14,8 @@ const WIDER: f64 = 64.0;
 const SAME: f64 = 1e-9;
 /// It is moved by no more than this part.
 const NEAR: f64 = 0.05;
+/// Where the law of the motion itself is evaluated after the last change, as parts of the rest of the step.
+const AFTER: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.5];
 /// How often it is looked for.
 const REFINEMENTS: usize = 6;
 
@@ -75,32 +77,37 @@ impl Driver {
         // change is looked for again, near by, on what is then right at the change.
         let mut change = self.narrow(stepper, state, step, (low, high))?;
         self.keep_contact_modes(stepper, state, step, change)?;
+        let mut is_found = false;
         for _ in 0..REFINEMENTS {
-            if !stepper.field.motion.motion_changes_contact_modes() || change - begin <= SAME {
+            is_found = !stepper.field.motion.motion_changes_contact_modes() || change - begin <= SAME;
+            if is_found {
                 break;
             }
             let z = self.sample.within(stepper, level, &state.y, change * step);
             stepper.measure_off(change, state.elapsed + change * step, z, &mut self.point, &mut self.off);
             let near = ((change - NEAR).max(begin), (change + NEAR).min(1.0));
             if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
-                // It is off by more than the scalars move: only the motion itself tells.
-                if let Some(found) = self.bisect(stepper, level, state, (begin, high))? {
-                    change = found;
-                    self.keep_contact_modes(stepper, state, step, change)?;
-                }
                 break;
             }
             let again = self.narrow(stepper, state, step, near)?;
-            // Where only the end of the bracket holds, the change stays where it was found.
-            let moved = again - change;
             if again + RESOLUTION >= near.1 {
                 break;
             }
+            let moved = again - change;
             change = again;
             self.keep_contact_modes(stepper, state, step, change)?;
-            if moved.abs() <= SAME {
+            is_found = moved.abs() <= SAME;
+            if is_found {
                 break;
             }
+        }
+        if !is_found {
+            // The polynomial is off by more than the scalars move near the change: only the motion itself tells.
+            let Some(found) = self.bisect(stepper, level, state, (begin, high))? else {
+                self.off.fill(0.0);
+                return Ok(None);
+            };
+            change = found;
         }
         self.off.fill(0.0);
         self.found.clone_from(&self.after);
@@ -111,9 +118,11 @@ impl Driver {
         Ok(Some(ContactChange { ticks: whole * unit, at: state.elapsed + change * step }))
     }
 
-    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the
-    /// polynomial is left to meet it there. None where flanks graze: what has just been adopted is the law by round-off
-    /// alone.
+    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the laws
+    /// after it are left in `after`, and the polynomial meets the motion there. None if the motion keeps the law.
+    ///
+    /// At the beginning, touching flanks have a deflection of round-off, which shows any law. There the law counts on
+    /// which two instants soon after agree; it holds from the beginning on.
     fn bisect(
         &mut self,
         stepper: &Stepper<'_>,
@@ -124,18 +133,38 @@ impl Driver {
         let step = stepper.cache.time_grid.step(level);
         if !self.changed_truly(stepper, level, state, high)? {
             high = 1.0;
-        }
-        if self.changed_truly(stepper, level, state, low)? {
-            (low, high) = ((state.carry / step).min(1.0), low);
-            if low >= high || self.changed_truly(stepper, level, state, low)? {
+            if !self.changed_truly(stepper, level, state, high)? {
                 return Ok(None);
             }
+        }
+        if self.changed_truly(stepper, level, state, low)? {
+            let begin = (state.carry / step).min(1.0);
+            let (mut unchanged, mut seen) = (None, false);
+            for part in AFTER {
+                let at = begin + part * (high - begin);
+                if !self.changed_truly(stepper, level, state, at)? {
+                    unchanged = Some(at);
+                } else if unchanged.is_some() {
+                    high = at;
+                    break;
+                } else if seen && self.found == self.after {
+                    return Ok(Some(begin));
+                } else {
+                    seen = true;
+                    self.after.clone_from(&self.found);
+                }
+            }
+            let Some(at) = unchanged else {
+                return Ok(Some(begin));
+            };
+            low = at;
         }
         while high - low > RESOLUTION {
             let middle = (low + high) / 2.0;
             if self.changed_truly(stepper, level, state, middle)? { high = middle } else { low = middle }
         }
         self.changed_truly(stepper, level, state, high)?;
+        self.after.clone_from(&self.found);
         Ok(Some(high))
     }
 

@@ -157,6 +157,22 @@ impl GearMesh {
         self.involute.centres(self.relative_displacement(turning, position))
     }
 
+    /// The moving centres as a response reports them. The force of frozen geometry does not depend on them, so base
+    /// circles that overlap end no run there.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles in live geometry.
+    pub(super) fn reported_centres(
+        &self,
+        geometry: Geometry,
+        relative_displacement: [f64; 2],
+    ) -> Result<Centres, Overlap> {
+        match (geometry, self.involute.centres(relative_displacement)) {
+            (Geometry::Frozen, Err(overlap)) => Ok(self.involute.overlapping_centres(relative_displacement, &overlap)),
+            (_, centres) => centres,
+        }
+    }
+
     /// The coordinates that it acts on.
     pub fn indices(&self) -> Vec<usize> {
         let MeshCoordinates { translation, twist } = self.coordinates;
@@ -322,7 +338,7 @@ impl GearMesh {
     /// [`Overlap`] of the base circles.
     pub fn state(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<MeshState, Overlap> {
         let contact = self.contact(pose, contact_mode)?;
-        let centres = self.centres(pose.turning, &pose.position)?;
+        let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.turning, &pose.position))?;
         let (first, last) =
             self.engagement(pose, !contact_mode.flank.drives() && contact_mode.flank.holds_back())?.engaged();
         let count = if contact_mode.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };

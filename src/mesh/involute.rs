@@ -207,6 +207,18 @@ impl Involute {
         })
     }
 
+    /// The same for centres whose base circles overlap: these have neither pressure angle nor contact ratio, which are
+    /// then not numbers.
+    pub(super) fn overlapping_centres(&self, relative_displacement: [f64; 2], overlap: &Overlap) -> Centres {
+        let (along, tangent_direction) = self.along_and_across(relative_displacement);
+        Centres {
+            pressure_angle: f64::NAN,
+            distance: overlap.distance,
+            angle: self.angle + tangent_direction.atan2(self.distance + along),
+            contact_ratio: f64::NAN,
+        }
+    }
+
     /// The path of contact where the line of action between the base circles is `tangent` long: s at its ends.
     pub fn path(&self, tangent: f64) -> [f64; 2] {
         [tangent - self.tip_reach[1], self.tip_reach[0]]

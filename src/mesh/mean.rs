@@ -76,7 +76,7 @@ impl GearMesh {
             Some(_) if drive >= 0.0 => drive,
             Some(_) => -back.max(0.0),
         };
-        let centres = self.involute.centres(relative.relative_displacement)?;
+        let centres = self.reported_centres(geometry, relative.relative_displacement)?;
         let line = self.line(
             sigma,
             &self.centre_geometry(geometry, relative.relative_displacement)?,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -310,3 +311,44 @@ def test_gear_that_follows_from_teeth_and_module(teeth: tuple[int, int]):
     matrices = system.matrices()
     # mass and inertia of a solid steel disk on the pitch circle
     assert matrices.mass == pytest.approx(own.mass, rel=1e-12, abs=1e-15)
+
+
+def test_frozen_geometry_runs_where_the_base_circles_overlap():
+    """Its force does not follow the centres: what has no value there is reported as not a number."""
+    shafts = [gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=4) for name in "ab"]
+    system = gb.RotorSystem(
+        shafts=shafts,
+        gears=[
+            gb.Gear("g1", "a", 0.25, teeth=25, module=3e-3, face_width=0.03),
+            gb.Gear("g2", "b", 0.25, teeth=50, module=3e-3, face_width=0.03),
+        ],
+        meshes=[gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)],
+        # The weight presses the first gear, on soft bearings, into the second.
+        bearings=[
+            gb.Bearing(shaft, x, stiffness=stiffness, damping=500.0)
+            for shaft, stiffness in (("a", 5e3), ("b", 1e8))
+            for x in (0.0, 0.5)
+        ],
+        gravity=(9.81, 0.0),
+    )
+    with pytest.raises(gb.ContactError):
+        system.static("live")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gb.SceneWarning)
+        rest = system.static("frozen")
+        run = system.simulate(1e-3, 100.0, geometry="frozen", initial="static")
+    mesh, moving = rest.mesh("g1", "g2"), run.mesh("g1", "g2")
+    apart = system_distance(rest)
+    assert mesh.centre_distance == pytest.approx(apart, rel=1e-12)
+    assert moving.centre_distance[0] == pytest.approx(apart, rel=1e-12)
+    for state in (mesh, moving):
+        assert np.isnan(state.pressure_angle).all()
+        assert np.isnan(state.contact_ratio).all()
+        assert np.isfinite(state.force).all()
+    assert all(np.isfinite(event.time) for event in run.events)
+
+
+def system_distance(static: gb.Static) -> float:
+    """Distance of the centres of g1 and g2, 112.5 mm at rest along y."""
+    apart = static.displacement("g2") - static.displacement("g1")
+    return float(np.hypot(0.1125 + apart[0], apart[1]))

@@ -1,13 +1,15 @@
 //! The energy audit: works are integrated over the motion of every step by the three-point Gauss rule. Its error is of
 //! higher order than that of a motion which steps resolve. Where steps are longer than what moves within them, the rules
 //! of seven and of fifteen points that contain it (Patterson 1968) follow until two of them agree, and the latter counts;
-//! a step on which none do is halved.
+//! a step on which none do is halved. The same holds for teeth with tip relief, whatever the step: the relief begins
+//! within a step, and the power of the teeth jumps there.
 
 use std::ops::Range;
 
 use super::RecorderState;
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
 use crate::mesh::ContactMode;
+use crate::model::Model;
 use crate::motion::EquationOfMotion;
 
 /// Abscissae on [0, 1], and the weights of each rule.
@@ -54,6 +56,8 @@ pub(super) struct Audit {
     /// Elapsed time up to which they count.
     until: f64,
     coordinates: Vec<usize>,
+    /// Whether powers may jump within a step: tip relief begins at instants that no step ends at.
+    kinked: bool,
     /// At the instants of a rule, one after the other.
     q: Vec<f64>,
     v: Vec<f64>,
@@ -62,9 +66,11 @@ pub(super) struct Audit {
 }
 
 impl Audit {
-    /// An audit that begins at `start` (elapsed time) for states of `len` displacements.
-    pub fn new(start: f64, len: usize) -> Self {
+    /// An audit that begins at `start` (elapsed time).
+    pub fn new(start: f64, model: &Model) -> Self {
+        let len = model.len();
         Self {
+            kinked: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
             works: [0.0; 6],
             until: start,
             coordinates: (0..len).collect(),
@@ -93,7 +99,7 @@ impl Audit {
     ) -> Result<[f64; 6], Halt> {
         let begin = self.until.max(step.begin());
         if end > begin {
-            if step.is_resolved() {
+            if step.is_resolved() && !self.kinked {
                 let mut works = Works::default();
                 self.work(motion, step, (begin, end - begin), 0..POINTS[0], &mut works)?;
                 self.add(works.by[0]);

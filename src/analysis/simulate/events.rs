@@ -1,4 +1,8 @@
 //! What happens to a mesh: flanks that part and meet, a contact ratio below one, tips that touch the other root.
+//!
+//! A contact event is a change of the contact mode after the start of the run. The mode at the start is not an event.
+//! Flanks that touch at the start have a deflection of round-off, whose sign depends on the method. So a change of mode
+//! also belongs to the start as long as the gears have moved by no more than round-off since then.
 
 use super::checkpoint::{Margins, RecorderState};
 use crate::integrate::Trajectory;
@@ -56,6 +60,10 @@ pub struct Event {
 /// More events than this are counted in the statistics alone.
 const MOST: usize = 1_000_000;
 
+/// A motion of the gears below this part of the driver's base radius is round-off. Measured deflections of touching
+/// flanks at the start are below 1e-16 of it.
+const TOUCHING: f64 = 1e-12;
+
 /// Watches the meshes.
 #[derive(Clone, Debug)]
 pub(super) struct EventRecorder {
@@ -63,15 +71,28 @@ pub(super) struct EventRecorder {
     /// How many the same run had listed before it was paused.
     before: usize,
     origin: f64,
+    /// Elapsed time at which the run starts, s.
+    start: f64,
     flanks: Vec<Option<Flank>>,
+    /// Whether the gears of each mesh have moved by more than round-off since the start.
+    moved: Vec<bool>,
     /// Contact ratio less one, and tip clearance in metres, when last seen.
     margins: Vec<Option<Margins>>,
 }
 
 impl EventRecorder {
-    pub fn new(motion: &EquationOfMotion, origin: f64) -> Self {
+    /// EventRecorder of a run that begins at `start` (elapsed time, which counts from `origin`).
+    pub fn new(motion: &EquationOfMotion, origin: f64, start: f64) -> Self {
         let meshes = motion.model().meshes.len();
-        Self { list: Vec::new(), before: 0, origin, flanks: vec![None; meshes], margins: vec![None; meshes] }
+        Self {
+            list: Vec::new(),
+            before: 0,
+            origin,
+            start,
+            flanks: vec![None; meshes],
+            moved: vec![false; meshes],
+            margins: vec![None; meshes],
+        }
     }
 
     /// Goes on from what the same run has seen.
@@ -101,12 +122,31 @@ impl EventRecorder {
         }
     }
 
-    /// Sees the laws of the steps to come.
-    pub fn switched(&mut self, elapsed: f64, contact_modes: &[i64]) {
+    /// Takes over the laws of the steps to come; `read` writes displacements and velocities at that instant, which are
+    /// asked for only where they decide whether a change belongs to the start.
+    pub fn switched(
+        &mut self,
+        motion: &EquationOfMotion,
+        elapsed: f64,
+        read: &mut dyn FnMut(&mut [f64], &mut [f64]),
+        (q, v): (&mut [f64], &mut [f64]),
+        contact_modes: &[i64],
+    ) {
+        let mut is_read = false;
         for (mesh, code) in contact_modes.chunks_exact(ContactMode::CODE).enumerate() {
             let flank = ContactMode::from_code(code).flank;
             let before = self.flanks[mesh].replace(flank);
-            if before.is_some_and(|before| before != flank) {
+            if before.is_none_or(|before| before == flank) {
+                continue;
+            }
+            if !self.moved[mesh] {
+                if !is_read {
+                    read(q, v);
+                    is_read = true;
+                }
+                self.moved[mesh] = has_moved(&motion.model().meshes[mesh], v, elapsed - self.start);
+            }
+            if self.moved[mesh] {
                 let kind = match flank {
                     Flank::Drive => EventKind::Contact,
                     Flank::Back => EventKind::BackContact,
@@ -145,6 +185,8 @@ impl EventRecorder {
         for (i, (lost, won)) in kinds.into_iter().enumerate() {
             match before {
                 None if now[i] < 0.0 => self.push(elapsed, index, lost),
+                // Base circles that overlap have no contact ratio.
+                Some((_, margins)) if margins[i].is_nan() || now[i].is_nan() => {}
                 Some((then, margins)) if (margins[i] < 0.0) != (now[i] < 0.0) => {
                     let part = margins[i] / (margins[i] - now[i]);
                     let kind = if now[i] < 0.0 { lost } else { won };
@@ -154,4 +196,12 @@ impl EventRecorder {
             }
         }
     }
+}
+
+/// Whether gears with velocities `v` have moved by more than round-off in the time `since` the start.
+fn has_moved(mesh: &GearMesh, v: &[f64], since: f64) -> bool {
+    let rate = mesh.relative(v);
+    // No flank closes faster than this.
+    let fastest = rate.rolled.abs() + rate.apart[0].hypot(rate.apart[1]);
+    fastest * since > TOUCHING * mesh.involute.base_radius[0]
 }

@@ -72,8 +72,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             coordinates: plan.coordinates(model),
             displacement: vec![0.0; model.len()],
             velocity: vec![0.0; model.len()],
-            audit: plan.energy.then(|| Audit::new(start, model.len())),
-            events: EventRecorder::new(&motion, origin),
+            audit: plan.energy.then(|| Audit::new(start, model)),
+            events: EventRecorder::new(&motion, origin, start),
             every_step: plan.energy || EventRecorder::watches(&motion),
             motion,
             plan,
@@ -117,7 +117,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             Some(audit) => audit.switch(&mut self.motion, elapsed, read, contact_modes),
             None => self.motion.set_contact_modes(contact_modes),
         }
-        self.events.switched(elapsed, contact_modes);
+        let room = (&mut self.displacement[..], &mut self.velocity[..]);
+        self.events.switched(&self.motion, elapsed, read, room, contact_modes);
     }
 
     fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {

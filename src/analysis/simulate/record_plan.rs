@@ -140,7 +140,9 @@ impl RecordPlan {
     /// The displacements and velocities that recording needs.
     pub(super) fn selection(&self, model: &Model) -> Selection {
         let displacements = self.coordinates(model);
-        let moving = Self { points: Vec::new(), ..self.clone() };
+        let mut moving = Self { points: Vec::new(), ..self.clone() };
+        // EventRecorder need the velocities of meshes whose flanks may part, recorded or not.
+        (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
         Selection {
             velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
             displacements,
