@@ -226,7 +226,7 @@ def mesh() -> Iterable[str]:
     # Central difference: the torque moves the centres apart, the opposite torque together.
     torque, distance, alpha = 10.0, 0.1125, math.radians(20.0)
     apart, together = (
-        pair((25, 50), 3e-3, sign * torque).static().mesh("a", "b") for sign in (1.0, -1.0)
+        pair((25, 50), 3e-3, sign * torque).static(speed=1.0).mesh("a", "b") for sign in (1.0, -1.0)
     )
     moved = apart.centre_distance - together.centre_distance
     pitch = math.pi * 3e-3 * math.cos(alpha)

@@ -309,7 +309,7 @@ fn run(model: Model) {
             speed: 100.0.into(),
             method,
             step: None,
-            rtol: 1e-4,
+            rtol: Some(1e-4),
             stages: None,
             modes: None,
             initial: Initial::Rest,

@@ -133,7 +133,7 @@ fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, dura
         speed: 100.0.into(),
         method,
         step: None,
-        rtol: 1e-6,
+        rtol: None,
         stages: None,
         modes: None,
         initial: Initial::Rest,

@@ -141,7 +141,7 @@ fn exponential(geometry: Geometry) -> Work {
     let plan = RecordPlan::new(&cached.model, &[Request::Name("gears".to_owned())]).unwrap();
     let options = Options {
         method: Method::Exponential,
-        rtol: 1e-4,
+        rtol: Some(1e-4),
         times: (0..=50).map(|i| 1e-3 * f64::from(i)).collect(),
         geometry,
         ..options(0.05)
@@ -158,7 +158,7 @@ fn options(duration: f64) -> Options {
         speed: SPEED.into(),
         method: Method::Rk4,
         step: None,
-        rtol: 1e-6,
+        rtol: None,
         stages: None,
         modes: None,
         initial: Initial::Rest,

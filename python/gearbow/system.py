@@ -376,15 +376,27 @@ class RotorSystem:
         """
         return tuple(self._model.dofs)
 
-    def matrices(self) -> Matrices:
+    def matrices(self, speed: float = 0.0) -> Matrices:
         """Assemble the matrices of the linear equations of motion.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft [rad/s], whose sign says which flanks press. At speed 0
+            these are the flanks that the torques press.
 
         Returns
         -------
         Matrices
-            Mass, stiffness, damping and gyroscopic matrix, each mesh linearised at rest.
+            Mass, stiffness, damping and gyroscopic matrix, each mesh linearised at rest on the
+            flank that presses at this speed.
+
+        Raises
+        ------
+        SceneError
+            If the speed is not finite.
         """
-        return Matrices(**self._model.matrices(), dofs=self.dofs)
+        return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
     def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
         """Find natural frequencies, damping, whirl and shapes at one speed.
@@ -419,13 +431,17 @@ class RotorSystem:
             system=self,
         )
 
-    def static(self, geometry: str = "live") -> Static:
+    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
         """Find the equilibrium under torque, gravity and the non-linear meshes.
 
         Parameters
         ----------
         geometry : {"live", "frozen"}
             Whether the line of action follows the centres or stays that of the centres at rest.
+        speed : float
+            Speed of the reference shaft [rad/s], whose sign says which flanks drive: a torque may
+            then press the back flank, whose force is negative. At speed 0 the drive flanks are
+            those that the torques press. No force that depends on the speed acts.
 
         Returns
         -------
@@ -434,10 +450,15 @@ class RotorSystem:
 
         Raises
         ------
+        SceneError
+            If the speed is not finite, or the load has no equilibrium.
+        ContactError
+            If the base circles of a pair overlap, in live geometry.
         ConvergenceError
             If no equilibrium is found.
         """
-        return Static(self._model.static(text(geometry, "geometry")), self)
+        data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
+        return Static(data, self)
 
     def simulate(
         self,
@@ -487,7 +508,7 @@ class RotorSystem:
             "exponential", where None is what `rtol` allows.
         rtol : float, optional
             Error of a step of "exponential" and "rk45", relative to the motion in the energy norm;
-            None is 1e-6.
+            None is 1e-6. It cannot be given with a fixed step.
         stages : int, optional
             Gauss nodes in a step of "exponential", 1 to 4: its order is twice that. None is 3.
         modes : int, optional
@@ -593,7 +614,7 @@ class RotorSystem:
             "method": method,
             "linear": linear,
             "step": None if step is None else number(step, "step"),
-            "rtol": 1e-6 if rtol is None else number(rtol, "rtol"),
+            "rtol": None if rtol is None else number(rtol, "rtol"),
             "stages": None if stages is None else whole(stages, "stages"),
             "modes": None if modes is None else whole(modes, "modes"),
             "initial": state,

@@ -188,6 +188,8 @@ impl<'a> Tracker<'a> {
 
     fn at(&self, speed: f64) -> Result<Rc<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
+        // The modes are followed with the flanks of a positive speed, from speed zero on.
+        let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let real = self.cached.real_modes(speed)?;
         let weighted = self.cached.model.mass_matrix() * &real.vectors;
         let n = real.frequencies.len();

@@ -104,7 +104,8 @@ impl RealModes {
 pub struct CachedModel {
     /// The model.
     pub model: Model,
-    modes: [OnceLock<Result<RealModes, DecompositionError>>; 2],
+    /// By [`Rotation`].
+    modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// The linear motions that were asked for last, at a speed, with the meshes or without.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
 }
@@ -117,7 +118,7 @@ const REMEMBERED: usize = 8;
 impl CachedModel {
     /// The basis of a model.
     pub fn new(model: Model) -> Self {
-        Self { model, modes: [const { OnceLock::new() }; 2], linear: Mutex::new(Vec::new()) }
+        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()) }
     }
 
     /// Undamped modes, with the flanks that carry at `speed`.
@@ -125,7 +126,7 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the decomposition fails.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
-        let cell = &self.modes[usize::from(speed < 0.0)];
+        let cell = &self.modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }
 

@@ -9,12 +9,14 @@
 
 mod bow;
 mod dense;
+mod flanks;
 mod form;
 mod numbering;
 mod shaft;
 
 use nalgebra::{DMatrix, DVector};
 
+pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
@@ -99,6 +101,8 @@ pub struct Model {
     pub meshes: Vec<GearMesh>,
     /// Torque and gravity: the constant load.
     pub constant_load: DVector<f64>,
+    /// σ of every mesh at speed zero.
+    sigma_standing: Vec<f64>,
 }
 
 impl Model {
@@ -132,9 +136,10 @@ impl Model {
             })
             .collect();
         check_stiffness(&meshes)?;
-        let mut model =
-            Self { constant_load: DVector::zeros(numbering.len()), scene, numbering, shafts, supports, meshes };
+        let constant_load = DVector::zeros(numbering.len());
+        let mut model = Self { constant_load, sigma_standing: Vec::new(), scene, numbering, shafts, supports, meshes };
         model.constant_load = model.assemble_constant_load();
+        model.sigma_standing = model.sigma_at_rest();
         Ok(model)
     }
 
@@ -170,12 +175,6 @@ impl Model {
     pub fn gear_names(&self, mesh: usize) -> [&str; 2] {
         let pair = &self.scene.meshes[mesh];
         [pair.driver, pair.driven].map(|gear| self.scene.gears[gear].body.name.as_str())
-    }
-
-    /// σ of every mesh: the sign of its driver's spin, at rest that of its speed ratio.
-    pub fn sigma(&self, mesh: usize, speed: f64) -> f64 {
-        let ratio = self.scene.speed_ratios[self.meshes[mesh].shafts[0]];
-        ratio.signum() * if speed < 0.0 { -1.0 } else { 1.0 }
     }
 
     /// The fastest speed of a shaft over that of the reference shaft.

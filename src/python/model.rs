@@ -155,15 +155,17 @@ impl PyModel {
         Ok((translation.and_then(outside), translation.and_then(|v| outside(v + 1)), twist.and_then(outside)))
     }
 
-    fn matrices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    #[pyo3(signature = (speed=0.0))]
+    fn matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
+        EntryPath::root("speed").finite(speed)?;
         // Modal damping is made of the modes.
         let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
-        let matrices = self.run(py, dense, |cached, _| -> Result<_, DecompositionError> {
+        let matrices = self.run(py, dense, move |cached, _| -> Result<_, DecompositionError> {
             let model = &cached.model;
             Ok([
                 ("mass", model.mass_matrix()),
-                ("stiffness", model.stiffness_matrix(0.0)),
-                ("damping", cached.damping_matrix(0.0)?),
+                ("stiffness", model.stiffness_matrix(speed)),
+                ("damping", cached.damping_matrix(speed)?),
                 ("gyroscopic", model.gyroscopic_matrix()),
             ])
         })?;
@@ -234,12 +236,13 @@ impl PyModel {
         frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 
-    #[pyo3(signature = (geometry="live"))]
-    fn r#static<'py>(&self, py: Python<'py>, geometry: &str) -> PyResult<Bound<'py, PyDict>> {
+    #[pyo3(signature = (geometry="live", speed=0.0))]
+    fn r#static<'py>(&self, py: Python<'py>, geometry: &str, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         let geometry = self::geometry(geometry)?;
+        EntryPath::root("speed").finite(speed)?;
         let model = self.model();
-        self.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
-        let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, 0.0))?;
+        self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
+        let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {
@@ -248,7 +251,7 @@ impl PyModel {
         let rest = vec![0.0; model.len()];
         let mut fields: [Vec<f64>; 8] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
-            let state = mesh.state_at_rest(geometry, model.sigma(index, 0.0), q).map_err(|overlap| {
+            let state = mesh.state_at_rest(geometry, model.sigma(index, speed), q).map_err(|overlap| {
                 let [driver, driven] = model.gear_names(index);
                 AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
             })?;
@@ -282,7 +285,7 @@ impl PyModel {
         method: &str,
         linear: Option<&str>,
         step: Option<f64>,
-        rtol: f64,
+        rtol: Option<f64>,
         stages: Option<usize>,
         modes: Option<usize>,
         initial: &Bound<'py, PyAny>,
@@ -298,7 +301,7 @@ impl PyModel {
             speed: super::speed::speed(speed)?,
             method: simulate::method(method, linear)?,
             step,
-            rtol: simulate::attainable(py, rtol)?,
+            rtol,
             stages,
             modes,
             initial: state::initial(initial)?,
@@ -307,6 +310,9 @@ impl PyModel {
             start,
             checkpoint: checkpoint.map(state::checkpoint).transpose()?,
         };
+        if let Some(text) = options.unattainable() {
+            warn(py, text)?;
+        }
         self.warn_of_ill_conditioning(py, 0.0, options.dense(&self.cached.model))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())

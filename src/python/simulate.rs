@@ -35,18 +35,6 @@ pub fn method(name: &str, linear: Option<&str>) -> Result<Method, SceneError> {
     }
 }
 
-/// The smallest `rtol` that round-off leaves to a step.
-const SMALLEST: f64 = 1e-13;
-
-/// A tolerance that can be met.
-pub fn attainable(py: Python<'_>, rtol: f64) -> PyResult<f64> {
-    if rtol > 0.0 && rtol < SMALLEST {
-        warn(py, format!("rtol: {rtol:e} is below what round-off leaves to a step; taken as {SMALLEST:e}"))?;
-        return Ok(SMALLEST);
-    }
-    Ok(rtol)
-}
-
 /// One entry of `record`.
 #[derive(FromPyObject)]
 pub enum Recorded {

@@ -131,7 +131,7 @@ def test_derivatives_by_centre_distance():
 @pytest.mark.parametrize("torque", [5.0, -5.0])
 def test_separation_under_load(angle: float, torque: float):
     bearing = 5e7
-    still = stiff_pair(torque=torque, bearing=bearing, angle=angle).static()
+    still = stiff_pair(torque=torque, bearing=bearing, angle=angle).static(speed=1.0)
     mesh = still.mesh("ga", "gb")
     base = closed_forms.full_depth_gear(25, 3e-3)["base"]
     force = torque / base  # a scene that turns counter-clockwise; negative: the gear brakes

@@ -51,15 +51,15 @@ def test_force_law_of_both_flanks(sigma: float):
 def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
     scene = replace(SCENE, torque=torque, coupled=coupled)
     system = scene.package()
-    mesh = system.static().mesh(*MESH)
+    mesh = system.static(speed=300.0).mesh(*MESH)
     assert mesh.force == pytest.approx(torque / LAW.base_radius_a, rel=1e-9)
     if not coupled:
         lost = 0.0 if torque > 0 else -BACKLASH
         assert mesh.deflection == pytest.approx(torque / LAW.base_radius_a / K + lost, rel=1e-9)
-    # it is an equilibrium of the motion too, turning or not
-    for speed in (0.0, 300.0):
+    # it is an equilibrium of the motion too, turning or not; at rest the drive flank is the one that is pressed
+    for speed, force in ((0.0, abs(torque)), (300.0, torque)):
         still = system.simulate(2e-3, speed, initial="static").mesh(*MESH)
-        assert still.force == pytest.approx(torque / LAW.base_radius_a, rel=1e-7)
+        assert still.force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
         assert not system.simulate(2e-3, speed, initial="static").events
 
 

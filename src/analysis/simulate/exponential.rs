@@ -76,7 +76,7 @@ pub(super) fn run(
     let mut state = enter(cached, &linear, &field, start);
     let mut stepper = Stepper::new(field, table);
     let control = match options.step {
-        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.rtol, floor: start.floor },
+        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
         _ => LevelControl::Fixed,
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
@@ -120,7 +120,7 @@ fn time_grid(
     };
     let [least, most] = EVENT;
     // What an event leaves of its jump over the rest τ of a short step is some (ω τ)³/20 of it, ω that of the teeth.
-    let tolerance = if options.step.is_some() { EXACT } else { options.rtol };
+    let tolerance = if options.step.is_some() { EXACT } else { options.tolerance() };
     let fine = swing / (2.0 * tolerance).cbrt();
     let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
     // A step that is a matrix takes long to make.

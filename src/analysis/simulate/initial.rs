@@ -65,6 +65,7 @@ pub(super) fn start(
                 let message = format!("is {rest:e} s before the end of the run, which no step is as long as");
                 return Err(SceneError::new("initial.elapsed", message).into());
             }
+            check_flanks(cached, last, fastest)?;
             let displacement = found.unwrap_or_else(|_| zero());
             if options.speed != last.speed {
                 let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
@@ -105,6 +106,20 @@ pub(super) fn start(
         return Err(SceneError::new("checkpoint", "is of a run of another system").into());
     }
     Ok(Start { course, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
+}
+
+/// A run continues with the flanks that pressed before: σ of no mesh may change, as backlash lies on the other side then.
+fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), SceneError> {
+    let (model, before) = (&cached.model, last.course(last.origin).fastest);
+    let changes = |mesh: &usize| model.sigma(*mesh, before) != model.sigma(*mesh, fastest);
+    let Some(mesh) = (0..model.meshes.len()).find(changes) else {
+        return Ok(());
+    };
+    let [driver, driven] = model.gear_names(mesh);
+    let message = format!(
+        "ran at {before} rad/s and cannot continue at {fastest} rad/s: the teeth of \"{driver}\" and \"{driven}\" would change their flanks (at speed 0 they follow the torque); start from \"static\" or \"synchronous\""
+    );
+    Err(SceneError::new("initial", message))
 }
 
 /// A linear synchronous motion as long as the shafts is that of an unbalance in wrong units, or of a critical speed with

@@ -175,7 +175,7 @@ impl Run<'_> {
             return Ok(run(system, &mut method, &control, state, end, observer, statistics));
         }
         let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
-        let control = StepControl::Adaptive(Adaptive { rtol: options.rtol, floor, longest });
+        let control = StepControl::Adaptive(Adaptive { rtol: options.tolerance(), floor, longest });
         let mut method = RungeKutta::new(DORMAND_PRINCE, len);
         Ok(run(system, &mut method, &control, state, end, observer, statistics))
     }

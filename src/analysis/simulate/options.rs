@@ -49,7 +49,20 @@ impl Method {
             Self::ExactRk4 => "etdrk4",
         }
     }
+
+    /// How a user asks for it.
+    fn asked_by(self) -> String {
+        match self {
+            Self::ExactRk4 => "\"rk4\" with linear=\"exact\"".to_owned(),
+            _ => format!("\"{}\"", self.name()),
+        }
+    }
 }
+
+/// The tolerance where none is given.
+const DEFAULT_RTOL: f64 = 1e-6;
+/// The smallest tolerance that round-off leaves to a step.
+const SMALLEST_RTOL: f64 = 1e-13;
 
 /// Where a run begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,8 +109,8 @@ pub struct Options {
     pub method: Method,
     /// Fixed step, s; one that resolves the fastest motion if not given.
     pub step: Option<f64>,
-    /// Tolerance of an adaptive method.
-    pub rtol: f64,
+    /// Tolerance of a method that chooses its steps; 1e-6 if not given.
+    pub rtol: Option<f64>,
     /// Gauss nodes of the exponential method; 3 if not given.
     pub stages: Option<usize>,
     /// Modes that the exponential method keeps; all if not given.
@@ -132,26 +145,18 @@ impl Options {
         let duration = EntryPath::root("duration").non_negative(self.duration)?;
         let start = EntryPath::root("start").finite(self.start)?;
         self.speed.check(start, start + duration)?;
+        self.check_method()?;
         if let Some(step) = self.step {
             EntryPath::root("step").positive(step)?;
-            if self.method == Method::Rk45 {
-                let message = format!("\"{}\" chooses its own steps; give rtol", self.method.name());
-                return Err(SceneError::new("step", message));
-            }
         }
-        let exponential = matches!(self.method, Method::Exponential | Method::ExactRk4);
         for (name, given, most) in [("stages", self.stages, MOST_STAGES), ("modes", self.modes, usize::MAX)] {
-            let Some(count) = given else { continue };
-            if !exponential {
-                return Err(SceneError::new(name, format!("\"{}\" has none; see \"exponential\"", self.method.name())));
-            }
-            if count == 0 || count > most {
+            if let Some(count) = given.filter(|count| *count == 0 || *count > most) {
                 let range = if most < usize::MAX { format!("1 to {most}") } else { "at least 1".to_owned() };
                 return Err(SceneError::new(name, format!("must be {range}, got {count}")));
             }
         }
-        if !(self.rtol > 0.0 && self.rtol < 1.0) {
-            return Err(SceneError::new("rtol", format!("must lie between 0 and 1, got {}", self.rtol)));
+        if let Some(rtol) = self.rtol.filter(|rtol| !(*rtol > 0.0 && *rtol < 1.0)) {
+            return Err(SceneError::new("rtol", format!("must lie between 0 and 1, got {rtol}")));
         }
         let slack = f64::EPSILON * 4.0 * (start.abs() + duration);
         for (index, time) in self.times.iter().enumerate() {
@@ -170,6 +175,41 @@ impl Options {
         Ok(())
     }
 
+    /// Every option that is given must be one of the method.
+    fn check_method(&self) -> Result<(), SceneError> {
+        use Method::{ExactRk4, Exponential, Rk4, Rk45};
+        let options: [(&str, bool, &[Method]); 4] = [
+            ("step", self.step.is_some(), &[Exponential, Rk4, ExactRk4]),
+            ("rtol", self.rtol.is_some(), &[Exponential, Rk45]),
+            ("stages", self.stages.is_some(), &[Exponential]),
+            ("modes", self.modes.is_some(), &[Exponential, ExactRk4]),
+        ];
+        for (name, given, methods) in options {
+            if given && !methods.contains(&self.method) {
+                let users: Vec<String> = methods.iter().map(|method| method.asked_by()).collect();
+                let message =
+                    format!("{} cannot use it; it is an option of {}", self.method.asked_by(), users.join(", "));
+                return Err(SceneError::new(name, message));
+            }
+        }
+        if self.step.is_some() && self.rtol.is_some() {
+            let message = "cannot be used with a fixed step; leave out rtol, or step for steps of this tolerance";
+            return Err(SceneError::new("rtol", message));
+        }
+        Ok(())
+    }
+
+    /// The tolerance of the run: that of the options, the default, or the smallest that round-off leaves to a step.
+    pub fn tolerance(&self) -> f64 {
+        self.rtol.unwrap_or(DEFAULT_RTOL).max(SMALLEST_RTOL)
+    }
+
+    /// What to warn of where the tolerance that was asked for cannot be met.
+    pub fn unattainable(&self) -> Option<String> {
+        let rtol = self.rtol.filter(|rtol| *rtol > 0.0 && *rtol < SMALLEST_RTOL)?;
+        Some(format!("rtol: {rtol:e} is below what round-off leaves to a step; taken as {SMALLEST_RTOL:e}"))
+    }
+
     /// Whether loads are found one after the other, not together.
     pub(super) fn is_explicit(&self) -> bool {
         self.method == Method::ExactRk4
@@ -179,8 +219,8 @@ impl Options {
     fn setting(&self) -> f64 {
         match self.method {
             Method::Rk4 | Method::ExactRk4 => self.step.unwrap_or(0.0),
-            Method::Rk45 => self.rtol,
-            Method::Exponential => self.step.unwrap_or(-self.rtol),
+            Method::Rk45 => self.tolerance(),
+            Method::Exponential => self.step.unwrap_or(-self.tolerance()),
         }
     }
 

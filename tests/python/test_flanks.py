@@ -1,0 +1,148 @@
+"""Which flank presses: it follows the sign of the speed, and the torque at rest, the same in every analysis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from test_random_scenes import Drawn, motion, unturned
+
+TRAIN = Drawn(
+    lengths=(0.4, 0.5, 0.6),
+    diameters=(0.05, 0.04, 0.06),
+    elements=(1, 2, 1),
+    places=(0.25, 0.6, 0.4),
+    teeth=(20, 32, 28),
+    bows=(1e-4 + 5e-5j, -5e-5j, 3e-5 + 0j),
+    rayleigh=1e-7,
+)
+SPEEDS = (0.0, 100.0, -100.0)
+
+
+def mirrored(vector: np.ndarray) -> np.ndarray:
+    """Mirror (y, z) as `Drawn.mirror` does: y changes its sign."""
+    return vector * [-1.0, 1.0]
+
+
+@pytest.mark.parametrize("torque", [60.0, -60.0])
+@pytest.mark.parametrize("backlash", [None, 2e-5])
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_a_mirrored_train_answers_in_the_mirror(
+    speed: float, backlash: float | None, torque: float
+):
+    drawn = replace(TRAIN, torque=torque, backlash=backlash, speed=speed)
+    image = replace(drawn, mirror=True)
+    one, other = drawn.system(), image.system()
+    # sums of the same numbers in another order
+    modes, reflected = one.modes(speed), other.modes(-speed)
+    # what rolls is zero to round-off of the highest
+    floor = 1e-8 * modes.frequencies_hz[-1]
+    assert reflected.frequencies_hz == pytest.approx(modes.frequencies_hz, rel=1e-8, abs=floor)
+    for geometry in ("live", "frozen"):
+        still, turned = one.static(geometry, speed=speed), other.static(geometry, speed=-speed)
+        for gear in ("g0", "g1", "g2"):
+            wanted = mirrored(still.displacement(gear))
+            assert turned.displacement(gear) == pytest.approx(wanted, rel=1e-8, abs=1e-15)
+        for pair in (("g0", "g1"), ("g1", "g2")):
+            assert turned.mesh(*pair).force == pytest.approx(still.mesh(*pair).force, rel=1e-8)
+            assert turned.mesh(*pair).deflection == pytest.approx(
+                still.mesh(*pair).deflection, rel=1e-8
+            )
+    response, image_response = one.synchronous([speed]), other.synchronous([-speed])
+    sizes = [np.abs(r.displacement("g1")) for r in (response, image_response)]
+    assert sizes[1] == pytest.approx(sizes[0], rel=1e-7, abs=1e-14)
+    for initial in ("rest", "static"):
+        wanted = motion(drawn.run(initial=initial), drawn)
+        found = unturned(image.run(initial=initial), image)
+        # both are right to the tolerance; contacts carry the errors of the instants before them on
+        part = 1e-6 if backlash is None else 1e-4
+        for kind in (slice(0, 2), slice(2, 3)):
+            scale = np.abs(wanted[..., kind]).max()
+            assert np.abs(found[..., kind] - wanted[..., kind]).max() < part * scale
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("torque", [60.0, -60.0])
+def test_modes_are_those_of_the_matrices_at_their_speed(speed: float, torque: float):
+    system = replace(TRAIN, torque=torque).system()
+    given = system.matrices(speed)
+    n = len(given.dofs)
+    rate = given.damping + speed * given.gyroscopic
+    state = np.zeros((2 * n, 2 * n))
+    state[:n, n:] = np.eye(n)
+    state[n:, :n] = -np.linalg.solve(given.mass, given.stiffness)
+    state[n:, n:] = -np.linalg.solve(given.mass, rate)
+    wanted = np.linalg.eigvals(state)
+    wanted = np.sort(np.abs(wanted.imag[wanted.imag > 1.0]))
+    found = system.modes(speed).eigenvalues
+    found = np.sort(found.imag[found.imag > 1.0])
+    # eigenvalues of an unsymmetric matrix: round-off of the highest, over the lowest
+    assert found[:20] == pytest.approx(wanted[:20], rel=1e-6)
+
+
+def test_the_sign_of_the_speed_matters_where_a_mesh_couples_bending_and_twist():
+    system = TRAIN.system()
+    forward, backward = system.matrices(100.0), system.matrices(-100.0)
+    for name in ("stiffness", "damping"):
+        a, b = getattr(forward, name), getattr(backward, name)
+        assert np.abs(a - b).max() > 1e-4 * np.abs(a).max()
+    assert np.array_equal(system.matrices().stiffness, forward.stiffness)
+    assert np.array_equal(system.matrices(1e-300).stiffness, forward.stiffness)
+    with pytest.raises(gb.SceneError, match=r"^speed: "):
+        system.matrices(np.nan)
+    with pytest.raises(gb.SceneError, match=r"^speed: "):
+        system.static(speed=np.inf)
+
+
+@pytest.mark.parametrize("torque", [60.0, -60.0])
+# More than the load of the middle gear closes the centres by: only one flank presses.
+@pytest.mark.parametrize("backlash", [None, 1e-4])
+def test_at_rest_the_torque_says_which_flank_presses(backlash: float | None, torque: float):
+    system = replace(TRAIN, torque=torque, backlash=backlash, gravity=(0.0, 0.0)).system()
+    forces = [abs(torque) / (0.0015 * 20 * np.cos(np.radians(20.0)))] * 2
+    for geometry in ("live", "frozen"):
+        still = system.static(geometry)
+        found = [still.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))]
+        # live gears move along the line of action too, and take no moment from that: round-off
+        assert found == pytest.approx(forces, rel=1e-7)
+    turning = system.static(speed=np.sign(torque))
+    assert np.array_equal(turning.state, system.static().state)
+    start = system.simulate(1e-5, 0.0, initial="static", times=[0.0])
+    assert start.mesh("g0", "g1").force[0] == pytest.approx(forces[0], rel=1e-7)
+    # turning the other way, the same torque presses the back flank
+    braked = system.static(speed=-np.sign(torque)).mesh("g0", "g1").force
+    assert braked == pytest.approx(-forces[0], rel=1e-7)
+
+
+def test_torques_that_pass_no_mesh_or_are_out_of_balance():
+    parts = TRAIN.parts()
+    # Without a torque, and where the only torques balance on one shaft, flanks follow the speed ratios.
+    on_one = [gb.Torque("g0", -60.0), gb.Torque(("s0", 0.0), 60.0)]
+    forward = TRAIN.system().matrices(1.0).stiffness
+    for torques in ([], on_one):
+        system = gb.RotorSystem(**{**parts, "torques": torques})
+        assert np.array_equal(system.matrices().stiffness, forward)
+    # A torque out of balance accelerates the train: the last shaft is driven through the teeth.
+    for value, speed in ((60.0, 1.0), (-60.0, -1.0)):
+        system = gb.RotorSystem(**{**parts, "torques": [gb.Torque("g0", value)]})
+        assert np.array_equal(system.matrices().stiffness, system.matrices(speed).stiffness)
+
+
+def test_a_run_does_not_continue_on_the_other_flanks():
+    system = replace(TRAIN, torque=-60.0, backlash=2e-5).system()
+    first = system.simulate(1e-4, 0.0, initial="static")
+    system.simulate(1e-4, -50.0, initial=first)
+    with pytest.raises(gb.SceneError, match=r"^initial: .*would change their flanks"):
+        system.simulate(1e-4, 50.0, initial=first)
+
+
+def test_a_campbell_diagram_of_a_braked_train_is_continuous_at_rest():
+    system = replace(TRAIN, torque=-60.0).system()
+    campbell = system.campbell(np.linspace(0.0, 10.0, 3), count=12)
+    frequencies = np.asarray(campbell.frequencies_hz)
+    assert np.all(np.isfinite(frequencies))
+    # gyroscopic moments change a frequency by no more than the speed
+    assert np.abs(np.diff(frequencies, axis=0)).max() < 10.0 / (2 * np.pi)
