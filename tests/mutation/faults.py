@@ -66,7 +66,7 @@ FAULTS: list[Fault] = [
         ("i = meshes.index((driver, driven))", "i = 0"),
         ('self._data["bearing_force"][:, i]', '-self._data["bearing_force"][:, i]'),
         ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
-        ("settle=settle,", "settle=0.0,"),
+        ("skip_time=skip_time,", "skip_time=0.0,"),
         ("sidebands=sidebands,", "sidebands=1,"),
         ("shaft_harmonics=shaft_harmonics,", "shaft_harmonics=4,"),
         ("mesh_harmonics=mesh_harmonics,", "mesh_harmonics=3,"),
@@ -111,8 +111,11 @@ FAULTS: list[Fault] = [
     *_faults(
         "orders/fit.py",
         "signals",
-        ("response.time.size else 0.0) + settle", "response.time.size else 0.0) + 0.0 * settle"),
-        ("(response.time[0] if response.time.size else 0.0) + settle", "settle"),
+        (
+            "response.time.size else 0.0) + skip_time",
+            "response.time.size else 0.0) + 0.0 * skip_time",
+        ),
+        ("(response.time[0] if response.time.size else 0.0) + skip_time", "skip_time"),
         ("abs(response.speed) / (2.0 * np.pi)", "abs(response.speed)"),
         ("* abs(response.speed) /", "* response.speed /"),
         ("fitted[1 : count + 1] - 1j *", "fitted[1 : count + 1] + 1j *"),

@@ -57,7 +57,7 @@ STUDY = Tradeoff(
     discretisation=None,
     duration=DURATION,
     speed=100.0,
-    of=("the displacement of g1", "the force of g1/g2"),
+    signals=("the displacement of g1", "the force of g1/g2"),
 )
 
 
@@ -197,7 +197,7 @@ def test_the_diagram(duration: float | None):
 def test_the_error_of_a_model_is_that_of_its_tight_run():
     # the tight run of a simplified model is the last of its rows
     study = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2).package().tradeoff(
-        2e-3, 100.0, of="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
+        2e-3, 100.0, signals="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
         initial="rest", repeats=1, budget=60.0,
     )  # fmt: skip
     models = {trial.model for trial in study.trials} - {"as given"}
