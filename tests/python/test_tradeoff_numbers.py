@@ -142,8 +142,8 @@ def test_recommendations():
 def test_the_text_table():
     head, *lines = STUDY.table().splitlines()
     titles = (
-        "setting", "model", "error", "of integration", "of model", "CPU [s]", "set-up [s]",
-        "per s [s/s]", "steps", "evaluations", "limited by",
+        "setting", "model", "error", "integration error", "model error", "CPU [s]", "set-up [s]",
+        "CPU per s [s/s]", "steps", "evaluations", "limited by",
     )  # fmt: skip
     places = [head.index(title) for title in titles]
     assert places == sorted(places)
@@ -184,8 +184,8 @@ def test_the_data_frame():
 @pytest.mark.parametrize("duration", [None, 10.0])
 def test_the_diagram(duration: float | None):
     (panel,) = STUDY.plot(duration=duration).axes
-    assert panel.get_xlabel() == "error: RMS of the difference over the RMS of the swing"
-    assert panel.get_ylabel() == f"CPU time of {0.5 if duration is None else 10:g} s [s]"
+    assert panel.get_xlabel() == "error: RMS of the difference / RMS of the signal about its mean"
+    assert panel.get_ylabel() == f"CPU time for {0.5 if duration is None else 10:g} simulated s [s]"
     lines = {line.get_label(): line.get_xydata() for line in panel.get_lines()}
     costs = {None: (5.0, 8.0), 10.0: (43.0, 103.0)}[duration]
     # a point that is better than the reference is known stands where that is known to
