@@ -310,7 +310,7 @@ def test_progress_goes_from_nothing_to_all(capsys):
 )
 def test_an_impossible_argument_is_named(given, text):
     with pytest.raises(gb.SceneError) as caught:
-        toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "of": "g1"} | given)
+        toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "signals": "g1"} | given)
     assert str(caught.value).startswith(text)
 
 
