@@ -435,7 +435,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "speed.py",
-        "speed_and_bow",
+        "bow_and_speed_profile",
         (
             "cls.table([begin, begin + duration], [start, end])",
             "cls.table([0.0, duration], [start, end])",
@@ -446,7 +446,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "bow.py",
-        "speed_and_bow",
+        "bow_and_speed_profile",
         (
             'cls("half_sine", amplitude=amplitude, phase=phase)',
             'cls("half_sine", amplitude=amplitude)',
