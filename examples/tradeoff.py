@@ -108,7 +108,7 @@ def study(scene: Scene) -> gb.Tradeoff:
     return scene.system().tradeoff(
         DURATION,
         SPEED,
-        of=scene.of,
+        signals=scene.of,
         initial=scene.initial,
         budget=BUDGET,
         progress=True,
@@ -163,7 +163,7 @@ def words() -> Iterator[str]:
         found = scene.system().tradeoff(
             DURATION,
             SPEED,
-            of=scene.of,
+            signals=scene.of,
             initial=scene.initial,
             methods=[each.method for each in ACCURACIES.values()],
             tolerances=[each.rtol for each in ACCURACIES.values()],

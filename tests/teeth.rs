@@ -185,7 +185,7 @@ fn a_damping_ratio_is_that_of_the_two_gears_on_their_mesh() {
 }
 
 /// What teeth can be, as the mesh of a description says it: those whose stiffness does not depend on the load.
-const STIFFNESSES: [&str; 8] = [
+const STIFFNESSES: [&str; 10] = [
     "stiffness = 3e8",
     r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#,
     r#"stiffness = { model = "square", pair = 2e8, engagement = 0.3 }"#,

@@ -43,7 +43,7 @@ class Checkpoint:
     ----------
     path : str or path-like
         The file; it need not be there.
-    every : float
+    interval : float
         Wall-clock time between two writings [s].
     asked : mapping
         All that makes the run this one, as plain data and arrays.
@@ -63,12 +63,12 @@ class Checkpoint:
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], every: object, asked: Mapping[str, Any]
+        self, path: str | os.PathLike[str], interval: object, asked: Mapping[str, Any]
     ) -> None:
         self.path = Path(path)
-        self.every = number(every, "every", infinite=True)
-        if not self.every > 0.0:
-            raise SceneError(f"every: must be positive, got {every!r}")
+        self.interval = number(interval, "checkpoint_interval", infinite=True)
+        if not self.interval > 0.0:
+            raise SceneError(f"checkpoint_interval: must be positive, got {interval!r}")
         suffix(self.path)
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
@@ -175,7 +175,7 @@ class Checkpoint:
             kept = self._kept
             done = 0 if kept is None else kept["time"].size
             checkpoint = None if kept is None else (kept["final"], kept["checkpoint"])
-            watch = _Watch(self.every, progress)
+            watch = _Watch(self.interval, progress)
             try:
                 return _joined(kept, core(times[done:], checkpoint, watch))
             except BaseException as error:
@@ -224,8 +224,8 @@ class Checkpoint:
 class _Watch:
     """Tells how far a run is, and stops it when the file is due."""
 
-    def __init__(self, every: float, progress: Progress | None) -> None:
-        self.every = every
+    def __init__(self, interval: float, progress: Progress | None) -> None:
+        self.interval = interval
         self.progress = progress
         self.fraction = 0.0
         self._begun: tuple[float, float] | None = None
@@ -237,7 +237,7 @@ class _Watch:
         at, begun = self._begun = self._begun or (now, fraction)
         if self.progress is not None:
             self.progress(fraction)
-        if begun < fraction < 1.0 and now - at >= self.every:
+        if begun < fraction < 1.0 and now - at >= self.interval:
             raise _Due
 
 

@@ -64,7 +64,6 @@ class Model:
         speed: Plain,
         *,
         method: str,
-        linear: str | None,
         step: float | None,
         rtol: float | None,
         stages: int | None,

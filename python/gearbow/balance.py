@@ -36,7 +36,7 @@ class Balance(ReadOnly):
         Speeds of the reference shaft that were balanced at [rad/s].
     points : tuple of str or (str, float)
         Where the deflection was measured.
-    of : {"total", "elastic"}
+    target : {"total", "elastic"}
         Whether displacement, or displacement less the bow.
     before : ndarray, shape (speeds, points, 2)
         Amplitudes of v and w [m] without the correction, the shaft of the planes as the source.
@@ -61,9 +61,9 @@ class Balance(ReadOnly):
     >>> disk = gb.Disk("disk", "rotor", 0.5, mass=50.0, diametral_inertia=0.5, polar_inertia=1.0)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
-    >>> for of in ("total", "elastic"):
-    ...     found = system.balance(["disk"], speed=150.0, of=of, points=["disk"])
-    ...     print(of, f"{1e3 * found.unbalances[0].real:.1f} g m")
+    >>> for target in ("total", "elastic"):
+    ...     found = system.balance(["disk"], speed=150.0, target=target, points=["disk"])
+    ...     print(target, f"{1e3 * found.unbalances[0].real:.1f} g m")
     total -13.3 g m
     elastic -5.8 g m
     """
@@ -72,13 +72,13 @@ class Balance(ReadOnly):
     unbalances: ComplexArray
     speeds: Array
     points: tuple[At, ...]
-    of: str
+    target: str
     before: ComplexArray
     residual: ComplexArray
     system: "RotorSystem" = field(repr=False)
 
     @property
-    def reduction(self) -> float:
+    def residual_ratio(self) -> float:
         """How much of the deflection is left.
 
         Returns
@@ -94,7 +94,7 @@ def balance(
     planes: At | Sequence[At],
     speed: ArrayLike,
     *,
-    of: str = "total",
+    target: str = "total",
     points: At | Sequence[At] | None = None,
 ) -> Balance:
     """Find the unbalance in given planes that best cancels the deflection of a bowed rotor.
@@ -107,7 +107,7 @@ def balance(
         Balancing planes on one shaft: gears, disks or (shaft, position [m]).
     speed : array_like, shape (speeds,) or scalar
         Speeds of the reference shaft to balance at [rad/s], not zero.
-    of : {"total", "elastic"}
+    target : {"total", "elastic"}
         What to cancel: the displacement, or the displacement less the bow.
     points : str, tuple of (str, float), or sequence of them, optional
         Where to measure; None is every node of the shaft.
@@ -124,8 +124,8 @@ def balance(
     SceneError
         If an argument is impossible.
     """
-    if of not in ("total", "elastic"):
-        raise SceneError(f'of: must be "total" or "elastic", got {of!r}')
+    if target not in ("total", "elastic"):
+        raise SceneError(f'target: must be "total" or "elastic", got {target!r}')
     chosen = places(planes, "planes")
     shaft = _shaft(system, chosen)
     speeds = array(speed, "speed")
@@ -140,7 +140,7 @@ def balance(
     else:
         measured = places(points, "points")
 
-    read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, of=of)
+    read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
     one = np.ones(1, dtype=np.complex128)
     before = read(base, "both")
     still = read(base, "unbalance")
@@ -156,7 +156,7 @@ def balance(
         unbalances=unbalances,
         speeds=speeds,
         points=measured,
-        of=of,
+        target=target,
         before=before,
         residual=before + influence @ unbalances,
         system=_fitted(base, chosen, unbalances),
@@ -170,11 +170,11 @@ def _deflection(
     shaft: str,
     speeds: Array,
     points: Sequence[At],
-    of: str,
+    target: str,
 ) -> ComplexArray:
     """Read the deflection at all points, with the shaft of the planes as the source."""
     found = system.synchronous(speeds, excitation=excitation)
-    at = found.elastic if of == "elastic" else found.displacement
+    at = found.elastic if target == "elastic" else found.displacement
     source = found.shafts.index(shaft)
     return np.stack([at(point)[:, source] for point in points], axis=1)
 
@@ -194,8 +194,8 @@ def _fitted(system: "RotorSystem", planes: Iterable[At], unbalances: ComplexArra
         body = bodies[kind][i]
         bodies[kind][i] = replace(body, unbalance=body.unbalance + unbalance)
     described = {
-        kind: [body._describe(f"{kind}[{i}]") for i, body in enumerate(of)]
-        for kind, of in bodies.items()
+        kind: [body._describe(f"{kind}[{i}]") for i, body in enumerate(given)]
+        for kind, given in bodies.items()
     }
     # Corrections are not checked for slips again, unlike in `RotorSystem.replace`.
     return type(system)._from_description({**system.description, **described})

@@ -104,7 +104,7 @@ class Modes(ReadOnly):
             name = _name([groups[g] for g in strong])
             if whirl == "rigid":
                 twists = groups[order[0]][1] == "twist"
-                name = "rolling of the train" if twists else f"rigid motion of {name}"
+                name = "rigid-body rotation" if twists else f"rigid motion of {name}"
             names.append(name)
         return names
 

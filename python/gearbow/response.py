@@ -417,7 +417,7 @@ class Response:
         shaft_harmonics: int = 4,
         mesh_harmonics: int = 3,
         sidebands: int = 1,
-        settle: float = 0.0,
+        skip_time: float = 0.0,
     ) -> Orders:
         """Find the amplitude of one recorded signal at the orders of shafts and meshes.
 
@@ -431,7 +431,7 @@ class Response:
             How many harmonics of each shaft and of each tooth frequency.
         sidebands : int
             How many on either side of a tooth frequency, from each of the two shafts.
-        settle : float
+        skip_time : float
             Time at the beginning that is left out [s].
 
         Returns
@@ -454,7 +454,7 @@ class Response:
             shaft_harmonics=shaft_harmonics,
             mesh_harmonics=mesh_harmonics,
             sidebands=sidebands,
-            settle=settle,
+            skip_time=skip_time,
         )
 
     def plot(self, kind: str = "orbits", names: At | Sequence[At] | None = None) -> "Figure":

@@ -203,7 +203,7 @@ class Synchronous(ReadOnly):
         force: ComplexArray = self._bearing_force[:, :, 2 * i : 2 * i + 2]
         return force
 
-    def less_slow_roll(self, speed: float) -> "Synchronous":
+    def subtract_slow_roll(self, speed: float) -> "Synchronous":
         """Take the amplitudes at a slow roll off all others, as one does with measured run-out.
 
         Parameters

@@ -131,7 +131,7 @@ class RotorSystem:
     >>> system.speed_ratios
     array([ 1. , -0.5])
     >>> system.modes().names()[0]
-    'rolling of the train'
+    'rigid-body rotation'
     >>> response = system.simulate(0.1, speed=100.0)
     >>> contact_ratio = response.mesh("g1", "g2").contact_ratio
     >>> print(f"{contact_ratio.max() - contact_ratio.min():.2f}")
@@ -467,7 +467,6 @@ class RotorSystem:
         *,
         accuracy: str | None = None,
         method: str | None = None,
-        linear: str | None = None,
         step: float | None = None,
         rtol: float | None = None,
         stages: int | None = None,
@@ -480,7 +479,7 @@ class RotorSystem:
         start: float | None = None,
         progress: bool | Progress | None = None,
         checkpoint: str | os.PathLike[str] | None = None,
-        every: float = 60.0,
+        checkpoint_interval: float = 60.0,
     ) -> Response:
         """Integrate the equations of motion at a constant or a changing speed.
 
@@ -496,16 +495,16 @@ class RotorSystem:
         accuracy : {"draft", "engineering", "reference"}, optional
             In place of method, step, rtol, stages and modes: settings whose error was measured. The
             response says what to expect, `Response.expected_error` and `Response.accuracy`.
-        method : {"exponential", "rk45", "rk4"}, optional
-            Exact where the motion is linear, with Gauss collocation of the mesh forces, the
-            default at constant speed; Dormand–Prince 5(4) with error control, the default where the
-            speed changes; or the classical method with fixed steps.
-        linear : {"integrated", "exact"}, optional
-            How "rk4" treats everything but the meshes: like the rest, or exactly, by the modes
-            (ETDRK4, Cox and Matthews 2002), which frees its step from the shortest element.
+        method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
+            "exponential" integrates the linear motion exactly and the mesh forces by Gauss
+            collocation; it is the default at constant speed. "rk45" is the Dormand–Prince 5(4)
+            method with error control, the default at changing speed. "rk4" is the classical
+            Runge–Kutta method with fixed steps. "etdrk4" (Cox and Matthews 2002) has fixed steps
+            too and integrates the linear motion exactly, so that the shortest element does not
+            limit its step; it needs a constant speed.
         step : float, optional
-            Fixed step [s] of "rk4", where None is one that resolves the fastest motion, or of
-            "exponential", where None is what `rtol` allows.
+            Fixed step [s] of "rk4", "etdrk4" or "exponential". None chooses a step that resolves
+            the fastest motion for "rk4", and variable steps that meet `rtol` for "exponential".
         rtol : float, optional
             Error of a step of "exponential" and "rk45", relative to the motion in the energy norm;
             None is 1e-6. It cannot be given with a fixed step.
@@ -540,7 +539,7 @@ class RotorSystem:
             so far included. The same call goes on from there to the same bits as a run that
             nothing stopped; at the end the file is the response, and the same call reads it.
             Only one run at a time can use a file.
-        every : float, optional
+        checkpoint_interval : float, optional
             Wall-clock time between two writings of that file [s]. It is replaced as a whole.
 
         Returns
@@ -587,13 +586,11 @@ class RotorSystem:
         duration = number(duration, "duration")
         if method is not None:
             method = text(method, "method")
-        if linear is not None:
-            linear = text(linear, "linear")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         speed = given_speed(speed, begin, duration)
         expected = None
         if accuracy is not None:
-            given = {"method": method, "linear": linear, "step": step, "rtol": rtol}
+            given = {"method": method, "step": step, "rtol": rtol}
             given |= {"stages": stages, "modes": modes}
             expected = accuracy_of(accuracy, given, constant=isinstance(speed, float))
             method, rtol = expected.method, expected.rtol
@@ -612,7 +609,6 @@ class RotorSystem:
             "duration": duration,
             "speed": plain_speed(speed),
             "method": method,
-            "linear": linear,
             "step": None if step is None else number(step, "step"),
             "rtol": None if rtol is None else number(rtol, "rtol"),
             "stages": None if stages is None else whole(stages, "stages"),
@@ -627,7 +623,7 @@ class RotorSystem:
         with (
             nullcontext()
             if checkpoint is None
-            else Checkpoint(checkpoint, every, {"scene": scene, **asked, **rest})
+            else Checkpoint(checkpoint, checkpoint_interval, {"scene": scene, **asked, **rest})
         ) as file:
             if file is not None and file.complete is not None:
                 return file.complete

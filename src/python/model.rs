@@ -275,7 +275,7 @@ impl PyModel {
         Ok(simulate::default_output_step(self.model(), duration, fastest))
     }
 
-    #[pyo3(signature = (duration, speed, *, method, linear, step, rtol, stages, modes, initial, times, record, geometry, start, progress, checkpoint))]
+    #[pyo3(signature = (duration, speed, *, method, step, rtol, stages, modes, initial, times, record, geometry, start, progress, checkpoint))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn simulate<'py>(
         &self,
@@ -283,7 +283,6 @@ impl PyModel {
         duration: f64,
         speed: &Bound<'py, PyAny>,
         method: &str,
-        linear: Option<&str>,
         step: Option<f64>,
         rtol: Option<f64>,
         stages: Option<usize>,
@@ -299,7 +298,7 @@ impl PyModel {
         let options = analysis::simulate::Options {
             duration,
             speed: super::speed::speed(speed)?,
-            method: simulate::method(method, linear)?,
+            method: analysis::simulate::Method::named(method)?,
             step,
             rtol,
             stages,

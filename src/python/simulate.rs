@@ -11,7 +11,7 @@ use super::errors::warn;
 use super::model::PyModel;
 use super::{background, speed};
 use crate::analysis::simulate::{
-    self, Final, MESH_FIELDS, Method, Options, RecordPlan, RecorderState, Request, Response, round_below, sample_step,
+    self, Final, MESH_FIELDS, Options, RecordPlan, RecorderState, Request, Response, round_below, sample_step,
 };
 use crate::analysis::{AnalysisError, small_displacement_check};
 use crate::integrate::Statistics;
@@ -19,21 +19,6 @@ use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::motion::{Energies, SOURCES};
 use crate::scene::{Node, SceneError};
-
-/// The method of a name; "rk4" may leave the linear part to the modes.
-pub fn method(name: &str, linear: Option<&str>) -> Result<Method, SceneError> {
-    match (Method::named(name)?, linear) {
-        (method, None) => Ok(method),
-        (Method::Rk4, Some("exact")) => Ok(Method::ExactRk4),
-        (Method::Rk4, Some("integrated")) => Ok(Method::Rk4),
-        (Method::Rk4, Some(linear)) => {
-            Err(SceneError::new("linear", format!("must be \"exact\" or \"integrated\", got \"{linear}\"")))
-        }
-        (method, Some(_)) => {
-            Err(SceneError::new("linear", format!("is a choice of \"rk4\" alone, not of \"{}\"", method.name())))
-        }
-    }
-}
 
 /// One entry of `record`.
 #[derive(FromPyObject)]

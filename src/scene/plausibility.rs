@@ -45,11 +45,11 @@ const LENGTH: Usual = usual("the length of a shaft", "m", 1e-3, 150.0, METRES);
 const DIAMETER: Usual = usual("the diameter of a shaft", "m", 5e-5, 5.0, METRES);
 /// Length over diameter: flat hubs; long shafts that need more bearings than two.
 const SLENDERNESS: Usual = usual("length over diameter of a shaft", "", 0.3, 200.0, "are both in the same unit?");
-/// Polyethylene has 0.2 GPa, diamond 1.2 TPa.
+/// Polyethylene has 0.2 GPa, diamond 1.2 TPa; an idealised rigid shaft is often given up to a thousand times more.
 const MODULUS: Usual =
-    Usual { below: "is it in MPa or GPa?", ..usual("the elastic modulus of a solid", "Pa", 1e8, 1.3e12, UNIT) };
+    Usual { below: "is it in MPa or GPa?", ..usual("the elastic modulus of a solid", "Pa", 1e8, 1e15, UNIT) };
 /// Half the range of Young's modulus: G = E/2(1 + ν).
-const SHEAR_MODULUS: Usual = Usual { quantity: "the shear modulus of a solid", low: 3e7, high: 6e11, ..MODULUS };
+const SHEAR_MODULUS: Usual = Usual { quantity: "the shear modulus of a solid", low: 3e7, high: 5e14, ..MODULUS };
 /// Foams have 100 kg/m³, osmium 22 600 kg/m³.
 const DENSITY: Usual =
     Usual { below: "is it in g/cm3 or t/mm3?", ..usual("the density of a solid", "kg/m3", 100.0, 23e3, UNIT) };

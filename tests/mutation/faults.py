@@ -66,12 +66,12 @@ FAULTS: list[Fault] = [
         ("i = meshes.index((driver, driven))", "i = 0"),
         ('self._data["bearing_force"][:, i]', '-self._data["bearing_force"][:, i]'),
         ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
-        ("settle=settle,", "settle=0.0,"),
+        ("skip_time=skip_time,", "skip_time=0.0,"),
         ("sidebands=sidebands,", "sidebands=1,"),
         ("shaft_harmonics=shaft_harmonics,", "shaft_harmonics=4,"),
         ("mesh_harmonics=mesh_harmonics,", "mesh_harmonics=3,"),
         ("spectrum(self, of, quantity, window=window)", "spectrum(self, of, quantity)"),
-        ("plots.KINDS[kind](self, names)", "plots.KINDS[kind](self, None)"),
+        ("None if names is None else places(names", "None if True else places(names"),
         ("shaft_harmonics: int = 4,", "shaft_harmonics: int = 3,"),
         ("mesh_harmonics: int = 3,", "mesh_harmonics: int = 2,"),
     ),
@@ -111,8 +111,11 @@ FAULTS: list[Fault] = [
     *_faults(
         "orders/fit.py",
         "signals",
-        ("response.time.size else 0.0) + settle", "response.time.size else 0.0) + 0.0 * settle"),
-        ("(response.time[0] if response.time.size else 0.0) + settle", "settle"),
+        (
+            "response.time.size else 0.0) + number(",
+            "response.time.size else 0.0) + 0.0 * number(",
+        ),
+        ("(response.time[0] if response.time.size else 0.0) + number", "number"),
         ("abs(response.speed) / (2.0 * np.pi)", "abs(response.speed)"),
         ("* abs(response.speed) /", "* response.speed /"),
         ("fitted[1 : count + 1] - 1j *", "fitted[1 : count + 1] + 1j *"),
@@ -129,7 +132,6 @@ FAULTS: list[Fault] = [
         ("{self.frequencies_hz[j]:>9.4g}", "{self.frequencies_hz[j - 1]:>9.4g}"),
         ("{abs(self.amplitudes[j]):>10.4g}", "{2 * abs(self.amplitudes[j]):>10.4g}"),
         ("time.size <= 2 * frequencies.size + 1:", "time.size < 2 * frequencies.size + 1:"),
-        ("if value < 0:", "if value < -1:"),
         ("np.diff(frequencies, prepend=0.0)", "np.diff(frequencies)"),
     ),
     *_faults(
@@ -235,7 +237,7 @@ FAULTS: list[Fault] = [
         "balance_numbers balance",
         ("lstsq(table, -before.reshape(-1)", "lstsq(table, before.reshape(-1)"),
         ("residual=before + influence @ unbalances", "residual=before"),
-        ('found.elastic if of == "elastic" else found.displacement', "found.displacement"),
+        ('found.elastic if target == "elastic" else found.displacement', "found.displacement"),
         ("unbalance=body.unbalance + unbalance", "unbalance=unbalance"),
         (
             "np.linalg.norm(self.residual) / np.linalg.norm(self.before)",
@@ -247,19 +249,19 @@ FAULTS: list[Fault] = [
         ("for x in nodes)", "for x in list(nodes)[:-1])"),
         ("planes=chosen,", "planes=chosen[::-1],"),
         ("float(plane[1]), 0.0, 0.0, 0.0)", "float(plane[1]), 0.0, 1.0, 0.0)"),
-        ('of: str = "total"', 'of: str = "elastic"'),
+        ('target: str = "total"', 'target: str = "elastic"'),
     ),
     *_faults(
         "peak.py",
         "synchronous_orbits",
         (
-            "return self.speed / (self.upper - self.lower)",
-            "return 2.0 * self.speed / (self.upper - self.lower)",
+            "else abs(self.speed) / width",
+            "else 2.0 * abs(self.speed) / width",
         ),
         ("/ (factor - 1.5)", "/ (factor - 1.0)"),
         ("else 10.0 + margin", "else margin"),
-        ("(low - self.speed) / low", "(low - self.speed) / self.speed"),
-        ("(self.speed - high) / high", "(self.speed - high) / self.speed"),
+        ("(low - speed) / low", "(low - speed) / speed"),
+        ("(speed - high) / high", "(speed - high) / speed"),
         ("CRITICALLY_DAMPED = 2.5", "CRITICALLY_DAMPED = 3.5"),
     ),
     *_faults(
@@ -278,8 +280,8 @@ FAULTS: list[Fault] = [
         ("synchronous(np.array([slow]), self.excitation)", 'synchronous(np.array([slow]), "both")'),
         ("np.unique(self.speeds),", "self.speeds,"),
         (
-            '(number(low, "operating"), number(high, "operating"))',
-            '(number(low, "operating"), number(low, "operating"))',
+            "[Peak(*row, operating=span) for row in found]",
+            "[Peak(*row, operating=None) for row in found]",
         ),
     ),
     *_faults(
@@ -296,7 +298,7 @@ FAULTS: list[Fault] = [
             '"damping ratio": 100.0 * intersection.damping_ratio',
         ),
         ('intersection.line.kind == "shaft"', 'intersection.line.kind != "shaft"'),
-        ('whole(harmonics, "harmonics")', "1"),
+        ('whole(harmonics, "harmonics", least=0)', "1"),
     ),
     *_faults(
         "critical.py",
@@ -305,8 +307,8 @@ FAULTS: list[Fault] = [
             'bearing["stiffness"] = float(stiffness)',
             'bearing["stiffness"] = 2.0 * float(stiffness)',
         ),
-        ('critical_speeds(number(excitation, "excitation"))', "critical_speeds(1.0)"),
-        ("wanted, float(excitation),", "wanted, 1.0,"),
+        (".critical_speeds(excitation)", ".critical_speeds(1.0)"),
+        ("CriticalSpeedMap(wanted, excitation,", "CriticalSpeedMap(wanted, 1.0,"),
     ),
     *_faults(
         "modes.py",
@@ -431,14 +433,17 @@ FAULTS: list[Fault] = [
             "[trial.error for trial in trials], [trial.cost(duration)",
         ),
         ("[trial.cost(duration) for trial in trials]", "[trial.cost() for trial in trials]"),
-        ('f"CPU time of {simulated:g} s [s]"', 'f"CPU time of {simulated:g} s [ms]"'),
+        (
+            'f"CPU time for {simulated:g} simulated s [s]"',
+            'f"CPU time for {simulated:g} simulated s [ms]"',
+        ),
     ),
     *_faults(
         "speed.py",
-        "speed_and_bow",
+        "profiles_and_bow_values",
         (
-            "cls.table([begin, begin + duration], [start, end])",
-            "cls.table([0.0, duration], [start, end])",
+            "[begin, begin + duration], [number(start",
+            "[0.0, duration], [number(start",
         ),
         ("np.array([slopes, values[:-1]])", "np.array([slopes, values[1:]])"),
         ("speed = speed * since + row[piece]", "speed = speed * t + row[piece]"),
@@ -446,7 +451,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "bow.py",
-        "speed_and_bow",
+        "profiles_and_bow_values",
         (
             'cls("half_sine", amplitude=amplitude, phase=phase)',
             'cls("half_sine", amplitude=amplitude)',

@@ -11,10 +11,10 @@ SPEEDS = np.array([100.0, 180.0])
 
 
 def test_a_balance_keeps_what_it_was_asked():
-    found = rotor().balance(["b", ("s", 0.25)], SPEEDS, of="elastic", points=["a", ("s", 0.5)])
+    found = rotor().balance(["b", ("s", 0.25)], SPEEDS, target="elastic", points=["a", ("s", 0.5)])
     assert found.planes == ("b", ("s", 0.25))
     assert found.points == ("a", ("s", 0.5))
-    assert found.of == "elastic"
+    assert found.target == "elastic"
     np.testing.assert_array_equal(found.speeds, SPEEDS)
     assert found.unbalances.shape == (2,)
     assert found.before.shape == found.residual.shape == (2, 2, 2)
@@ -23,8 +23,8 @@ def test_a_balance_keeps_what_it_was_asked():
 def test_the_deflection_before_is_that_of_the_system():
     system = rotor()
     own = system.synchronous(SPEEDS)
-    for of, read in (("total", own.displacement), ("elastic", own.elastic)):
-        found = system.balance(["a"], SPEEDS, of=of, points=["a", ("s", 0.5)])
+    for target, read in (("total", own.displacement), ("elastic", own.elastic)):
+        found = system.balance(["a"], SPEEDS, target=target, points=["a", ("s", 0.5)])
         expected = np.stack([read(point)[:, 0] for point in ("a", ("s", 0.5))], axis=1)
         assert found.before == pytest.approx(expected, abs=1e-15)
 
@@ -36,7 +36,7 @@ def test_all_nodes_are_measured_by_default():
     assert {0.0, 0.25, 0.3, 0.7, 1.0} <= nodes
     assert {x for _, x in found.points} == nodes
     assert len(found.points) == len(nodes)
-    assert found.of == "total"
+    assert found.target == "total"
 
 
 def test_the_correction_is_added_to_what_is_there():
@@ -52,7 +52,7 @@ def test_the_correction_is_added_to_what_is_there():
 def test_the_reduction_is_the_residual_over_what_was_there():
     found = rotor().balance(["a"], SPEEDS)
     expected = np.sqrt(np.sum(np.abs(found.residual) ** 2) / np.sum(np.abs(found.before) ** 2))
-    assert found.reduction == pytest.approx(expected, rel=1e-12)
+    assert found.residual_ratio == pytest.approx(expected, rel=1e-12)
     assert expected < 1.0
 
 

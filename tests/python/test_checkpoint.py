@@ -98,7 +98,9 @@ def test_a_run_that_is_stopped_everywhere_is_the_whole(name, tmp_path, writings)
     system, path = RUNS[name][0].package(), tmp_path / "run.npz"
     whole = system.simulate(**asked(name))
     # the run is taken apart at every question whether to go on, first within one call,
-    found = system.simulate(**asked(name), checkpoint=path, every=1e-9, progress=Pause())
+    found = system.simulate(
+        **asked(name), checkpoint=path, checkpoint_interval=1e-9, progress=Pause()
+    )
     assert_same(found, whole)
     assert_same(gb.Response.load(path), whole)
     assert len(writings) > 2
@@ -200,7 +202,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
     with monkeypatch.context() as patch:
         patch.setattr(np, "savez", interrupted)
         with pytest.raises(KeyboardInterrupt) as caught:
-            system.simulate(**options, checkpoint=path, every=1e-9, progress=Pause())
+            system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=Pause())
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
     # what was computed is not lost with it
@@ -275,5 +277,5 @@ def test_a_file_that_is_no_checkpoint_is_left_alone(tmp_path):
         system.simulate(**options, checkpoint=tmp_path / "missing" / "run.npz")
     with pytest.raises(gb.GearbowError, match=r"ends with \.npz or \.nc"):
         system.simulate(**options, checkpoint=tmp_path / "run.csv")
-    with pytest.raises(gb.SceneError, match=r"^every: must be positive, got 0"):
-        system.simulate(**options, checkpoint=tmp_path / "other.npz", every=0)
+    with pytest.raises(gb.SceneError, match=r"^checkpoint_interval: must be positive, got 0"):
+        system.simulate(**options, checkpoint=tmp_path / "other.npz", checkpoint_interval=0)

@@ -14,7 +14,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "exponential": {"method": "exponential", "rtol": 1e-10},
     "rk45": {"method": "rk45", "rtol": 1e-9},
     "rk4": {"method": "rk4", "rtol": None},
-    "rk4, exact": {"method": "rk4", "linear": "exact", "step": 5e-7, "rtol": None},
+    "etdrk4": {"method": "etdrk4", "step": 5e-7, "rtol": None},
 }
 CONTACT = {"contact", "back contact", "separation", "tight"}
 

@@ -54,7 +54,7 @@ def distance(found: gb.Response, exact: gb.Response) -> float:
         ({"stages": 2}, (256, 512), 4),
         ({"stages": 3}, (256, 512), 6),
         ({"stages": 4}, (128, 256), 8),
-        ({"method": "rk4", "linear": "exact"}, (512, 1024), 4),
+        ({"method": "etdrk4"}, (512, 1024), 4),
     ],
     ids=["1", "2", "3", "4", "etdrk4"],
 )

@@ -163,7 +163,7 @@ soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
-    found = system.simulate(**options, checkpoint=path, every=1e-9, progress=Pause())
+    found = system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=Pause())
 resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 assert caught and all(entry.category is gb.CheckpointWarning for entry in caught), caught
 assert "could not be written and is as it was" in str(caught[0].message)
@@ -208,7 +208,7 @@ def work():
         while True:
             train().save(path)
             big().save(path)
-    system.simulate(**options, checkpoint=path, every=1e-9, progress=lambda _: time.sleep(0.06))
+    system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=lambda _: time.sleep(0.06))
     os._exit(0)
 
 for attempt in range(10):
@@ -253,7 +253,7 @@ def progress(fraction):
     print(fraction, flush=True)
     time.sleep(0.06 if fraction == 0.0 else 3600.0)
 
-RUNS["smooth"][0].package().simulate(**asked("smooth"), checkpoint=sys.argv[1], every=1e-9, progress=progress)
+RUNS["smooth"][0].package().simulate(**asked("smooth"), checkpoint=sys.argv[1], checkpoint_interval=1e-9, progress=progress)
 """
 
 

@@ -53,7 +53,7 @@ RUNS = {
     "rk45": {"method": "rk45", "rtol": 1e-9},
     "exponential": {"method": "exponential", "rtol": 1e-9},
     "exponential, fixed": {"method": "exponential", "step": 5e-6, "stages": 3},
-    "rk4, exact": {"method": "rk4", "linear": "exact", "step": 1e-6},
+    "etdrk4": {"method": "etdrk4", "step": 1e-6},
 }
 
 

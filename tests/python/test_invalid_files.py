@@ -544,7 +544,7 @@ def test_a_checkpoint_of_too_many_meshes_is_refused(tmp_path):
     about["checkpoint"]["checkpoint"]["margins"] *= 2
     write_npz(path, json.dumps(about), arrays)
     with pytest.raises(
-        gb.SceneError, match=r"^checkpoint: .*run\.npz.*pause: is of a run of another system"
+        gb.SceneError, match=r"^checkpoint: .*run\.npz.*checkpoint: is of a run of another system"
     ):
         system.simulate(**options, checkpoint=path)
 
@@ -552,5 +552,5 @@ def test_a_checkpoint_of_too_many_meshes_is_refused(tmp_path):
 def test_a_system_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "rotor.toml"
     path.write_bytes(b"\xff\xfe name")
-    with pytest.raises(gb.SceneError, match=r"rotor\.toml: must be text in UTF-8"):
+    with pytest.raises(gb.SceneError, match=r"rotor\.toml is not UTF-8 text"):
         gb.RotorSystem.load(path)

@@ -39,7 +39,7 @@ def results():
         "modes": system.modes(10.0),
         "campbell": system.campbell(speeds, count=3),
         "synchronous": system.synchronous(speeds),
-        "less": system.synchronous(speeds).less_slow_roll(1.0),
+        "less": system.synchronous(speeds).subtract_slow_roll(1.0),
         "static": system.static(),
         "critical": bowed.critical_speed_map(speeds * 1e6),
         "balance": bowed.balance(["disk"], 50.0),

@@ -331,7 +331,7 @@ def test_the_reference_scenes_are_plausible():
 
 
 def test_a_watch():
-    geared(5e-4, 1e-4, (80, 10))
+    geared(5e-4, 1e-4, (80, 20))
 
 
 def test_a_car():

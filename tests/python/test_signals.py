@@ -176,12 +176,12 @@ class TestOrders:
         steady = 2e-6 * np.cos(SPEED * time - 0.7)
         made = of_series(time, steady + np.where(time < 3.5, 1e-6, 0.0))
         asked = {"shaft_harmonics": 1, "mesh_harmonics": 0}
-        found = made.orders("g1", "w", settle=0.501, **asked)
+        found = made.orders("g1", "w", skip_time=0.501, **asked)
         assert found.rest < 1e-15
         assert abs(found.mean) < 1e-15
         assert found.amplitude("1× input") == pytest.approx(2e-6, rel=1e-9)
         # with any of the start-up the fit is wrong
-        assert made.orders("g1", "w", settle=0.4, **asked).rest > 1e-7
+        assert made.orders("g1", "w", skip_time=0.4, **asked).rest > 1e-7
         assert made.orders("g1", "w", **asked).rest > 3e-7
 
     @pytest.mark.parametrize("speed", [SPEED, -SPEED])
@@ -241,7 +241,7 @@ class TestOrders:
     @pytest.mark.parametrize("name", ["shaft_harmonics", "mesh_harmonics", "sidebands"])
     def test_a_negative_number_is_refused(self, name: str):
         time = 1e-3 * np.arange(100)
-        with pytest.raises(gb.SceneError, match=f"{name}: must not be negative"):
+        with pytest.raises(gb.SceneError, match=f"{name}: must be at least 0, got -1"):
             of_series(time, time).orders("g1", "w", **{name: -1})
 
     def test_a_table_has_the_values_in_its_columns(self):

@@ -149,16 +149,16 @@ def test_slow_roll_takes_the_bow_off():
     system = jeffcott(bow=1e-4, eccentricity=2e-5)
     speeds = np.array([5.0, 100.0, 150.0])
     whole = system.synchronous(speeds)
-    less = whole.less_slow_roll(5.0)
+    less = whole.subtract_slow_roll(5.0)
     assert np.all(less.displacement("disk")[0] == 0.0)
     assert less.displacement("disk") == pytest.approx(
         whole.displacement("disk") - whole.displacement("disk")[:1], abs=1e-18
     )
     # peaks are then those of what is left
     speeds = np.linspace(20.0, 600.0, 60)
-    less = system.synchronous(speeds).less_slow_roll(5.0)
+    less = system.synchronous(speeds).subtract_slow_roll(5.0)
     (peak,) = less.peaks("disk")
-    at = system.synchronous([peak.speed]).less_slow_roll(5.0)
+    at = system.synchronous([peak.speed]).subtract_slow_roll(5.0)
     assert at.orbit("disk")[0, 0] == pytest.approx(peak.amplitude, rel=1e-9)
     assert less.bearing_force("s", 0.0) == pytest.approx(
         system.synchronous(speeds).bearing_force("s", 0.0), rel=1e-15

@@ -41,7 +41,7 @@ def study() -> gb.Tradeoff:
     return toothed().tradeoff(
         END,
         SPEED,
-        of=["g1", FORCE],
+        signals=["g1", FORCE],
         methods=["exponential", "rk45"],
         tolerances=TOLERANCES,
         initial="rest",
@@ -69,7 +69,7 @@ def test_the_reference_is_what_an_independent_program_finds():
     exact = judge.from_rest(SCENE.reference(), SPEED, times).displacement("g1")
     system = SCENE.package()
     found = system.tradeoff(
-        END, SPEED, of="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
+        END, SPEED, signals="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
     )
     # the judge's tolerance of 1e-10 leaves about as much; its own error hides what is below
     hidden = 1e-7
@@ -84,7 +84,7 @@ def test_the_reference_is_what_an_independent_program_finds():
 def test_a_recommendation_keeps_its_error_against_an_independent_program(wanted):
     times = np.linspace(0.0, END, 101)
     motion = judge.from_rest(SCENE.reference(), SPEED, times)
-    found = SCENE.package().tradeoff(END, SPEED, of=["g1", FORCE], initial="rest", repeats=1)
+    found = SCENE.package().tradeoff(END, SPEED, signals=["g1", FORCE], initial="rest", repeats=1)
     best = found.recommend(error=wanted)
     assert best.error <= wanted
     response = best.system.simulate(END, SPEED, initial="rest", times=times, **best.options)
@@ -207,7 +207,7 @@ def test_the_same_study_finds_the_same_errors(study):
     again = toothed().tradeoff(
         END,
         SPEED,
-        of=["g1", FORCE],
+        signals=["g1", FORCE],
         methods=["exponential", "rk45"],
         tolerances=TOLERANCES,
         initial="rest",
@@ -223,7 +223,13 @@ def test_a_budget_ends_what_would_take_too_long():
     budget = 3.0
     begin = time.perf_counter()
     found = toothed().tradeoff(
-        0.02, SPEED, of="g1", methods=["rk4", "rk45"], steps=[1e-6, 1e-9], budget=budget, repeats=1
+        0.02,
+        SPEED,
+        signals="g1",
+        methods=["rk4", "rk45"],
+        steps=[1e-6, 1e-9],
+        budget=budget,
+        repeats=1,
     )
     # a run looks at the clock every 50 ms; twice as much is a machine that does other things too
     assert time.perf_counter() - begin < 2.0 * budget
@@ -238,7 +244,7 @@ def test_what_is_left_when_the_budget_is_spent_is_not_begun():
     def dawdle(_: float) -> None:
         time.sleep(0.05)
 
-    found = toothed().tradeoff(END, SPEED, of="g1", budget=0.5, progress=dawdle)
+    found = toothed().tradeoff(END, SPEED, signals="g1", budget=0.5, progress=dawdle)
     # of 30 settings and more, those of half a second
     late = [skipped for skipped in found.skipped if skipped.reason == "the budget is spent"]
     assert len(late) > 10
@@ -254,12 +260,12 @@ def test_a_budget_too_short_for_a_reference_is_an_error():
         toothed().torques,
     )
     with pytest.raises(gb.GearbowError, match=r"^budget: too short for a reference"):
-        system.tradeoff(10.0, SPEED, of="g1", methods="rk4", budget=0.1)
+        system.tradeoff(10.0, SPEED, signals="g1", methods="rk4", budget=0.1)
 
 
 def test_a_step_that_is_not_stable_is_skipped_and_says_so():
     found = toothed().tradeoff(
-        1e-3, SPEED, of="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1
+        1e-3, SPEED, signals="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1
     )
     unstable = [skipped for skipped in found.skipped if skipped.setting == "rk4, step 0.001 s"]
     assert unstable
@@ -268,7 +274,7 @@ def test_a_step_that_is_not_stable_is_skipped_and_says_so():
 
 def test_progress_goes_from_nothing_to_all(capsys):
     seen: list[float] = []
-    how = {"of": "g1", "methods": "exponential", "tolerances": [1e-3], "repeats": 1}
+    how = {"signals": "g1", "methods": "exponential", "tolerances": [1e-3], "repeats": 1}
     toothed().tradeoff(1e-3, SPEED, progress=seen.append, **how)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
@@ -282,11 +288,11 @@ def test_progress_goes_from_nothing_to_all(capsys):
         ({"duration": 0.0}, "duration: must be positive and finite, got 0.0"),
         ({"duration": "long"}, "duration: must be a number, got 'long'"),
         ({"speed": np.nan}, "speed: must be finite, got nan"),
-        ({"of": "g9"}, 'of: no gear or disk is called "g9"'),
-        ({"of": ("input", 0.1)}, 'of: shaft "input" has no node at 0.1 m'),
-        ({"of": ("g2", "g1")}, "of: no gear 'g2' drives a gear 'g1'"),
-        ({"of": 3}, "of: must be a name, (shaft, position) or (driver, driven), got 3"),
-        ({"of": []}, "of: must name at least one signal"),
+        ({"signals": "g9"}, 'of: no gear or disk is called "g9"'),
+        ({"signals": ("input", 0.1)}, 'of: shaft "input" has no node at 0.1 m'),
+        ({"signals": ("g2", "g1")}, "signals: no gear 'g2' drives a gear 'g1'"),
+        ({"signals": 3}, "signals: must be a name, (shaft, position) or (driver, driven), got 3"),
+        ({"signals": []}, "signals: must name at least one signal"),
         ({"methods": ["euler"]}, "methods[0]: must be one of exponential, rk45, rk4"),
         ({"methods": []}, "methods: must name at least one method"),
         ({"methods": "rk45", "tolerances": []}, "methods: no settings for rk45"),
@@ -310,8 +316,8 @@ def test_an_impossible_argument_is_named(given, text):
 
 def test_what_does_not_swing_has_no_error():
     straight = replace(PAIR, elements=2).package()
-    with pytest.raises(gb.SceneError, match=r"^of: the displacement of g1 is constant"):
-        straight.tradeoff(1e-3, SPEED, of="g1", initial="static")
+    with pytest.raises(gb.SceneError, match=r"^signals: the displacement of g1 is constant"):
+        straight.tradeoff(1e-3, SPEED, signals="g1", initial="static")
 
 
 def test_a_train_that_only_twists_is_judged_by_its_meshes():
@@ -320,9 +326,9 @@ def test_a_train_that_only_twists_is_judged_by_its_meshes():
     system = gb.RotorSystem(
         package.shafts, package.gears, teeth, (), package.torques, motion="torsion"
     )
-    with pytest.raises(gb.SceneError, match=r"^of: 'g1' has no lateral motion"):
-        system.tradeoff(1e-3, SPEED, of="g1")
-    found = system.tradeoff(2e-3, SPEED, of=FORCE, methods="exponential", repeats=1)
+    with pytest.raises(gb.SceneError, match=r"^signals: 'g1' has no lateral motion"):
+        system.tradeoff(1e-3, SPEED, signals="g1")
+    found = system.tradeoff(2e-3, SPEED, signals=FORCE, methods="exponential", repeats=1)
     # its centres do not move: there is no geometry to freeze
     assert "frozen geometry" not in {trial.model for trial in found.trials}
 
@@ -401,7 +407,7 @@ def test_a_linear_rotor_is_known_to_round_off(tmp_path):
     )
     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     found = gb.RotorSystem([rotor], bearings=bearings).tradeoff(
-        0.01, 100.0, of=("rotor", 0.5), initial="rest", methods="exponential", repeats=1
+        0.01, 100.0, signals=("rotor", 0.5), initial="rest", methods="exponential", repeats=1
     )
     assert found.floor >= np.finfo(float).eps
     assert "0.0e+00" not in str(found)

@@ -57,7 +57,7 @@ STUDY = Tradeoff(
     discretisation=None,
     duration=DURATION,
     speed=100.0,
-    of=("the displacement of g1", "the force of g1/g2"),
+    signals=("the displacement of g1", "the force of g1/g2"),
 )
 
 
@@ -142,8 +142,8 @@ def test_recommendations():
 def test_the_text_table():
     head, *lines = STUDY.table().splitlines()
     titles = (
-        "setting", "model", "error", "of integration", "of model", "CPU [s]", "set-up [s]",
-        "per s [s/s]", "steps", "evaluations", "limited by",
+        "setting", "model", "error", "integration error", "model error", "CPU [s]", "set-up [s]",
+        "CPU per s [s/s]", "steps", "evaluations", "limited by",
     )  # fmt: skip
     places = [head.index(title) for title in titles]
     assert places == sorted(places)
@@ -184,8 +184,8 @@ def test_the_data_frame():
 @pytest.mark.parametrize("duration", [None, 10.0])
 def test_the_diagram(duration: float | None):
     (panel,) = STUDY.plot(duration=duration).axes
-    assert panel.get_xlabel() == "error: RMS of the difference over the RMS of the swing"
-    assert panel.get_ylabel() == f"CPU time of {0.5 if duration is None else 10:g} s [s]"
+    assert panel.get_xlabel() == "error: RMS of the difference / RMS of the signal about its mean"
+    assert panel.get_ylabel() == f"CPU time for {0.5 if duration is None else 10:g} simulated s [s]"
     lines = {line.get_label(): line.get_xydata() for line in panel.get_lines()}
     costs = {None: (5.0, 8.0), 10.0: (43.0, 103.0)}[duration]
     # a point that is better than the reference is known stands where that is known to
@@ -197,7 +197,7 @@ def test_the_diagram(duration: float | None):
 def test_the_error_of_a_model_is_that_of_its_tight_run():
     # the tight run of a simplified model is the last of its rows
     study = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2).package().tradeoff(
-        2e-3, 100.0, of="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
+        2e-3, 100.0, signals="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
         initial="rest", repeats=1, budget=60.0,
     )  # fmt: skip
     models = {trial.model for trial in study.trials} - {"as given"}

@@ -142,7 +142,7 @@ def orders(
     shaft_harmonics: int = 4,
     mesh_harmonics: int = 3,
     sidebands: int = 1,
-    settle: float = 0.0,
+    skip_time: float = 0.0,
 ) -> Orders:
     """Fit the orders of a train to a recorded signal; `Response.orders` says more.
 
@@ -156,7 +156,7 @@ def orders(
         Which quantity of it.
     shaft_harmonics, mesh_harmonics, sidebands : int
         How many orders.
-    settle : float
+    skip_time : float
         Time at the beginning that is left out [s].
 
     Returns
@@ -170,7 +170,7 @@ def orders(
         raise GearbowError("orders need a constant speed; this run changes it")
     signal = channel(response, of, quantity)
     kept = response.time >= (response.time[0] if response.time.size else 0.0) + number(
-        settle, "settle"
+        skip_time, "skip_time"
     )
     time, values = response.time[kept], signal.values[kept]
     found = response.kinematics.orders(shaft_harmonics, mesh_harmonics, sidebands)

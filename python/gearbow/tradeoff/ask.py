@@ -21,7 +21,7 @@ def tradeoff(
     system: "RotorSystem",
     duration: float,
     speed: float,
-    of: Any = None,
+    signals: Any = None,
     *,
     methods: str | Iterable[str] | None = None,
     steps: Iterable[float] | None = None,
@@ -46,7 +46,7 @@ def tradeoff(
         Simulated time [s]; errors refer to the whole time.
     speed : float
         Speed Ω of the reference shaft [rad/s].
-    of : str, tuple or list of them, optional
+    signals : str, tuple or list of them, optional
         Signals to compare: the displacement of a gear, disk or (shaft, position), or the force of
         a mesh (driver, driven). With several signals the worst error counts. None is the first
         gear.
@@ -96,7 +96,7 @@ def tradeoff(
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> tradeoff = system.tradeoff(0.02, speed=100.0, of=("rotor", 0.5), initial="rest")
+    >>> tradeoff = system.tradeoff(0.02, speed=100.0, signals=("rotor", 0.5), initial="rest")
     >>> best = tradeoff.recommend(error=1e-4)
     >>> best.error <= 1e-4
     True
@@ -106,7 +106,7 @@ def tradeoff(
         system,
         duration,
         speed,
-        of,
+        signals,
         methods=methods,
         steps=steps,
         tolerances=tolerances,

@@ -11,7 +11,7 @@ from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.tradeoff.models import Model, simplified
 from gearbow.tradeoff.settings import METHODS, Setting, ladders
-from gearbow.tradeoff.signals import Signal, signals
+from gearbow.tradeoff.signals import Signal, read_signals
 
 if TYPE_CHECKING:
     from gearbow.system import RotorSystem
@@ -92,7 +92,7 @@ def plan(
     system: "RotorSystem",
     duration: float,
     speed: float,
-    of: object,
+    signals: object,
     *,
     methods: str | Iterable[str] | None,
     steps: Iterable[float] | None,
@@ -111,7 +111,7 @@ def plan(
     ----------
     system : RotorSystem
         The system.
-    duration, speed, of, methods, steps, tolerances, modes, elements : object
+    duration, speed, signals, methods, steps, tolerances, modes, elements : object
         As in `gearbow.RotorSystem.tradeoff`.
     frozen, mean_stiffness, initial, output_step, repeats : object
         As in `gearbow.RotorSystem.tradeoff`.
@@ -150,7 +150,7 @@ def plan(
         system=system,
         duration=duration,
         speed=speed,
-        wanted=signals(system, of),
+        wanted=read_signals(system, signals),
         times=grid(0.0, duration, number(output_step, "output_step")),
         initial=initial,
         settings=settings,

@@ -81,7 +81,7 @@ class Tradeoff:
         Simulated time [s].
     speed : float
         Speed of the reference shaft [rad/s].
-    of : tuple of str
+    signals : tuple of str
         Names of the compared signals.
     """
 
@@ -93,7 +93,7 @@ class Tradeoff:
     discretisation: tuple[str, Mapping[str, float]] | None
     duration: float
     speed: float
-    of: tuple[str, ...]
+    signals: tuple[str, ...]
 
     def front(self, *, duration: float | None = None, simplified: bool = True) -> tuple[Trial, ...]:
         """Return the Pareto front: no other setting is better in both error and CPU time.
@@ -223,9 +223,9 @@ class Tradeoff:
         return table(self.trials, self.front())
 
     def __str__(self) -> str:
-        worst = ", worst signal" if len(self.of) > 1 else ""
+        worst = ", worst signal" if len(self.signals) > 1 else ""
         lines = [
-            f"{self.duration:g} s at {self.speed:g} rad/s; signals: {', '.join(self.of)}",
+            f"{self.duration:g} s at {self.speed:g} rad/s; signals: {', '.join(self.signals)}",
             f"error: RMS of the difference / RMS of the signal about its mean{worst}",
             f"reference: {self.reference}; uncertainty {self.floor:.1e} (check: {self.check})",
         ]

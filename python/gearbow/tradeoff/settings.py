@@ -55,8 +55,8 @@ METHODS: dict[str, Method] = {
         (0.03125, 0.0625, 0.125, 0.25),
         "stability",
     ),
-    "rk4, exact linear part": Method(
-        {"method": "rk4", "linear": "exact"},
+    "etdrk4": Method(
+        {"method": "etdrk4"},
         "step",
         (0.02, 0.01, 0.004, 0.002, 0.001),
         (),

@@ -14,7 +14,7 @@ from gearbow.response import Response
 if TYPE_CHECKING:
     from gearbow.system import RotorSystem
 
-__all__ = ["Signal", "Swing", "signals"]
+__all__ = ["Signal", "Swing", "read_signals"]
 
 
 @dataclass(frozen=True)
@@ -124,22 +124,22 @@ class Swing:
         for signal, values, swing in zip(self._wanted, self._values, self._swings(), strict=True):
             if not swing > 1e3 * np.finfo(float).eps * _rms(values):
                 raise SceneError(
-                    f"of: {signal} is constant in this run, so its relative error is undefined; "
-                    "give another signal"
+                    f"signals: {signal} is constant in this run, so its relative error is "
+                    "undefined; give another signal"
                 )
 
     def _swings(self) -> list[float]:
         return [_rms(values - values.mean(axis=0)) for values in self._values]
 
 
-def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
+def read_signals(system: "RotorSystem", given: object) -> tuple[Signal, ...]:
     """Read the signals of a study and check that the system has them.
 
     Parameters
     ----------
     system : RotorSystem
         The system.
-    of : str, tuple or sequence of them, optional
+    given : str, tuple or sequence of them, optional
         A gear or disk, (shaft, position [m]), (driver, driven), or several; None is the first gear,
         or disk.
 
@@ -153,34 +153,39 @@ def signals(system: "RotorSystem", of: object) -> tuple[Signal, ...]:
     SceneError
         If the system does not have a signal.
     """
-    if of is None:
+    if given is None:
         names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
         if not names:
-            raise SceneError("of: the system has no gear or disk; give (shaft, position)")
-        of = names[0]
-    given = [of] if isinstance(of, str) or is_place(of) or is_pair(of) else of
-    if not isinstance(given, Iterable):
-        raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {of!r}")
-    wanted = tuple(_signal(system, item) for item in given)
+            raise SceneError("signals: the system has no gear or disk; give (shaft, position)")
+        given = names[0]
+    single = isinstance(given, str) or is_place(given) or is_pair(given)
+    items = [given] if single else given
+    if not isinstance(items, Iterable):
+        raise SceneError(
+            f"signals: must be a name, (shaft, position) or (driver, driven), got {given!r}"
+        )
+    wanted = tuple(_signal(system, item) for item in items)
     if not wanted:
-        raise SceneError("of: must name at least one signal")
+        raise SceneError("signals: must name at least one signal")
     return wanted
 
 
 def _signal(system: "RotorSystem", item: Any) -> Signal:
     if is_pair(item):
         if tuple(item) not in {(mesh.driver, mesh.driven) for mesh in system.meshes}:
-            raise SceneError(f"of: no gear {item[0]!r} drives a gear {item[1]!r}")
+            raise SceneError(f"signals: no gear {item[0]!r} drives a gear {item[1]!r}")
         return Signal(tuple(item))
     if not (isinstance(item, str) or is_place(item)):
-        raise SceneError(f"of: must be a name, (shaft, position) or (driver, driven), got {item!r}")
+        raise SceneError(
+            f"signals: must be a name, (shaft, position) or (driver, driven), got {item!r}"
+        )
     at: At = place(item)
     try:
         v, _, _ = system._model.indices(at)
     except SceneError as error:
-        raise SceneError(f"of: {str(error).removeprefix('at: ')}") from None
+        raise SceneError(f"signals: {str(error).removeprefix('at: ')}") from None
     if v is None:
-        raise SceneError(f"of: {item!r} has no lateral motion; give a mesh, (driver, driven)")
+        raise SceneError(f"signals: {item!r} has no lateral motion; give a mesh, (driver, driven)")
     return Signal(at)
 
 

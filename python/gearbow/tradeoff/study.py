@@ -102,7 +102,7 @@ class _Study:
             discretisation=discretisation,
             duration=plan.duration,
             speed=plan.speed,
-            of=tuple(str(signal) for signal in plan.wanted),
+            signals=tuple(str(signal) for signal in plan.wanted),
         )
 
     def _reference(self) -> _Run:

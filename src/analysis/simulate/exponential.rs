@@ -55,10 +55,10 @@ pub(super) fn run(
     let ModalSetup { linear, field, maps, mut output } = coordinates;
     if options.is_explicit() && linear.condition > WORST {
         let message = format!(
-            "\"exact\" needs modes that are not parallel, and their condition number is {:.1e}; take method=\"exponential\"",
+            "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
             linear.condition
         );
-        return Err(SceneError::new("linear", message).into());
+        return Err(SceneError::new("method", message).into());
     }
     let time_grid = time_grid(cached, options, &linear, &field)?;
     if end / time_grid.tick() > MOST_TICKS {

@@ -33,8 +33,8 @@ impl<'m> ModalSetup<'m> {
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
             let message = format!(
-                "{} needs a constant speed, whose modes carry the motion; take \"rk45\" or \"rk4\"",
-                if options.is_explicit() { "linear=\"exact\"" } else { "\"exponential\"" }
+                "\"{}\" needs a constant speed, whose modes carry the motion; use \"rk45\" or \"rk4\"",
+                options.method.name()
             );
             return Err(SceneError::new("method", message).into());
         };

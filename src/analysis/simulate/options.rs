@@ -34,7 +34,7 @@ impl Method {
             "exponential" => Ok(Self::Exponential),
             "etdrk4" => Ok(Self::ExactRk4),
             _ => {
-                let message = format!("must be \"exponential\", \"rk4\" or \"rk45\", got \"{name}\"");
+                let message = format!("must be \"exponential\", \"rk45\", \"rk4\" or \"etdrk4\", got \"{name}\"");
                 Err(SceneError::new("method", message))
             }
         }
@@ -47,14 +47,6 @@ impl Method {
             Self::Rk45 => "rk45",
             Self::Exponential => "exponential",
             Self::ExactRk4 => "etdrk4",
-        }
-    }
-
-    /// How a user asks for it.
-    fn asked_by(self) -> String {
-        match self {
-            Self::ExactRk4 => "\"rk4\" with linear=\"exact\"".to_owned(),
-            _ => format!("\"{}\"", self.name()),
         }
     }
 }
@@ -186,9 +178,9 @@ impl Options {
         ];
         for (name, given, methods) in options {
             if given && !methods.contains(&self.method) {
-                let users: Vec<String> = methods.iter().map(|method| method.asked_by()).collect();
+                let users: Vec<String> = methods.iter().map(|method| format!("\"{}\"", method.name())).collect();
                 let message =
-                    format!("{} cannot use it; it is an option of {}", self.method.asked_by(), users.join(", "));
+                    format!("\"{}\" cannot use it; it is an option of {}", self.method.name(), users.join(", "));
                 return Err(SceneError::new(name, message));
             }
         }
