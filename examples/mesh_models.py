@@ -90,9 +90,9 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
 
     pull = 1000.0 * OPENED / (distance(1000.0) - distance(0.0))
     systems = {
-        "nominal distance": pair(mesh()),
+        "nominal": pair(mesh()),
         "mounted +0.3 mm": pair(mesh(OPENED)),
-        "moved +0.3 mm by load": pair(mesh(), sideways=pull),
+        "moved +0.3 mm": pair(mesh(), sideways=pull),
     }
     return {
         name: over_cycles(system)[0].mesh("pinion", "wheel") for name, system in systems.items()

@@ -109,7 +109,7 @@ def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.floa
                 color="0.93",
                 label="loss of contact, speed falling",
             )
-            panel.set(title=f"{torque:g} N m: static deflection {1e6 * static:.1f} µm")
+            panel.set(title=f"{torque:g} N m: static {1e6 * static:.1f} µm")
             panel.set_xlabel("mesh frequency / natural frequency")
         panels[0].set_ylabel("RMS of the deflection about its mean [µm]")
         drawing.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)

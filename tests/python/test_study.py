@@ -136,7 +136,7 @@ def test_a_case_is_bent_placed_and_loaded_as_it_says():
 
 
 @pytest.mark.parametrize("where", ["input", "middle", "output"])
-def test_means_and_swings_are_those_of_the_closed_forms(where):
+def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
     """Slow, unloaded and stiff: every centre goes around with the bow that its shaft has there."""
     settings = Settings.load()
     scene = dict(settings.scene)
@@ -169,7 +169,7 @@ def test_means_and_swings_are_those_of_the_closed_forms(where):
         for name, (shift, swing, rest) in expected.items():
             # The closed forms are the first terms of series in b / C sin²α, 2 % here, whose next
             # ones are two orders further; bearings and mesh yield by parts per thousand.
-            assert found.swing(pair, name) == pytest.approx(swing, rel=1e-2), name
+            assert found.peak_to_peak(pair, name) == pytest.approx(swing, rel=1e-2), name
             # Shift over the value at rest: 1e-6 to 2e-4, far above the rounding of the mean.
             reference = rest if name != "contact_ratio" else found_at_rest(settings, pair)
             assert found.mean(pair, name) - reference == pytest.approx(shift, rel=1e-2), name
@@ -197,11 +197,11 @@ def test_a_file_that_is_no_study_is_refused(tmp_path, text, sentence):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"bows": (0.01,)}, "study.bows: must hold 0"),
+        ({"bows": (0.01,)}, "study.bows: must contain 0"),
         ({"bows": (0.0, 0.0)}, "study.bows: must be distinct"),
         ({"speeds": (-1.0,)}, "study.speeds: must be positive"),
         ({"phase_bow": 0.3}, "study.phase_bow: must be one of bows"),
-        ({"samples": 2}, "study.samples: must be a whole number from 16"),
+        ({"samples": 2}, "study.samples: must be a whole number of at least 16"),
         ({"accuracy": "best"}, "study.accuracy: must be one of draft"),
         ({"layouts": {"other": {"g1": 0.1}}}, "study.layouts.other: must place g1, g2, g3, g4"),
     ],

@@ -1,4 +1,4 @@
-"""What residual bow does to a double-stage train: many runs, tables, figures and findings."""
+"""Bow study: effect of residual bow on a double-stage train. Runs, tables, figures, findings."""
 
 from gearbow.study.case import Case, cases
 from gearbow.study.runs import Results, run

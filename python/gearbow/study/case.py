@@ -1,4 +1,4 @@
-"""One run of a study, and the list of all of them."""
+"""Cases of the bow study: the parameters of each run, and the list of all runs."""
 
 import copy
 import hashlib
@@ -14,37 +14,37 @@ from gearbow.system import RotorSystem
 
 __all__ = ["ALL", "Case", "cases", "description", "key", "system"]
 
-#: The word for bows on every shaft.
+#: Value of `Case.where` for a bow on every shaft.
 ALL = "all"
 
-#: Raised whenever what a file of a result holds changes.
+#: Version of the content of a run file. A new version makes old files unused.
 _FORMAT = 2
 
 
 @dataclass(frozen=True)
 class Case:
-    """One run.
+    """Parameters of one run.
 
     Parameters
     ----------
     layout : str
-        Where the gears sit.
+        Name of the gear positions, a key of `Settings.layouts`.
     torque : float
-        Value of the first torque [N m].
+        First torque of the scene [N m].
     speed : float
         Speed of the reference shaft [rad/s].
     bow : float
-        Half-sine bow over the radius of the shaft.
+        Amplitude of the half-sine bow, divided by the shaft radius.
     where : str
-        The shaft that has it, or "all".
+        Name of the bowed shaft, or "all".
     phases : tuple of (float, float)
-        Phases of the bows of the second and the third shaft [rad]; that of the first is 0.
+        Phases of the bows on the second and the third shaft [rad]. The first phase is 0.
     geometry : str
-        "live" or "frozen".
+        Mesh geometry, "live" or "frozen".
     accuracy : str
-        Accuracy of the run.
+        Accuracy of the run, as `RotorSystem.simulate` takes it.
     refine : int
-        Elements over those of the scene.
+        Factor on the number of elements of the scene.
     """
 
     layout: str
@@ -69,8 +69,8 @@ def cases(settings: Settings) -> tuple[Case, ...]:
     Returns
     -------
     tuple of Case
-        Bows on all shafts and on each at every torque and speed, in both layouts; bows over their
-        phases; the frozen geometry beside the live one; and what tells the error of the others.
+        Every bow on all shafts and on each shaft, at every torque and speed, in every layout;
+        a grid of bow phases; runs with frozen geometry; and the runs that measure the error.
 
     Examples
     --------
@@ -82,23 +82,23 @@ def cases(settings: Settings) -> tuple[Case, ...]:
 
 
 def middle(values: tuple[float, ...]) -> float:
-    """Give the value in the middle of a list.
+    """Return the middle value of a list.
 
     Parameters
     ----------
     values : tuple of float
-        The list.
+        The values, in ascending order.
 
     Returns
     -------
     float
-        The value.
+        The middle value; the upper one of an even number.
     """
     return values[len(values) // 2]
 
 
 def phases(settings: Settings) -> tuple[float, ...]:
-    """Give the phases that bows are turned to.
+    """Return the phases of the phase grid.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def phases(settings: Settings) -> tuple[float, ...]:
     Returns
     -------
     tuple of float
-        Angles over a whole turn [rad].
+        Equally spaced angles over one revolution [rad].
     """
     steps = settings.phase_steps
     return tuple(2.0 * math.pi * step / steps for step in range(steps))
@@ -138,7 +138,7 @@ def _all(settings: Settings) -> Iterator[Case]:
 
 
 def checks(settings: Settings) -> Iterator[Case]:
-    """List the runs that tell the error of the others.
+    """List the runs that measure the integration and the discretisation error.
 
     Parameters
     ----------
@@ -148,8 +148,9 @@ def checks(settings: Settings) -> Iterator[Case]:
     Yields
     ------
     Case
-        The same at the accuracy "reference", and with twice the elements at that of the study: in
-        the first layout, at the largest torque, the middle speed and `phase_bow`, and without bow.
+        One run with the accuracy "reference", and one with twice as many elements at the accuracy
+        of the study. Both use the first layout, the largest torque and the middle speed, once
+        without bow and once with `phase_bow`.
     """
     first = next(iter(settings.layouts))
     for bow in (0.0, settings.phase_bow):
@@ -159,7 +160,7 @@ def checks(settings: Settings) -> Iterator[Case]:
 
 
 def description(settings: Settings, case: Case) -> dict[str, Plain]:
-    """Describe the system of a case as plain data.
+    """Return the system of a case as plain data.
 
     Parameters
     ----------
@@ -171,7 +172,7 @@ def description(settings: Settings, case: Case) -> dict[str, Plain]:
     Returns
     -------
     dict
-        What `RotorSystem.description` would give.
+        Description in the form of `RotorSystem.description`.
     """
     scene = copy.deepcopy(dict(settings.scene))
     for shaft, phase in zip(scene["shafts"], (0.0, *case.phases), strict=True):
@@ -186,7 +187,7 @@ def description(settings: Settings, case: Case) -> dict[str, Plain]:
 
 
 def system(settings: Settings, case: Case) -> RotorSystem:
-    """Make the system of a case.
+    """Create the system of a case.
 
     Parameters
     ----------
@@ -204,7 +205,7 @@ def system(settings: Settings, case: Case) -> RotorSystem:
 
 
 def key(settings: Settings, case: Case) -> str:
-    """Name a case by all that its result depends on.
+    """Return a file name for a case, a digest of everything that its result depends on.
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ def key(settings: Settings, case: Case) -> str:
     Returns
     -------
     str
-        Digits; another parameter or another version gives others.
+        Hexadecimal digits; they change with every parameter and with the version of gearbow.
     """
     whole = {
         "format": _FORMAT,

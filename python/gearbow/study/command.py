@@ -1,4 +1,4 @@
-"""``python -m gearbow study``: runs, tables and figures into one folder."""
+"""``python -m gearbow study``: write runs, tables and figures into one folder."""
 
 import argparse
 import sys
@@ -17,34 +17,38 @@ __all__ = ["add", "main"]
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes.
+    """Add the options of the command to its parser.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         The parser of the command.
     """
-    parser.add_argument("--workers", type=_positive, help="runs at once; all cores by default")
     parser.add_argument(
-        "--out", type=Path, default=Path("study"), help="folder of tables, figures and runs"
+        "--workers", type=_positive, help="number of parallel runs; default: number of cores"
     )
-    parser.add_argument("--quick", action="store_true", help="a small part, for a first look")
-    parser.add_argument("--scene", type=Path, default=SCENE, help="a TOML file of one's own")
+    parser.add_argument(
+        "--out", type=Path, default=Path("study"), help="folder for tables, figures and runs"
+    )
+    parser.add_argument("--quick", action="store_true", help="run a small part of the study only")
+    parser.add_argument(
+        "--scene", type=Path, default=SCENE, help="TOML file with another scene and settings"
+    )
     parser.add_argument(
         "--print",
         choices=list(TABLES),
         dest="table",
-        help="print one table in Markdown, and write nothing but the runs that are missing",
+        help="print one table in Markdown; write only missing runs, no tables and figures",
     )
 
 
 def main(given: argparse.Namespace) -> None:
-    """Carry the study out.
+    """Carry out the study.
 
     Parameters
     ----------
     given : argparse.Namespace
-        What `add` asked for.
+        Values of the options of `add`.
     """
     settings = Settings.load(given.scene)
     if given.quick:

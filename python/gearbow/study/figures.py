@@ -1,4 +1,4 @@
-"""Figures of a study, each for one question."""
+"""Figures of the bow study: one function for each figure."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,21 +21,21 @@ from gearbow.study.view import Study
 __all__ = ["FIGURES", "write"]
 
 _MICRO = 1e6
-_BOW = "bow over the radius"
+_BOW = "bow / shaft radius"
 _LINES, _WORDS = ("-", "--", ":"), ("solid", "dashed", "dotted")
 
 
 def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> list[Path]:
-    """Draw figures into PNG files.
+    """Draw figures and write them as PNG files.
 
     Parameters
     ----------
     study : Study
         The study.
     folder : path-like
-        Where to.
+        Folder for the files.
     names : sequence of str, optional
-        Which; None is all of them.
+        Names of the figures; None is all of `FIGURES`.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> lis
         path = folder / f"study_{name}.png"
         drawn = BytesIO()
         FIGURES[name](study).savefig(drawn, format="png", dpi=90)
-        # Lines on white need few colours, and a file that is kept should be small.
+        # A palette of few colours makes the file small.
         with Image.open(drawn) as image:
             few = image.convert("RGB").quantize(96, dither=Image.Dither.NONE)
         with replacing(path) as file:
@@ -57,7 +57,7 @@ def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> lis
 
 
 def turn(study: Study) -> Figure:
-    """Draw orbits and the geometry of the meshes over a turn of the output shaft.
+    """Draw gear orbits and mesh geometry over one revolution of the output shaft.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def turn(study: Study) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Every bow on all shafts.
+        One line for each bow on all shafts.
     """
     colours = dict(zip(study.settings.bows, _ordered(len(study.settings.bows)), strict=True))
     rows = {
@@ -99,7 +99,7 @@ def turn(study: Study) -> Figure:
         for panel in panels[0]:
             panel.axhline(1.0, color="black", linewidth=1.0)
         for panel in panels[-1]:
-            panel.set(xlabel="turns of the output shaft")
+            panel.set(xlabel="revolutions of the output shaft")
         handles, labels = orbits[0].get_legend_handles_labels()
         figure.legend(
             handles[::-1], labels[::-1], loc="outside upper center", ncols=len(labels), title=_BOW
@@ -108,7 +108,7 @@ def turn(study: Study) -> Figure:
 
 
 def where(study: Study) -> Figure:
-    """Draw swings against the bow, on all shafts and on each.
+    """Draw peak-to-peak values against the bow, on all shafts and on each shaft.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def where(study: Study) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Contact ratio of both pairs, displacement of the second and the third gear.
+        Contact ratio of both meshes, displacement of the second and of the third gear.
     """
     bows = study.settings.bows
     with plots._figure(4, 4.2, columns=2, width=14.0) as (figure, panels):
@@ -129,15 +129,18 @@ def where(study: Study) -> Figure:
                 for line, layout in zip(_LINES, study.settings.layouts, strict=False):
                     panel.plot(
                         bows,
-                        [_swing(study[_at(study, layout, place, bow)], of, what) for bow in bows],
+                        [
+                            _peak_to_peak(study[_at(study, layout, place, bow)], of, what)
+                            for bow in bows
+                        ],
                         line,
                         marker="o",
                         markersize=4,
                         color=plots.PALETTE[number],
                         label=f"{place}, {layout}",
                     )
-            orbit = f"{of}, peak to peak [mm]"
-            panel.set(xlabel=_BOW, ylabel=orbit if what == "orbit" else f"swing of ε, {of}")
+            name = f"displacement {of} [mm]" if what == "orbit" else f"contact ratio {of}"
+            panel.set(xlabel=_BOW, ylabel=f"{name}, peak-to-peak")
         figure.legend(
             *panels[0].get_legend_handles_labels(),
             loc="outside upper center",
@@ -148,7 +151,7 @@ def where(study: Study) -> Figure:
 
 
 def limits(study: Study) -> Figure:
-    """Draw how near the centres come, and how few teeth are left, against the bow.
+    """Draw the decrease of the centre distance and the smallest contact ratio against the bow.
 
     Parameters
     ----------
@@ -158,7 +161,7 @@ def limits(study: Study) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The worse of both pairs, in the first layout, with the limits.
+        The worse of both meshes, in the first layout, with the limits.
     """
     with plots._figure(2, 5.0, columns=2, width=14.0) as (figure, (near, few)):
         for number, place in enumerate((ALL, *study.shafts)):
@@ -177,7 +180,7 @@ def limits(study: Study) -> Figure:
             few.plot(study.settings.bows, ratios, **style)
         _, angle, _ = study.pair(study.pairs[0])
         lines = {
-            "tips reach roots": study.gear(study.gears[0])["module"] / 4.0,
+            "tips reach root circles": study.gear(study.gears[0])["module"] / 4.0,
             "backlash used up": study.settings.backlash / (2.0 * math.sin(angle)),
         }
         for text, value in lines.items():
@@ -190,7 +193,7 @@ def limits(study: Study) -> Figure:
                 ha="right",
             )
         few.axhline(1.0, color="black", linewidth=1.0)
-        near.set(xlabel=_BOW, ylabel="centres nearer than at rest [mm]")
+        near.set(xlabel=_BOW, ylabel="largest decrease of centre distance [mm]")
         few.set(xlabel=_BOW, ylabel="smallest contact ratio")
         plots._legend(figure, near, title="bow on")
     return figure
@@ -207,7 +210,7 @@ def frozen(study: Study) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Above over a turn, below their swing against the bow.
+        Top: a tenth of a revolution. Bottom: peak-to-peak value against the bow.
     """
     with plots._figure(4, 4.2, columns=2, width=14.0) as (figure, panels):
         styles = (("live", plots.PALETTE[0]), ("frozen", plots.PALETTE[1]))
@@ -221,12 +224,12 @@ def frozen(study: Study) -> Figure:
                     linewidth=1.0,
                     label=geometry,
                 )
-            # A tenth of the turn, about the largest force: no more can be told apart.
+            # A tenth of a revolution around the largest force; a longer range shows no details.
             live = study[study.bent]
             peak = live.turn[live.signals[pair, "force"].argmax()]
             begin = min(max(peak - 0.05, 0.0), 0.9)
             panel.set_xlim(begin, begin + 0.1)
-            panel.set(xlabel="turns of the output shaft", ylabel=f"force {pair} [kN]")
+            panel.set(xlabel="revolutions of the output shaft", ylabel=f"force {pair} [kN]")
         for panel, pair in zip(panels[2:], study.pairs, strict=True):
             for geometry, colour in styles:
                 for line, speed in zip(_LINES, study.settings.speeds, strict=False):
@@ -234,11 +237,15 @@ def frozen(study: Study) -> Figure:
                         replace(study.base, speed=speed, bow=bow, geometry=geometry)
                         for bow in study.settings.bows
                     ]
-                    # Beyond, pairs lose contact and the force is no longer that of gears.
-                    sound = [case for case in cases if study[replace(case, geometry="live")].sound]
+                    # With loss of contact, the model does not describe the mesh force.
+                    contact = [
+                        case
+                        for case in cases
+                        if study[replace(case, geometry="live")].always_in_contact
+                    ]
                     panel.plot(
-                        [case.bow for case in sound],
-                        [1e-3 * study[case].swing(pair, "force") for case in sound],
+                        [case.bow for case in contact],
+                        [1e-3 * study[case].peak_to_peak(pair, "force") for case in contact],
                         line,
                         marker="o",
                         markersize=4,
@@ -248,13 +255,15 @@ def frozen(study: Study) -> Figure:
                 f"{word} {speed:g}"
                 for word, speed in zip(_WORDS, study.settings.speeds, strict=False)
             )
-            panel.set(xlabel=_BOW, ylabel=f"swing of force {pair} [kN]", title=f"{names} rad/s")
+            panel.set(
+                xlabel=_BOW, ylabel=f"force {pair}, peak-to-peak [kN]", title=f"{names} rad/s"
+            )
         plots._legend(figure, panels[0], title="geometry of the meshes")
     return figure
 
 
 def over_phases(study: Study) -> Figure:
-    """Draw the smallest contact ratio over the phases of the bows.
+    """Draw the smallest contact ratio against the phases of the bows.
 
     Parameters
     ----------
@@ -264,7 +273,7 @@ def over_phases(study: Study) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each layout and pair.
+        One panel for each layout and mesh.
     """
     angles = phases(study.settings)
     ticks = np.degrees(angles)
@@ -309,7 +318,7 @@ def over_phases(study: Study) -> Figure:
 
 
 def modes(study: Study) -> Figure:
-    """Draw the first mode shapes at rest, after the rolling of the train.
+    """Draw the first mode shapes at rest, without the rigid-body rotation.
 
     Parameters
     ----------
@@ -324,7 +333,7 @@ def modes(study: Study) -> Figure:
     return system(study.settings, study.base).modes().plot(count=min(6, study.settings.modes))
 
 
-#: The figures by name.
+#: Figures by name.
 FIGURES: dict[str, Callable[[Study], Figure]] = {
     "modes": modes,
     "turn": turn,
@@ -339,10 +348,10 @@ def _at(study: Study, layout: str, place: str, bow: float) -> Case:
     return replace(study.base, layout=layout, where=place, bow=bow)
 
 
-def _swing(found: Measured, of: str, what: str) -> float:
-    return 1e3 * found.orbit(of) if what == "orbit" else found.swing(of, what)
+def _peak_to_peak(found: Measured, of: str, what: str) -> float:
+    return 1e3 * found.orbit(of) if what == "orbit" else found.peak_to_peak(of, what)
 
 
 def _ordered(count: int) -> list[Any]:
-    """Colours from dark to light, which stay in order for colour-blind readers."""
+    """Return colours from dark to light; colour-blind readers see the same order."""
     return list(mpl.colormaps["viridis"](np.linspace(0.0, 0.92, count)))

@@ -1,4 +1,4 @@
-"""What the runs of a study say, as tables in Markdown: one function for each question."""
+"""Findings of the bow study as tables in Markdown: one function for each table."""
 
 import math
 from collections.abc import Callable
@@ -16,7 +16,7 @@ _MICRO = 1e6
 
 
 def runs(study: Study) -> str:
-    """Tell how many runs there were, and what error they keep.
+    """State the number of runs, their periodicity and their numerical error.
 
     Parameters
     ----------
@@ -29,11 +29,11 @@ def runs(study: Study) -> str:
         Sentences and a table.
     """
     count = len(cases(study.settings))
-    # Without torque there is hardly a force whose swing could be taken.
-    unsettled = max(
-        found.unsettled()
+    # Without torque the mesh force is almost zero, and so is its peak-to-peak value.
+    periodicity = max(
+        found.periodicity_error()
         for case, found in study.results.items()
-        if found.sound and case.torque == study.base.torque
+        if found.always_in_contact and case.torque == study.base.torque
     )
     rows = []
     for bow in (0.0, study.settings.phase_bow):
@@ -42,18 +42,19 @@ def runs(study: Study) -> str:
         finer = study[replace(given, refine=2)]
         for what, other in (
             (f"integration (`{study.settings.accuracy}`)", exact),
-            ("elements (against twice as many)", finer),
+            ("shaft elements (against twice as many)", finer),
         ):
             errors = [
-                max(study[given].apart(other, of, names) for of in items)
+                max(study[given].relative_difference(other, of, names) for of in items)
                 for items, names in ((study.gears, ("v", "w")), (study.pairs, ("force",)))
             ]
             rows.append([what, f"{bow:g}", *(f"{error:.1e}" for error in errors)])
-    table = markdown(["error of", "bow / radius", "displacement", "mesh force"], rows)
+    table = markdown(["source of error", "bow / radius", "displacement", "mesh force"], rows)
     return (
-        f"{count} runs, each over {study.settings.settle + 1} turns of the output shaft, the last "
-        f"of which is kept.\nWhat repeats after that turn does so to {unsettled:.0e} of its swing "
-        f"under torque, where no pair loses contact.\n\n{table}"
+        f"The study makes {count} runs of {study.settings.settle + 1} revolutions of the output "
+        "shaft each and evaluates the last revolution.\nIn the runs under torque without loss of "
+        "contact, the values at the start and at the end of this revolution\n"
+        f"differ by at most {periodicity:.0e} of the peak-to-peak value.\n\n{table}"
     )
 
 
@@ -68,13 +69,18 @@ def modes(study: Study) -> str:
     Returns
     -------
     str
-        One row for each mode; frequencies of every layout.
+        One row for each mode, with its frequency in every layout.
     """
     found = [
         system(study.settings, replace(study.base, layout=layout)).modes(count=study.settings.modes)
         for layout in study.settings.layouts
     ]
-    titles = ["mode", *(f"{layout} [Hz]" for layout in study.settings.layouts), "whirl", "motion"]
+    titles = [
+        "mode",
+        *(f"{layout} [Hz]" for layout in study.settings.layouts),
+        "whirl",
+        "largest motion",
+    ]
     names, whirl = found[0].names(), found[0].whirl
     rows = [
         [
@@ -89,7 +95,7 @@ def modes(study: Study) -> str:
 
 
 def growth(study: Study) -> str:
-    """Tabulate swings against the bow.
+    """Tabulate peak-to-peak values against the bow.
 
     Parameters
     ----------
@@ -109,15 +115,15 @@ def growth(study: Study) -> str:
     for bow in study.settings.bows:
         found = study[replace(study.base, bow=bow)]
         row = [f"{bow:g}", *(f"{_MICRO * found.orbit(gear):.0f}" for gear in study.gears)]
-        row += [f"{found.swing(pair, 'contact_ratio'):.3f}" for pair in study.pairs]
-        row += [_degrees(found.swing(pair, "pressure_angle")) for pair in study.pairs]
-        row += [f"{found.swing(pair, 'force'):.0f}" for pair in study.pairs]
+        row += [f"{found.peak_to_peak(pair, 'contact_ratio'):.3f}" for pair in study.pairs]
+        row += [_degrees(found.peak_to_peak(pair, "pressure_angle")) for pair in study.pairs]
+        row += [f"{found.peak_to_peak(pair, 'force'):.0f}" for pair in study.pairs]
         rows.append(row)
     return markdown(titles, rows)
 
 
 def loads(study: Study) -> str:
-    """Tabulate swings at every torque and speed.
+    """Tabulate peak-to-peak values at every torque and speed.
 
     Parameters
     ----------
@@ -127,11 +133,11 @@ def loads(study: Study) -> str:
     Returns
     -------
     str
-        One row for each torque and speed, at the bow of the phases.
+        One row for each torque and speed, with the bow `Settings.phase_bow`.
     """
     titles = ["torque [N m]", "speed [rad/s]", *(f"{gear} [µm]" for gear in study.gears)]
     titles += [f"ε {pair}: mean" for pair in study.pairs]
-    titles += [f"ε {pair}: swing" for pair in study.pairs]
+    titles += [f"ε {pair}: peak-to-peak" for pair in study.pairs]
     rows = []
     for torque in study.settings.torques:
         for speed in study.settings.speeds:
@@ -139,13 +145,13 @@ def loads(study: Study) -> str:
             row = [f"{torque:g}", f"{speed:g}"]
             row += [f"{_MICRO * found.orbit(gear):.0f}" for gear in study.gears]
             row += [f"{found.mean(pair, 'contact_ratio'):.4f}" for pair in study.pairs]
-            row += [f"{found.swing(pair, 'contact_ratio'):.4f}" for pair in study.pairs]
+            row += [f"{found.peak_to_peak(pair, 'contact_ratio'):.4f}" for pair in study.pairs]
             rows.append(row)
     return markdown(titles, rows)
 
 
 def ratio(study: Study) -> str:
-    """Tabulate the displacement of gears over the bow.
+    """Tabulate the displacements of the gears, divided by the bow amplitude.
 
     Parameters
     ----------
@@ -155,15 +161,18 @@ def ratio(study: Study) -> str:
     Returns
     -------
     str
-        One row for each gear: smallest and largest over all bows, speeds, torques and layouts.
+        One row for each gear: the range over all bows, speeds, torques and layouts.
     """
-    titles = ["gear", "peak to peak / bow", "amplitude / bow"]
+    titles = ["gear", "peak-to-peak / bow", "amplitude / bow"]
     rows = []
     for gear in study.gears:
         found = [
             result.orbit(gear) / study.amplitude(case.bow)
             for case, result in study.results.items()
-            if case.bow and case.where == ALL and case.phases == (0.0, 0.0) and result.sound
+            if case.bow
+            and case.where == ALL
+            and case.phases == (0.0, 0.0)
+            and result.always_in_contact
         ]
         low, high = min(found), max(found)
         rows.append([gear, f"{low:.2f} to {high:.2f}", f"{low / 2.0:.2f} to {high / 2.0:.2f}"])
@@ -171,7 +180,7 @@ def ratio(study: Study) -> str:
 
 
 def shift(study: Study) -> str:
-    """Tabulate what a bow on one shaft does to each pair: at phase 0, in the mean, as a swing.
+    """Tabulate the effect of a bow on one shaft: at phase 0, on the mean, and peak-to-peak.
 
     Parameters
     ----------
@@ -181,13 +190,13 @@ def shift(study: Study) -> str:
     Returns
     -------
     str
-        One row for each shaft and each of its pairs, with the closed forms of a steady rotation.
+        One row for each shaft and each of its meshes, beside the closed forms.
     """
     bow = study.bows[0]
     case = replace(study.base, torque=min(study.settings.torques), speed=min(study.settings.speeds))
     straight = study[case]
     titles = ["bow on", "pair", "Δε at phase 0", "Δα at phase 0 [°]", "mean Δε", "closed form"]
-    titles += ["mean Δα [°]", "closed form", "swing of ε", "closed form"]
+    titles += ["mean Δα [°]", "closed form", "peak-to-peak ε", "closed form"]
     rows = []
     for where in study.shafts:
         found = study[replace(case, bow=bow, where=where)]
@@ -195,7 +204,7 @@ def shift(study: Study) -> str:
             if where not in [study.gear(gear)["shaft"] for gear in pair.split("/")]:
                 continue
             distance, angle, pitch = study.pair(pair)
-            b = found.swing(pair, "centre_distance") / 2.0
+            b = found.peak_to_peak(pair, "centre_distance") / 2.0
             first = [
                 float(found.signals[pair, name][0] - straight.signals[pair, name][0])
                 for name in ("contact_ratio", "pressure_angle")
@@ -216,7 +225,7 @@ def shift(study: Study) -> str:
                     f"{contact:+.5f}",
                     f"{math.degrees(mean[1]):+.5f}",
                     f"{math.degrees(pressure):+.5f}",
-                    f"{found.swing(pair, 'contact_ratio'):.4f}",
+                    f"{found.peak_to_peak(pair, 'contact_ratio'):.4f}",
                     f"{2.0 * b / (pitch * math.sin(angle)):.4f}",
                 ]
             )
@@ -224,7 +233,7 @@ def shift(study: Study) -> str:
 
 
 def which(study: Study) -> str:
-    """Tabulate swings with the bow on one shaft at a time.
+    """Tabulate the effect of a bow on one shaft at a time.
 
     Parameters
     ----------
@@ -234,7 +243,7 @@ def which(study: Study) -> str:
     Returns
     -------
     str
-        One row for each layout and shaft.
+        One row for each layout and each bowed shaft.
     """
     titles = ["layout", "bow on", *(f"ε {pair}" for pair in study.pairs)]
     titles += [f"α {pair} [°]" for pair in study.pairs]
@@ -245,8 +254,8 @@ def which(study: Study) -> str:
         for where in (*study.shafts, ALL):
             found = study[replace(study.bent, layout=layout, where=where)]
             row = [layout, where]
-            row += [f"{found.swing(pair, 'contact_ratio'):.3f}" for pair in study.pairs]
-            row += [_degrees(found.swing(pair, "pressure_angle")) for pair in study.pairs]
+            row += [f"{found.peak_to_peak(pair, 'contact_ratio'):.3f}" for pair in study.pairs]
+            row += [_degrees(found.peak_to_peak(pair, "pressure_angle")) for pair in study.pairs]
             row += [f"{found.largest(pair, 'force'):.0f}" for pair in study.pairs]
             row += [f"{_MICRO * found.orbit(gear):.0f}" for gear in study.gears]
             rows.append(row)
@@ -254,7 +263,7 @@ def which(study: Study) -> str:
 
 
 def layouts(study: Study) -> str:
-    """Tabulate what the place of the second gear changes.
+    """Tabulate the effect of the position of the second gear.
 
     Parameters
     ----------
@@ -286,7 +295,7 @@ def layouts(study: Study) -> str:
 
 
 def frozen(study: Study) -> str:
-    """Tabulate what a constant line of action and contact ratio would have missed.
+    """Tabulate the difference between frozen and live mesh geometry.
 
     Parameters
     ----------
@@ -296,31 +305,34 @@ def frozen(study: Study) -> str:
     Returns
     -------
     str
-        One row for each speed and bow: swing of the forces with both geometries, and how far apart
-        forces and displacements are, over the swing with the live one.
+        One row for each speed and bow: peak-to-peak mesh forces with both geometries, and the
+        relative difference of forces and displacements.
     """
     titles = ["speed [rad/s]", "bow / radius"]
     for pair in study.pairs:
-        titles += [f"force {pair}: swing live [N]", "frozen [N]", "missed"]
-    titles += ["displacement missed"]
+        titles += [f"force {pair}: live [N]", "frozen [N]", "difference"]
+    titles += ["difference of displacement"]
     rows = []
     for speed in study.settings.speeds:
         for bow in study.settings.bows:
             live = study[replace(study.base, speed=speed, bow=bow)]
-            if not live.sound:
+            if not live.always_in_contact:
                 continue
             still = study[replace(study.base, speed=speed, bow=bow, geometry="frozen")]
             row = [f"{speed:g}", f"{bow:g}"]
             for pair in study.pairs:
-                row += [f"{live.swing(pair, 'force'):.0f}", f"{still.swing(pair, 'force'):.0f}"]
-                row += [_percent(still.apart(live, pair, ("force",)))]
-            worst = max(still.apart(live, gear, ("v", "w")) for gear in study.gears)
+                row += [
+                    f"{live.peak_to_peak(pair, 'force'):.0f}",
+                    f"{still.peak_to_peak(pair, 'force'):.0f}",
+                ]
+                row += [_percent(still.relative_difference(live, pair, ("force",)))]
+            worst = max(still.relative_difference(live, gear, ("v", "w")) for gear in study.gears)
             rows.append([*row, _percent(worst)])
     return markdown(titles, rows)
 
 
-def turned(study: Study) -> str:
-    """Tabulate what the phases of the bows change.
+def phase_effects(study: Study) -> str:
+    """Tabulate the effect of the phases of the bows.
 
     Parameters
     ----------
@@ -330,9 +342,9 @@ def turned(study: Study) -> str:
     Returns
     -------
     str
-        One row for each layout and quantity: the mildest and the worst phases.
+        One row for each layout and quantity: the best and the worst value over all phases.
     """
-    titles = ["layout", "quantity", "mildest", "worst", "phases of the worst [°]"]
+    titles = ["layout", "quantity", "best", "worst", "phases of the worst [°]"]
     rows = []
     grid = [
         (second, third) for second in phases(study.settings) for third in phases(study.settings)
@@ -361,7 +373,7 @@ def turned(study: Study) -> str:
     return markdown(titles, rows)
 
 
-#: The tables by the name that ``python -m gearbow study --print`` takes.
+#: Tables by their name in ``python -m gearbow study --print``.
 TABLES: dict[str, Callable[[Study], str]] = {
     "runs": runs,
     "modes": modes,
@@ -373,7 +385,7 @@ TABLES: dict[str, Callable[[Study], str]] = {
     "which": which,
     "layouts": layouts,
     "frozen": frozen,
-    "phases": turned,
+    "phases": phase_effects,
 }
 
 

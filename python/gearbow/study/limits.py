@@ -1,4 +1,4 @@
-"""At which bow a pair comes to a limit: clearances used up, or no tooth left in contact."""
+"""Limits of the bow: zero backlash, interference of the teeth, and loss of contact."""
 
 import math
 import os
@@ -14,24 +14,24 @@ from gearbow.study.view import Study
 
 __all__ = ["limits"]
 
-#: A limit is found to this bow over the radius, a fifth of the last digit that is printed.
+#: Tolerance of a limit, bow / radius: a tenth of the last printed digit.
 _TOLERANCE = 1e-4
 
 
 def limits(study: Study) -> str:
-    """Tabulate the bow, over the radius, at which a pair comes to a limit.
+    """Tabulate the bow at which a mesh reaches each limit, divided by the shaft radius.
 
     Parameters
     ----------
     study : Study
-        The study; runs between its bows are made, and kept in its folder.
+        The study. The search makes further runs at other bows and stores them in its folder.
 
     Returns
     -------
     str
-        One row for each layout and each place of the bow.
+        One row for each layout and each bowed shaft.
     """
-    titles = ["layout", "bow on", "backlash used up", "tips reach roots"]
+    titles = ["layout", "bow on", "backlash used up", "tips reach root circles"]
     titles += ["tips pass base circles", "contact ratio below 1"]
     places = [
         replace(study.base, layout=layout, where=where)
@@ -50,26 +50,26 @@ def _row(study: Study, case: Case) -> list[str]:
         )
 
     bows = study.settings.bows
-    limits = (_backlash, _clearance, _involute, _overlap)
+    limits = (_backlash, _clearance, _involute, _contact)
     return [case.layout, case.where, *(_crossing(margin(limit), bows) for limit in limits)]
 
 
 def _backlash(study: Study, found: Measured, pair: str) -> float:
-    """Clearance that is left to the back flanks [m]: it shrinks by 2 sin α with the distance."""
+    """Return the remaining backlash [m]; its derivative by the centre distance is 2 sin α."""
     distance, angle, _ = study.pair(pair)
     closer = distance - found.smallest(pair, "centre_distance")
     return study.settings.backlash - 2.0 * math.sin(angle) * closer
 
 
 def _clearance(study: Study, found: Measured, pair: str) -> float:
-    """Distance of tips to the root circle [m]; full-depth teeth have a quarter of the module."""
+    """Return the tip clearance [m]; it is 0.25 modules at rest for full-depth teeth."""
     distance, _, _ = study.pair(pair)
     module = study.gear(pair.split("/", maxsplit=1)[0])["module"]
     return module / 4.0 - (distance - found.smallest(pair, "centre_distance"))
 
 
 def _involute(study: Study, found: Measured, pair: str) -> float:
-    """Length that the longer tips leave of the line of action between the base circles [m]."""
+    """Return C sin α minus the longer reach √(tip radius² − base radius²) of both gears [m]."""
     _, angle, _ = study.pair(pair)
     gears = [study.gear(name) for name in pair.split("/")]
     radii = [gear["module"] * gear["teeth"] / 2.0 for gear in gears]
@@ -82,17 +82,17 @@ def _involute(study: Study, found: Measured, pair: str) -> float:
     return math.sqrt(nearest**2 - sum(bases) ** 2) - reach
 
 
-def _overlap(study: Study, found: Measured, pair: str) -> float:
+def _contact(study: Study, found: Measured, pair: str) -> float:
     del study
     return found.smallest(pair, "contact_ratio") - 1.0
 
 
 def _crossing(margin: Callable[[float], float], bows: tuple[float, ...]) -> str:
-    """Find the first bow at which a margin is used up."""
+    """Return the smallest bow at which a margin becomes zero, as text."""
     given = sorted(bows)
     margins = [margin(bow) for bow in given]
     if margins[0] <= 0.0:
-        return "at none"
+        return "exceeded without bow"
     for low, high in pairwise(range(len(given))):
         if margins[high] <= 0.0:
             ends = ((given[low], margins[low]), (given[high], margins[high]))
@@ -103,10 +103,11 @@ def _crossing(margin: Callable[[float], float], bows: tuple[float, ...]) -> str:
 def _root(
     margin: Callable[[float], float], low: tuple[float, float], high: tuple[float, float]
 ) -> float:
-    """Find where a margin changes its sign, by the Illinois method (Dowell and Jarratt 1971).
+    """Return the bow at which a margin changes sign, by the Illinois method.
 
-    Both ends hold a bow and its margin, of which the first is positive. Unlike the plain rule of
-    false position, the method halves the margin of an end that stays where it is twice.
+    `low` and `high` are pairs of a bow and its margin; the margin is positive at `low` and not
+    positive at `high`. The method of Dowell and Jarratt (1971) is the rule of false position with
+    one change: it halves the margin of an end that stays the same in two consecutive steps.
     """
     kept = 0
     bow = before = low[0]

@@ -1,7 +1,8 @@
-"""What a run is reduced to: the last turn of its slowest shaft, and a few numbers of it.
+"""Result of one run: the signals over the last revolution of the slowest shaft, and their values.
 
-With teeth that are all alike, everything repeats after a turn of the slowest shaft: the means are
-those of the steady motion, and what differs between the ends of the turn has not settled yet.
+All teeth of a gear are identical and the speed ratios are whole numbers. The steady motion
+therefore repeats after one revolution of the slowest shaft. The mean is taken over this period, and
+a difference between its start and its end is a remaining transient.
 """
 
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["UNITS", "Measured", "measure"]
 
-#: Unit of each quantity.
+#: Unit of each recorded quantity.
 UNITS = {
     "v": "m",
     "w": "m",
@@ -35,18 +36,19 @@ UNITS = {
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One turn of the slowest shaft.
+    """Signals over one revolution of the slowest shaft.
 
     Parameters
     ----------
     turn : ndarray, shape (k,)
-        Angle of the slowest shaft over a turn, from 0 to 1.
+        Angle of the slowest shaft, in revolutions from 0 to 1.
     signals : dict of {(str, str): ndarray, shape (k,)}
-        By gear or mesh ("g1", "g1/g2") and quantity: "v", "w" and "radius", the distance from the
-        place at rest without load [m]; of a mesh "contact_ratio", "pressure_angle",
-        "centre_distance", "centre_line_angle", "line_of_action" (its angle [rad]) and "force".
+        Signals by item and quantity. Item is a gear ("g1") or a mesh ("g1/g2"). Quantities of a
+        gear: displacements "v" and "w", and "radius" = √(v² + w²), from the unloaded position at
+        rest [m]. Quantities of a mesh: "contact_ratio", "pressure_angle" [rad], "centre_distance"
+        [m], "centre_line_angle" [rad], "line_of_action" (its angle [rad]) and "force" [N].
     events : tuple of str
-        What the meshes did in that turn, as "g1/g2 tip interference".
+        Events of the meshes during this revolution, for example "g1/g2 tip interference".
     """
 
     turn: Array
@@ -54,7 +56,7 @@ class Measured:
     events: tuple[str, ...]
 
     def mean(self, of: str, quantity: str) -> float:
-        """Mean over the turn.
+        """Return the mean of a signal over the revolution.
 
         Parameters
         ----------
@@ -64,12 +66,12 @@ class Measured:
         Returns
         -------
         float
-            The mean; the end of the turn, which is its beginning, counts once.
+            The mean. Start and end are the same point of the period and count once.
         """
         return float(self.signals[of, quantity][:-1].mean())
 
-    def swing(self, of: str, quantity: str) -> float:
-        """Peak to peak over the turn.
+    def peak_to_peak(self, of: str, quantity: str) -> float:
+        """Return the peak-to-peak value of a signal over the revolution.
 
         Parameters
         ----------
@@ -79,12 +81,12 @@ class Measured:
         Returns
         -------
         float
-            Largest less smallest.
+            Largest minus smallest value.
         """
         return float(np.ptp(self.signals[of, quantity]))
 
     def largest(self, of: str, quantity: str) -> float:
-        """Largest value in the turn.
+        """Return the largest value of a signal.
 
         Parameters
         ----------
@@ -94,12 +96,12 @@ class Measured:
         Returns
         -------
         float
-            The largest.
+            The largest value.
         """
         return float(self.signals[of, quantity].max())
 
     def smallest(self, of: str, quantity: str) -> float:
-        """Smallest value in the turn.
+        """Return the smallest value of a signal.
 
         Parameters
         ----------
@@ -109,12 +111,12 @@ class Measured:
         Returns
         -------
         float
-            The smallest.
+            The smallest value.
         """
         return float(self.signals[of, quantity].min())
 
     def orbit(self, gear: str) -> float:
-        """Peak to peak displacement, the larger of v and w.
+        """Return the peak-to-peak displacement of a gear, the larger one of v and w.
 
         Parameters
         ----------
@@ -124,17 +126,17 @@ class Measured:
         Returns
         -------
         float
-            Displacement [m].
+            Peak-to-peak displacement [m].
         """
-        return max(self.swing(gear, "v"), self.swing(gear, "w"))
+        return max(self.peak_to_peak(gear, "v"), self.peak_to_peak(gear, "w"))
 
-    def unsettled(self) -> float:
-        """Tell how far the end of the turn is from its beginning.
+    def periodicity_error(self) -> float:
+        """Return the difference between the end and the start of the revolution.
 
         Returns
         -------
         float
-            The largest difference of v, w and force, over the peak to peak of the signal.
+            The largest difference of v, w and force, divided by the peak-to-peak value.
         """
         parts = [
             abs(float(values[-1] - values[0])) / float(np.ptp(values))
@@ -144,13 +146,13 @@ class Measured:
         return max(parts, default=0.0)
 
     @property
-    def sound(self) -> bool:
-        """Whether every pair of gears had teeth in contact all the time.
+    def always_in_contact(self) -> bool:
+        """Whether the contact ratio of every mesh is above 1 at all times.
 
         Returns
         -------
         bool
-            True where no contact ratio falls to 1.
+            False if a contact ratio falls to 1 or below.
         """
         return all(
             values.min() > 1.0
@@ -158,33 +160,33 @@ class Measured:
             if quantity == "contact_ratio"
         )
 
-    def apart(self, other: "Measured", of: str, quantities: tuple[str, ...]) -> float:
-        """Tell how far another run is from this one.
+    def relative_difference(self, other: "Measured", of: str, quantities: tuple[str, ...]) -> float:
+        """Return the relative difference between this run and a reference run.
 
         Parameters
         ----------
         other : Measured
-            The other run, by whose swing the difference is measured.
+            The reference run.
         of : str
-            Gear or mesh.
+            Name of a gear or a mesh.
         quantities : tuple of str
-            Signals that are taken together.
+            Signals that are compared together.
 
         Returns
         -------
         float
-            RMS of the difference over the RMS of the swing about the mean; infinite where the other
-            stands still and this one differs.
+            RMS of the difference, divided by the RMS of the reference about its mean; infinite if
+            the reference is constant and this run differs.
         """
         mine = np.array([self.signals[of, quantity] for quantity in quantities])
         others = np.array([other.signals[of, quantity] for quantity in quantities])
-        swing = others - others.mean(axis=1, keepdims=True)
-        difference, scale = (float(np.linalg.norm(each)) for each in (mine - others, swing))
+        vibration = others - others.mean(axis=1, keepdims=True)
+        difference, scale = (float(np.linalg.norm(each)) for each in (mine - others, vibration))
         return difference / scale if scale > 0.0 else (np.inf if difference > 0.0 else 0.0)
 
 
 def measure(settings: Settings, case: Case) -> Measured:
-    """Run a case.
+    """Simulate a case and return the signals of its last revolution.
 
     Parameters
     ----------
@@ -196,7 +198,7 @@ def measure(settings: Settings, case: Case) -> Measured:
     Returns
     -------
     Measured
-        What came of it.
+        The signals.
     """
     train = system(settings, case)
     slowest = float(np.abs(train.speed_ratios).min())
@@ -206,7 +208,7 @@ def measure(settings: Settings, case: Case) -> Measured:
     response = train.simulate(
         begin + turn,
         case.speed,
-        # The last time is the end of the run itself, to the last bit.
+        # Rounding must not put the last output time after the end of the run.
         times=np.minimum(begin + parts * turn, begin + turn),
         accuracy=case.accuracy,
         geometry=case.geometry,
@@ -239,8 +241,8 @@ def _signals(train: "RotorSystem", response: "Response") -> dict[tuple[str, str]
             "force",
         ):
             signals[name, quantity] = getattr(there, quantity)
-        # The line of action stands a right angle less the pressure angle from the line of centres,
-        # on the side to which the driver turns.
+        # The angle between the line of centres and the line of action is π/2 minus the pressure
+        # angle, in the direction of rotation of the driver.
         sign = np.sign(train.speed_ratios[shafts[mesh.driver]])
         signals[name, "line_of_action"] = there.centre_line_angle + sign * (
             np.pi / 2.0 - there.pressure_angle

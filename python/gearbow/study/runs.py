@@ -1,7 +1,8 @@
-"""All runs of a study, on all cores, each kept in a file as soon as it is done.
+"""Runs of the bow study on all cores; each result is stored in a file.
 
-The file of a run is named by all that its result depends on. A study that was interrupted goes on
-where it stopped; one with another parameter runs what that changes. A file is replaced as a whole.
+The name of a file is a digest of everything that the result depends on. An interrupted study
+therefore continues with the missing runs, and a study with other parameters repeats only the runs
+that they affect. A file is written completely or not at all.
 """
 
 import os
@@ -23,7 +24,7 @@ __all__ = ["Results", "find", "run"]
 
 Results = Mapping[Case, Measured]
 
-#: What reading a missing or damaged file raises; an unknown type of compression is a RuntimeError.
+#: Errors of reading a missing or damaged file (RuntimeError: unknown compression).
 _INVALID = (
     *(FileNotFoundError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, ValueError),
     *(TypeError, AttributeError, RuntimeError, OverflowError, MemoryError, SyntaxError),
@@ -33,34 +34,34 @@ _INVALID = (
 def run(
     settings: Settings, folder: Path, workers: int | None = None, *, progress: bool = False
 ) -> Results:
-    """Run a study, or what is missing of it.
+    """Make all missing runs of a study and return all results.
 
     Parameters
     ----------
     settings : Settings
         The study.
     folder : path-like
-        Where the files of the runs are kept.
+        Folder of the run files.
     workers : int, optional
-        How many runs at once; None is the number of cores. Results do not depend on it.
+        Number of parallel runs; None is the number of cores. It does not affect the results.
     progress : bool
-        Whether to show a bar.
+        Whether to show a progress bar.
 
     Returns
     -------
     mapping of {Case: Measured}
-        Every run, in the order of `cases`.
+        The results of all runs, in the order of `cases`.
 
     Raises
     ------
     GearbowError
-        If a run fails; those that are done are kept.
+        If a run fails. The files of the finished runs remain.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     wanted = {case: folder / f"{key(settings, case)}.npz" for case in cases(settings)}
     missing = [case for case, path in wanted.items() if _read(path) is None]
-    # The engine lets go of the interpreter, so that threads run side by side.
+    # A simulation releases the interpreter lock, so threads run in parallel.
     pool = ThreadPoolExecutor(max_workers=workers or os.cpu_count())
     try:
         futures = [pool.submit(_make, settings, case, wanted[case]) for case in missing]
@@ -75,13 +76,13 @@ def run(
             future.result()
     finally:
         pool.shutdown(cancel_futures=True)
-    # What is reported is always what the files hold, so that a study in two parts is the same.
+    # All results come from the files, so an interrupted study gives the same bits.
     results = {case: _read(path) for case, path in wanted.items()}
     return {case: result for case, result in results.items() if result is not None}
 
 
 def find(settings: Settings, case: Case, folder: Path) -> Measured:
-    """Read the run of a case, or make and keep it.
+    """Return the result of a case; make the run if its file is missing.
 
     Parameters
     ----------
@@ -90,19 +91,19 @@ def find(settings: Settings, case: Case, folder: Path) -> Measured:
     case : Case
         The case; it need not be one of `cases`.
     folder : path-like
-        Where the files of the runs are kept.
+        Folder of the run files.
 
     Returns
     -------
     Measured
-        What the file of the run holds.
+        The result, as read from the file.
 
     Raises
     ------
     GearbowError
         If the run fails.
     OSError
-        If its file cannot be written.
+        If the file cannot be written or read.
     """
     path = Path(folder) / f"{key(settings, case)}.npz"
     found = _read(path)
@@ -110,7 +111,7 @@ def find(settings: Settings, case: Case, folder: Path) -> Measured:
         _make(settings, case, path)
         found = _read(path)
     if found is None:
-        raise OSError(f"{path}: cannot be read after it was written")
+        raise OSError(f"{path}: the file of a run cannot be read after writing it; check the disk")
     return found
 
 
@@ -118,7 +119,7 @@ def _make(settings: Settings, case: Case, path: Path) -> None:
     measured = measure(settings, case)
     names = list(measured.signals)
     values = np.array([measured.signals[name] for name in names])
-    # What changes, in single precision: seven digits of the swing, half the size.
+    # Deviations from the first value in single precision: seven digits at half the size.
     first = values[:, :1]
     with replacing(path) as file:
         np.savez_compressed(
@@ -132,7 +133,7 @@ def _make(settings: Settings, case: Case, path: Path) -> None:
 
 
 def _read(path: Path) -> Measured | None:
-    """Read the file of a run; one that is missing or damaged is to be made again."""
+    """Return the content of a run file; None if it is missing or damaged."""
     try:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             names = [(str(of), str(quantity)) for of, quantity in file["names"]]

@@ -1,4 +1,4 @@
-"""What a study is made of: one TOML file with a scene and a table of what to vary in it."""
+"""Settings of the bow study: a TOML file with a scene and the values that the study varies."""
 
 import sys
 from collections.abc import Mapping
@@ -18,40 +18,40 @@ else:
 
 __all__ = ["SCENE", "Settings"]
 
-#: The file that comes with the package.
+#: Scene and settings of the published bow study.
 SCENE = Path(__file__).with_name("scene.toml")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """A scene, and what a study varies in it.
+    """A scene and the values that the study varies.
 
     Parameters
     ----------
     scene : mapping
-        Description of the system, as `RotorSystem.description` gives it: straight shafts.
+        System with straight shafts, in the form of `RotorSystem.description`.
     bows : tuple of float
-        Amplitudes of half-sine bows over the radius of the shaft; 0 is among them.
+        Amplitudes of the half-sine bows, divided by the shaft radius; they contain 0.
     torques : tuple of float
-        Values of the first torque [N m].
+        Values of the first torque of the scene [N m].
     speeds : tuple of float
         Speeds of the reference shaft [rad/s].
     settle : int
-        Turns of the slowest shaft before the one that is recorded.
+        Revolutions of the slowest shaft before the recorded one.
     samples : int
-        Recorded times in that turn.
+        Number of output times in the recorded revolution.
     accuracy : str
         Accuracy of every run, as `RotorSystem.simulate` takes it.
     phase_steps : int
-        How many phases of the middle and of the last shaft, over a whole turn.
+        Number of bow phases of the second and of the third shaft, over one revolution.
     phase_bow : float
-        The bow of the runs over the phases; one of `bows`.
+        Bow of the phase grid, divided by the shaft radius; one of `bows`, not 0.
     modes : int
-        How many modes the table at rest has.
+        Number of modes in the table of modes at rest.
     backlash : float
-        Backlash of a pair that the bow may use up [m].
+        Backlash of each mesh [m], for the table of limits only.
     layouts : mapping of {str: mapping of {str: float}}
-        Positions of the gears [m] by the name of the layout.
+        Position of each gear [m], by the name of the layout.
 
     Examples
     --------
@@ -76,22 +76,22 @@ class Settings:
 
     @classmethod
     def load(cls, path: Path = SCENE) -> "Settings":
-        """Read a study from a TOML file.
+        """Read the settings from a TOML file.
 
         Parameters
         ----------
         path : path-like
-            A scene with a table ``study``; the one of the package by default.
+            A scene with an additional table ``study``; by default the file of the package.
 
         Returns
         -------
         Settings
-            The study.
+            The settings.
 
         Raises
         ------
         SceneError
-            If the file is no such study; the text begins with where it is.
+            If the file is invalid; the message begins with the path of the entry.
         """
         try:
             text = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -111,13 +111,13 @@ class Settings:
         return cls(scene=scene, **given)._checked()
 
     def quick(self) -> "Settings":
-        """Give a small part of the study, for a first look.
+        """Return a small part of the study.
 
         Returns
         -------
         Settings
-            The same scene with the straight shafts, `phase_bow`, the last torque, one speed, two
-            phases and an accuracy that is enough for a drawing.
+            The same scene without bow and with `phase_bow`, at the last torque and the middle
+            speed, with two phases and the accuracy "draft".
         """
         return replace(
             self,
@@ -137,12 +137,14 @@ class Settings:
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
                 raise SceneError(
-                    f"study.{name}: must be a whole number from {least}, got {value!r}"
+                    f"study.{name}: must be a whole number of at least {least}, got {value!r}"
                 )
         if 0.0 not in self.bows or min(self.bows) < 0.0:
-            raise SceneError(f"study.bows: must hold 0 and nothing below, got {self.bows}")
+            raise SceneError(f"study.bows: must contain 0 and no negative value, got {self.bows}")
         if self.phase_bow not in self.bows or self.phase_bow == 0.0:
-            raise SceneError(f"study.phase_bow: must be one of bows, got {self.phase_bow!r}")
+            raise SceneError(
+                f"study.phase_bow: must be one of bows, and not 0, got {self.phase_bow!r}"
+            )
         if min(self.speeds) <= 0.0:
             raise SceneError(f"study.speeds: must be positive, got {self.speeds}")
         if self.accuracy not in ACCURACIES:
@@ -153,7 +155,7 @@ class Settings:
         if len(self.scene["shafts"]) != 3 or len(self.scene["meshes"]) != 2:
             raise SceneError("study: the scene must have three shafts and two meshes")
         if not self.layouts:
-            raise SceneError("study.layouts: must name at least one")
+            raise SceneError("study.layouts: must contain at least one layout")
         for name, layout in self.layouts.items():
             if set(layout) != gears:
                 raise SceneError(f"study.layouts.{name}: must place {', '.join(sorted(gears))}")

@@ -1,4 +1,4 @@
-"""Tables of a study: CSV files of everything, and Markdown."""
+"""Tables of the bow study: CSV files with all results, and the Markdown layout."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -19,13 +19,13 @@ _CASE = (
     "layout",
     "torque [N m]",
     "speed [rad/s]",
-    "bow over radius",
-    "where",
-    "phase of second [rad]",
-    "phase of third [rad]",
+    "bow / radius",
+    "bow on",
+    "bow phase, second shaft [rad]",
+    "bow phase, third shaft [rad]",
     "geometry",
     "accuracy",
-    "refine",
+    "element factor",
 )
 
 _MODES = ("layout", "mode", "frequency [Hz]", "damping ratio", "whirl", "largest motion")
@@ -33,20 +33,20 @@ _SHAPES = ("layout", "mode", "shaft", "position [m]", "direction", "real", "imag
 
 
 def write(settings: Settings, results: Results, folder: Path) -> None:
-    """Write all tables of a study.
+    """Write the CSV files of a study.
 
     Parameters
     ----------
     settings : Settings
         The study.
     results : mapping of {Case: Measured}
-        What its runs gave.
+        Results of the runs.
     folder : path-like
-        Where to: ``cases.csv``, a row for every signal of every run with its mean, its extremes
-        and its peak to peak; ``events.csv``, what meshes did beyond meshing; ``modes.csv`` and
-        ``mode_shapes.csv``, frequencies and shapes at rest.
+        Folder for the files. ``cases.csv`` has one row for each signal of each run: mean,
+        smallest, largest and peak-to-peak value. ``events.csv`` lists the events of the meshes.
+        ``modes.csv`` and ``mode_shapes.csv`` contain natural frequencies and mode shapes at rest.
     """
-    numbers = ("mean", "smallest", "largest", "swing")
+    numbers = ("mean", "smallest", "largest", "peak_to_peak")
     rows = (
         (
             *_row(case),
@@ -58,7 +58,7 @@ def write(settings: Settings, results: Results, folder: Path) -> None:
         for case, found in results.items()
         for of, quantity in found.signals
     )
-    titles = ("of", "quantity", "unit", "mean", "smallest", "largest", "peak to peak")
+    titles = ("gear or mesh", "quantity", "unit", "mean", "smallest", "largest", "peak to peak")
     _write(folder / "cases.csv", (*_CASE, *titles), rows)
     events = ((*_row(case), event) for case, found in results.items() for event in found.events)
     _write(folder / "events.csv", (*_CASE, "event"), events)
@@ -71,7 +71,7 @@ def write(settings: Settings, results: Results, folder: Path) -> None:
             frequencies.append(
                 (layout, mode + 1, f"{frequency:.6g}", f"{damping:.6g}", modes.whirl[mode], name)
             )
-            # Turned so that the largest entry is real and 1: a shape has no phase and no size.
+            # The scale and the phase of a mode shape are arbitrary: the largest entry becomes 1.
             shape = modes.shapes[mode]
             shape = shape / shape[np.argmax(np.abs(shape))]
             for (shaft, x, direction), entry in zip(modes.dofs, shape, strict=True):
@@ -82,14 +82,14 @@ def write(settings: Settings, results: Results, folder: Path) -> None:
 
 
 def markdown(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Lay a table out as Markdown.
+    """Return a table in Markdown.
 
     Parameters
     ----------
     titles : sequence of str
-        Heads of the columns.
+        Column headers.
     rows : iterable of sequence of str
-        Cells.
+        Cells of each row.
 
     Returns
     -------
@@ -121,4 +121,4 @@ def _write(path: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) 
         table.writerow(titles)
         table.writerows(rows)
         text.flush()
-        text.detach()  # the file stays open
+        text.detach()  # keeps the underlying file open

@@ -1,4 +1,4 @@
-"""A study with its results, and short names for what is asked of it often."""
+"""Access to the results of the bow study for its tables and figures."""
 
 import math
 from dataclasses import replace
@@ -13,16 +13,16 @@ __all__ = ["Study"]
 
 
 class Study:
-    """A study with its results, and short names for what is asked of it often.
+    """Settings and results of a study, with the cases that tables and figures use.
 
     Parameters
     ----------
     settings : Settings
         The study.
     results : mapping of {Case: Measured}
-        What its runs gave.
+        Results of the runs.
     folder : path-like, optional
-        Where further runs are kept, as `limits` needs them; None keeps none.
+        Folder for the files of further runs, which `limits` needs; None stores no files.
     """
 
     def __init__(self, settings: Settings, results: Results, folder: Path | None = None) -> None:
@@ -40,11 +40,11 @@ class Study:
         self.bent = replace(self.base, bow=settings.phase_bow)
 
     def __getitem__(self, case: Case) -> Measured:
-        # Without bow it does not matter where there is none.
+        # A case without bow does not depend on the shaft that the bow is on.
         return self.results[replace(case, where=ALL) if not case.bow else case]
 
     def find(self, case: Case) -> Measured:
-        """Give the run of any case, and make it where it is missing.
+        """Return the result of any case; simulate the case if there is no result.
 
         Parameters
         ----------
@@ -54,7 +54,7 @@ class Study:
         Returns
         -------
         Measured
-            Its run.
+            The result.
         """
         try:
             return self[case]
@@ -64,12 +64,12 @@ class Study:
             return find(self.settings, case, self.folder)
 
     def amplitude(self, bow: float) -> float:
-        """Give the amplitude of a bow on the first shaft [m].
+        """Return the amplitude of a bow on the first shaft.
 
         Parameters
         ----------
         bow : float
-            Over the radius.
+            Amplitude divided by the shaft radius.
 
         Returns
         -------
@@ -79,28 +79,28 @@ class Study:
         return bow * float(self.settings.scene["shafts"][0]["outer_diameter"]) / 2.0
 
     def gear(self, name: str) -> dict[str, float]:
-        """Give what is said of a gear.
+        """Return the description of a gear.
 
         Parameters
         ----------
         name : str
-            Its name.
+            Name of the gear.
 
         Returns
         -------
         dict
-            Teeth, module and pressure angle among others.
+            Description, with at least teeth, module and pressure angle.
         """
         (found,) = [gear for gear in self.settings.scene["gears"] if gear["name"] == name]
         return {"pressure_angle": math.radians(20.0), **found}
 
     def pair(self, name: str) -> tuple[float, float, float]:
-        """Give the geometry of a pair of full-depth gears at rest.
+        """Return the geometry of a mesh with full-depth teeth at rest.
 
         Parameters
         ----------
         name : str
-            Name of the pair.
+            Name of the mesh, for example "g1/g2".
 
         Returns
         -------
