@@ -57,6 +57,20 @@ impl Support {
             .map(|(_, direction)| direction)
     }
 
+    /// Force of the shaft on the bearing over (y, z), K u + C u̇, N.
+    #[inline(always)]
+    pub fn force(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let (i, c, elastic) = (self.index, &self.damping, self.elastic_force(q));
+        [0, 1].map(|row| elastic[row] + c[row][0] * v[i] + c[row][1] * v[i + 1])
+    }
+
+    /// Elastic part K u of the force, N.
+    #[inline(always)]
+    pub fn elastic_force(&self, q: &[f64]) -> [f64; 2] {
+        let (i, k) = (self.index, &self.stiffness);
+        [0, 1].map(|row| k[row][0] * q[i] + k[row][1] * q[i + 1])
+    }
+
     /// What the stiffness has beside its restoring part.
     pub fn skew_part(&self) -> [[f64; 2]; 2] {
         std::array::from_fn(|i| std::array::from_fn(|j| self.stiffness[i][j] - self.symmetric_part[i][j]))
@@ -158,9 +172,8 @@ impl Model {
         let mut force = [0.0; 2];
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
-            let (i, k, c) = (support.index, &support.stiffness, &support.damping);
-            for (row, force) in force.iter_mut().enumerate() {
-                *force += k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+            for (sum, value) in force.iter_mut().zip(support.force(q, v)) {
+                *sum += value;
             }
         }
         force
@@ -230,9 +243,8 @@ impl Model {
             }
         }
         for support in &self.supports {
-            let (i, k) = (support.index, &support.stiffness);
-            for row in 0..2 {
-                force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1];
+            for (row, value) in support.elastic_force(q).into_iter().enumerate() {
+                force[support.index + row] -= value;
             }
         }
         -force
