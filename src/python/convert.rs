@@ -16,7 +16,7 @@ pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMat
 
 /// A vector over the coordinates, from the inside order to the outside one.
 pub fn outside_vector<'py>(py: Python<'py>, numbering: &Numbering, inside: &DVector<f64>) -> Bound<'py, PyArray1<f64>> {
-    Array1::from(numbering.outside(inside.as_slice())).into_pyarray(py)
+    Array1::from(numbering.to_user_order(inside.as_slice())).into_pyarray(py)
 }
 
 /// A row-major list as an array of `rows` × `columns`.
