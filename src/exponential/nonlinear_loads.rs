@@ -343,7 +343,7 @@ pub(super) fn add_turned(amplitudes: &[Complex64], turn: Complex64, values: &mut
 
 /// Whether a shaft of this spin runs at a critical speed that nothing damps: it has no synchronous motion.
 pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
-    linear.nearest(spin) < RESONANT * spin.abs()
+    linear.resonance_distance(spin) < RESONANT * spin.abs()
 }
 
 /// The laws of the meshes at rest.

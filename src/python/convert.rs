@@ -20,7 +20,7 @@ pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMat
 
 /// Converts an (n,) vector from the coordinate order of the core to that of Python.
 pub fn outside_vector<'py>(py: Python<'py>, numbering: &Numbering, inside: &DVector<f64>) -> Bound<'py, PyArray1<f64>> {
-    Array1::from(numbering.outside(inside.as_slice())).into_pyarray(py)
+    Array1::from(numbering.to_user_order(inside.as_slice())).into_pyarray(py)
 }
 
 /// Converts a row-major list to a (rows, columns) array.

@@ -117,7 +117,7 @@ pub fn synchronous<'py>(
     for (sources, speed) in amplitudes.iter().zip(&speeds) {
         for (column, shaft) in sources.column_iter().zip(&assembled.shafts) {
             let column = column.into_owned();
-            values.extend(assembled.numbering.outside(column.as_slice()));
+            values.extend(assembled.numbering.to_user_order(column.as_slice()));
             forces.extend(analysis::bearing_forces(assembled, &bearings, shaft.ratio * speed, &column).concat());
         }
     }
@@ -126,7 +126,7 @@ pub fn synchronous<'py>(
     dict.set_item("amplitudes", stack(py, values, rows, shafts, assembled.len())?)?;
     dict.set_item("bearing_force", stack(py, forces, rows, shafts, 2 * bearings.len())?)?;
     dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
-    let bow: Vec<Complex<f64>> = assembled.numbering.outside(analysis::bow(assembled).as_slice());
+    let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
     dict.set_item("bow", bow.into_pyarray(py))?;
     Ok(dict)
 }

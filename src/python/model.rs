@@ -121,7 +121,7 @@ impl PyModel {
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
-            modes.iter().flat_map(|mode| numbering.outside(mode.shape.as_slice())).collect();
+            modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
         let list = |of: fn(&modal::Mode) -> f64| modes.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
         let eigenvalues: Vec<_> = modes.iter().map(|mode| mode.eigenvalue).collect();
         let whirl: Vec<_> = modes.iter().map(|mode| mode.whirl.to_string()).collect();

@@ -11,7 +11,7 @@ use crate::exponential::{
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::mesh::GearMesh;
-use crate::modal::{CachedModel, Form, ModalStateSpace, WORST};
+use crate::modal::{CachedModel, Form, MAX_CONDITION, ModalStateSpace};
 use crate::model::Model;
 use crate::scene::SceneError;
 
@@ -53,7 +53,7 @@ pub(super) fn run(
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
     let ModalSetup { linear, field, maps, mut output } = coordinates;
-    if options.is_explicit() && linear.condition > WORST {
+    if options.is_explicit() && linear.condition > MAX_CONDITION {
         let message = format!(
             "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
             linear.condition
@@ -98,9 +98,9 @@ fn time_grid(
             let slowest = cached.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
             let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
             let speed = options.fastest().abs();
-            let turning = model.fastest_turn() * speed * resonant;
-            let travelling = model.fastest_teeth_of(GearMesh::travels) * speed;
-            let engaging = model.fastest_teeth_of(GearMesh::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
+            let turning = model.max_speed_ratio() * speed * resonant;
+            let travelling = model.max_mesh_order_of(GearMesh::travels) * speed;
+            let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
             let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
             let mut most = TAU / (STEPS_A_CYCLE * fastest);
             if options.is_explicit() {
@@ -130,7 +130,7 @@ fn time_grid(
 
 /// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.
 pub fn sample_step(model: &Model, speed: f64) -> f64 {
-    let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
+    let fastest = model.max_speed_ratio().max(model.max_mesh_order()) * speed.abs();
     round_below(TAU / (fastest * SAMPLES))
 }
 

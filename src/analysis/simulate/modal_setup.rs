@@ -41,7 +41,7 @@ impl<'m> ModalSetup<'m> {
         // Teeth that part and whose stiffness varies leave little of the mean mesh for the linear motion to be exact about.
         let linear = match options.method {
             Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
-                cached.linear_of_parts(speed)?
+                cached.linear_without_meshes(speed)?
             }
             _ => None,
         };
@@ -80,12 +80,12 @@ fn keeping(
     let turning = field.motion.sources().flat_map(|shaft| field.motion.turning_forces(shaft));
     let other = turning.chain([constant]).map(|load| linear.column(&load));
     let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
-    let slots = linear.most_moved(&loads, count);
-    let Some(kept) = linear.keeping(&slots) else {
+    let slots = linear.most_excited(&loads, count);
+    let Some(kept) = linear.select_pairs(&slots) else {
         let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
         return Err(SceneError::new("modes", message).into());
     };
-    let pick = |row: &Vec<f64>| kept.of_kept(row, &slots);
+    let pick = |row: &Vec<f64>| kept.select_entries(row, &slots);
     let [rows, columns] = [&maps.rows, &maps.columns].map(|list| list.iter().map(pick).collect());
     let maps = InterfaceMaps { rows, columns, parts: kept.parts.clone(), ..maps.clone() };
     Ok((Arc::new(kept), maps))
@@ -114,7 +114,7 @@ pub(super) fn enter(
             given.iter().zip(carried).map(|(given, carried)| given - carried).collect()
         };
         let (q, v) = (less(&state.y[..half], q.as_slice()), less(&state.y[half..], v.as_slice()));
-        let y = linear.state(cached, &q, &v).as_slice().to_vec();
+        let y = linear.state(&cached.model, &q, &v).as_slice().to_vec();
         // Steps count anew from here.
         state = State { elapsed: state.elapsed, ..State::new(y) };
     }
