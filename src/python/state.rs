@@ -155,7 +155,7 @@ pub fn checkpoint((state, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResu
     Ok(Box::new(Checkpoint {
         state,
         statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
-        seen: RecorderState {
+        recorder_state: RecorderState {
             events: usize::try_from(given.count("events")?).map_err(|_| given.error("events", "is too large"))?,
             margins: margins
                 .into_iter()
