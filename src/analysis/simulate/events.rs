@@ -202,7 +202,6 @@ impl EventRecorder {
 fn has_moved(mesh: &GearMesh, v: &[f64], since: f64) -> bool {
     let rate = mesh.relative(v);
     // No flank closes faster than this.
-    let fastest =
-        rate.rolling_displacement.abs() + rate.relative_displacement[0].hypot(rate.relative_displacement[1]);
+    let fastest = rate.rolling_displacement.abs() + rate.relative_displacement[0].hypot(rate.relative_displacement[1]);
     fastest * since > TOUCHING * mesh.involute.base_radius[0]
 }
