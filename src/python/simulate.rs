@@ -192,11 +192,11 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("setting", last.setting)?;
     dict.set_item("count", last.state.count)?;
     dict.set_item("elapsed", last.state.elapsed)?;
-    dict.set_item("carry", last.state.carry)?;
+    dict.set_item("carry", last.state.time_offset())?;
     dict.set_item("next_step", last.state.next_step)?;
     dict.set_item("previous_error", last.state.previous_error)?;
     dict.set_item("contact_modes", PyArray1::from_slice(py, &last.state.contact_modes))?;
-    dict.set_item("memory", PyArray1::from_slice(py, &last.state.memory))?;
+    dict.set_item("memory", PyArray1::from_slice(py, &last.state.method_numbers()))?;
     dict.set_item("state", PyArray1::from_slice(py, &last.state.y))?;
     Ok(dict)
 }

@@ -100,6 +100,18 @@ fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
     let Some([time, high, low]) = anchor else {
         return Err(given.error("anchor", "must be a time and an angle in two parts, all finite"));
     };
+    // Without it the run begins anew from the state.
+    let memory = if given.given.contains("memory").unwrap_or(false) { given.array("memory")? } else { Vec::new() };
+    let mut state = State {
+        count: given.count("count")?,
+        elapsed: given.not_negative("elapsed")?,
+        next_step: given.not_negative("next_step")?,
+        // The controller takes any number: it limits what follows from it.
+        previous_error: given.any_number("previous_error")?,
+        contact_modes: given.array("contact_modes")?,
+        ..State::new(y)
+    };
+    state.set_method(given.number("carry")?, &memory);
     let last = Final {
         method: Method::named(&given.text("method")?)?,
         time: given.number("time")?,
@@ -108,18 +120,7 @@ fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         anchor: Anchor { time, angle: DoubleDouble { high, low } },
         geometry: model::geometry(&given.text("geometry")?)?,
         setting: given.number("setting")?,
-        state: State {
-            count: given.count("count")?,
-            elapsed: given.not_negative("elapsed")?,
-            carry: given.number("carry")?,
-            next_step: given.not_negative("next_step")?,
-            // The controller takes any number: it limits what follows from it.
-            previous_error: given.any_number("previous_error")?,
-            contact_modes: given.array("contact_modes")?,
-            y,
-            // What a method remembers; without it the run begins anew from the state.
-            memory: if given.given.contains("memory").unwrap_or(false) { given.array("memory")? } else { Vec::new() },
-        },
+        state,
     };
     if matches!(last.speed, Speed::Constant(speed) if !speed.is_finite()) {
         return Err(given.error("speed", "must be finite"));
@@ -130,8 +131,8 @@ fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         let message = format!("must not be after the end of the run, {span:e} s, got {:e} s", last.state.elapsed);
         return Err(given.error("elapsed", &message));
     }
-    if !(last.state.carry.abs() <= span + slack) {
-        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.carry);
+    if !(last.state.time_offset().abs() <= span + slack) {
+        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.time_offset());
         return Err(given.error("carry", &message));
     }
     Ok(last)

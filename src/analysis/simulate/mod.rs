@@ -116,11 +116,11 @@ pub fn simulate(
         let ended = if exact {
             exponential::run(cached, options, coordinates, &start, end, &mut observer, &mut statistics)?
         } else {
-            let ModalSetup { linear, field, maps, output } = coordinates;
-            let mut state = enter(cached, &linear, &field, &start);
-            let mut system = InModes::new(field, &linear, maps, output);
+            let ModalSetup { linear, nonlinear_loads, maps, output } = coordinates;
+            let mut state = enter(cached, &linear, &nonlinear_loads, &start);
+            let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
             let outcome = run.runge_kutta(&mut system, &mut state, &mut observer, &mut statistics)?;
-            (leave(state, &linear, system.field()), outcome)
+            (leave(state, &linear, system.nonlinear_loads()), outcome)
         };
         state = ended.0;
         ended.1

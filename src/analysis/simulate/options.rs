@@ -1,7 +1,7 @@
 //! What a run is asked to do, and the state that it leaves.
 
 use super::Checkpoint;
-use crate::exponential::MOST_STAGES;
+use crate::exponential::MAX_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::motion::{Anchor, ShaftRotation, Speed};
@@ -126,7 +126,7 @@ impl Options {
             }
         }
         let exponential = matches!(self.method, Method::Exponential | Method::ExactRk4);
-        for (name, given, most) in [("stages", self.stages, MOST_STAGES), ("modes", self.modes, usize::MAX)] {
+        for (name, given, most) in [("stages", self.stages, MAX_STAGES), ("modes", self.modes, usize::MAX)] {
             let Some(count) = given else { continue };
             if !exponential {
                 return Err(SceneError::new(name, format!("\"{}\" has none; see \"exponential\"", self.method.name())));
