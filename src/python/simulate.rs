@@ -189,7 +189,7 @@ fn final_dict<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyDict>
     dict.set_item("speed", speed::plain(py, &last.speed)?)?;
     dict.set_item("anchor", [last.anchor.time, last.anchor.angle.high, last.anchor.angle.low])?;
     dict.set_item("geometry", if last.geometry == Geometry::Live { "live" } else { "frozen" })?;
-    dict.set_item("setting", last.setting)?;
+    dict.set_item("setting", last.setting.number(last.method))?;
     dict.set_item("count", last.state.count)?;
     dict.set_item("elapsed", last.state.elapsed)?;
     dict.set_item("carry", last.state.time_offset())?;

@@ -5,7 +5,7 @@ use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::{model, speed};
-use crate::analysis::simulate::{Checkpoint, Final, Initial, Method, RecorderState};
+use crate::analysis::simulate::{Checkpoint, Final, Initial, Method, RecorderState, StepSetting};
 use crate::integrate::{State, Statistics};
 use crate::motion::{Anchor, DoubleDouble, Speed};
 use crate::scene::SceneError;
@@ -112,14 +112,15 @@ fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         ..State::new(y)
     };
     state.set_method(given.number("carry")?, &memory);
+    let method = Method::named(&given.text("method")?)?;
     let last = Final {
-        method: Method::named(&given.text("method")?)?,
+        method,
         time: given.number("time")?,
         origin: given.number("origin")?,
         speed: speed::speed(&given.item("speed")?)?,
         anchor: Anchor { time, angle: DoubleDouble { high, low } },
         geometry: model::geometry(&given.text("geometry")?)?,
-        setting: given.number("setting")?,
+        setting: StepSetting::from_number(given.number("setting")?, method),
         state,
     };
     if matches!(last.speed, Speed::Constant(speed) if !speed.is_finite()) {
