@@ -19,6 +19,9 @@ use crate::motion::{EquationOfMotion, GuaranteedInterval, Interface};
 /// A residual load below this fraction of the loads at the reference is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-11;
 
+/// An interface scalar as entries (index, coefficient) over the displacements.
+type ScalarEntries = Vec<(usize, f64)>;
+
 /// A load that does not depend on the motion.
 #[derive(Clone, Copy, Debug)]
 enum Prescribed {
@@ -304,7 +307,7 @@ impl<'m> NonlinearLoads<'m> {
 fn prescribed_loads(
     motion: &EquationOfMotion,
     linear: &ModalStateSpace,
-    (interfaces, entries): (&[Interface], &[Vec<(usize, f64)>]),
+    (interfaces, entries): (&[Interface], &[ScalarEntries]),
     sources: &[RotatingSource],
     reference: &DVector<f64>,
 ) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
