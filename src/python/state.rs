@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::entries::{self, any_number, count, counts, finite, list, not_negative, numbers, text};
 use super::speed::SpeedEntries;
-use crate::analysis::simulate::{Checkpoint, Final, Method, RecorderState};
+use crate::analysis::simulate::{Checkpoint, Final, Method, RecorderState, StepSetting};
 use crate::integrate::{State, Statistics};
 use crate::mesh::Geometry;
 use crate::motion::{Anchor, DoubleDouble, Speed};
@@ -119,16 +119,16 @@ pub fn write_final<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, Py
         speed: (&last.speed).into(),
         anchor: [last.anchor.time, last.anchor.angle.high, last.anchor.angle.low],
         geometry: if last.geometry == Geometry::Live { "live" } else { "frozen" }.to_owned(),
-        setting: last.setting,
+        setting: last.setting.number(last.method),
         count: state.count,
         elapsed: state.elapsed,
-        carry: state.carry,
+        carry: state.time_offset(),
         next_step: state.next_step,
         previous_error: state.previous_error,
     };
     let dict = pythonize(py, &entries)?;
     dict.set_item("contact_modes", PyArray1::from_slice(py, &state.contact_modes))?;
-    dict.set_item("memory", PyArray1::from_slice(py, &state.memory))?;
+    dict.set_item("memory", PyArray1::from_slice(py, &state.method_numbers()))?;
     dict.set_item("state", PyArray1::from_slice(py, &state.y))?;
     Ok(dict)
 }
@@ -149,25 +149,27 @@ pub fn read_final(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         return Err(error("speed", "must be finite".to_owned()).into());
     }
     let [time, high, low] = entries.anchor;
+    // Without the memory of the method, the run starts again from the state.
+    let memory: Vec<f64> = if given.contains("memory").unwrap_or(false) { array(given, "memory")? } else { Vec::new() };
+    let mut state = State {
+        count: entries.count,
+        elapsed: entries.elapsed,
+        next_step: entries.next_step,
+        previous_error: entries.previous_error,
+        contact_modes: array(given, "contact_modes")?,
+        ..State::new(y)
+    };
+    state.set_method(entries.carry, &memory);
+    let method = Method::named(&entries.method)?;
     let last = Final {
-        method: Method::named(&entries.method)?,
+        method,
         time: entries.time,
         origin: entries.origin,
         speed,
         anchor: Anchor { time, angle: DoubleDouble { high, low } },
         geometry: mesh_geometry(&entries.geometry)?,
-        setting: entries.setting,
-        state: State {
-            count: entries.count,
-            elapsed: entries.elapsed,
-            carry: entries.carry,
-            next_step: entries.next_step,
-            previous_error: entries.previous_error,
-            contact_modes: array(given, "contact_modes")?,
-            y,
-            // Without the memory of the method, the run starts again from the state.
-            memory: if given.contains("memory").unwrap_or(false) { array(given, "memory")? } else { Vec::new() },
-        },
+        setting: StepSetting::from_number(entries.setting, method),
+        state,
     };
     // The state belongs to the last whole step, which lies before the end of the run. The limit allows for the
     // rounding of large times.
@@ -177,8 +179,8 @@ pub fn read_final(given: &Bound<'_, PyAny>) -> PyResult<Final> {
         let message = format!("must not be after the end of the run, {span:e} s, got {:e} s", last.state.elapsed);
         return Err(error("elapsed", message).into());
     }
-    if last.state.carry.abs() > limit {
-        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.carry);
+    if last.state.time_offset().abs() > limit {
+        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.time_offset());
         return Err(error("carry", message).into());
     }
     Ok(last)

@@ -222,7 +222,7 @@ fn a_table_without_modes_is_that_of_the_modes() {
             );
             z.copy_from_slice(noise.as_slice());
             let arch = pulp::Arch::new();
-            let p = vec![0.0; stages * field.loads()];
+            let p = vec![0.0; stages * field.load_count()];
             for level in 0..=time_grid.finest {
                 let (a, b) = (pairs.propagator(level), matrices.propagator(level));
                 let (seen_a, seen_b) = (pairs.stage_response(level), matrices.stage_response(level));
@@ -321,7 +321,7 @@ impl Observer for Last {
 
 /// The motion that a train settles to but for its meshes, disturbed.
 fn disturbed(cached: &CachedModel, geometry: Geometry) -> [DVector<f64>; 2] {
-    let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.carried(0.0);
+    let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.reference_motion(0.0);
     let noise = Noise::new(8).vector(q.len(), 1e-7);
     [q + DVector::from_vec(noise), v]
 }
@@ -342,7 +342,7 @@ fn integrate(
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
     let mut output = OutputMap::new(&field, form, selection);
     let table = PropagatorCache::new(form, QuadratureRule::gauss(stages), maps, time_grid, field.spins());
-    let (carried, turning) = field.carried(0.0);
+    let (carried, turning) = field.reference_motion(0.0);
     let [q, v] = disturbed(cached, geometry);
     let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
