@@ -9,6 +9,7 @@
 //! SI units and radians throughout: m, kg, s, N, rad.
 
 pub mod analysis;
+pub mod connection;
 pub mod element;
 pub mod exponential;
 pub mod integrate;

@@ -20,6 +20,9 @@ pub enum DecompositionError {
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge")]
     Eigenvalues,
+    /// The matrices depend on the speed, and none was chosen.
+    #[error("a bearing depends on the speed: choose one with CachedModel::at_speed before a decomposition")]
+    SpeedDependent,
 }
 
 /// Eigenvalues and right eigenvectors, unordered, vectors of unit length.

@@ -10,6 +10,6 @@ mod whirl;
 pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OnLine, Quadratic};
-pub use real::{CachedModel, RealModes};
+pub use real::{AtSpeed, CachedModel, RealModes};
 pub use state_space::{Form, LANES, ModalStateSpace, WORST};
 pub use whirl::Whirl;

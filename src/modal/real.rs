@@ -9,7 +9,7 @@
 //! ones. Its vectors are good, so ω² is taken from them once more as a Rayleigh quotient, whose error is of second
 //! order, with the elastic energy summed from the strains of the elements.
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use super::ModalStateSpace;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::{DofKind, Model};
-use crate::scene::Node;
+use crate::scene::{Node, SceneError};
 
 /// Rigid motions that springs of unit stiffness resist by less than this are not resisted: round-off leaves 1e-15.
 const NULL: f64 = 1e-13;
@@ -41,7 +41,7 @@ impl RealModes {
         let null = null_motions(&rigid_motions(model), &deflections(model, Some(speed)), &mass)?;
         // What a bearing does beside restoring, as by cross-coupling, belongs to the damped problem.
         let stiffness =
-            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.mesh_stiffness_matrix(speed);
+            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.connection_stiffness_matrix(speed);
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
         let form = |shape: &[f64]| model.elastic_form(shape, |mesh| model.sigma(mesh, speed));
         Ok(Self::ascending(model, vectors, null.ncols(), form))
@@ -108,6 +108,28 @@ pub struct CachedModel {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// The linear motions that were asked for last, at a speed, with the meshes or without.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
+    /// Models at the speeds [rad/s] of the last analyses, if bearings depend on the speed.
+    at_speeds: Mutex<Vec<(f64, Arc<CachedModel>)>>,
+}
+
+/// A model at a constant speed: the model itself if nothing in it depends on the speed.
+#[derive(Debug)]
+pub enum AtSpeed<'a> {
+    /// The model itself.
+    Same(&'a CachedModel),
+    /// A model whose bearings have the coefficients of the speed.
+    Specialised(Arc<CachedModel>),
+}
+
+impl Deref for AtSpeed<'_> {
+    type Target = CachedModel;
+
+    fn deref(&self) -> &CachedModel {
+        match self {
+            Self::Same(model) => model,
+            Self::Specialised(model) => model,
+        }
+    }
 }
 
 type Key = (f64, bool);
@@ -118,14 +140,37 @@ const REMEMBERED: usize = 8;
 impl CachedModel {
     /// The basis of a model.
     pub fn new(model: Model) -> Self {
-        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()) }
+        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()), at_speeds: Mutex::default() }
+    }
+
+    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].
+    ///
+    /// # Errors
+    /// [`SceneError`] if a bearing has no coefficients at the speed.
+    pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+        if self.model.bearings.is_empty() {
+            return Ok(AtSpeed::Same(self));
+        }
+        let mut list = self.at_speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = list.iter().find(|(known, _)| *known == speed) {
+            return Ok(AtSpeed::Specialised(Arc::clone(known)));
+        }
+        let model = Arc::new(Self::new(self.model.at_speed(speed)?));
+        if list.len() >= REMEMBERED {
+            list.remove(0);
+        }
+        list.push((speed, Arc::clone(&model)));
+        Ok(AtSpeed::Specialised(model))
     }
 
     /// Undamped modes, with the flanks that carry at `speed`.
     ///
     /// # Errors
-    /// [`DecompositionError`] if the decomposition fails.
+    /// [`DecompositionError`] if the decomposition fails, or a bearing depends on the speed.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
+        if !self.model.bearings.is_empty() {
+            return Err(DecompositionError::SpeedDependent);
+        }
         let cell = &self.modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }
@@ -260,12 +305,12 @@ fn deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
             rows.push(row);
         }
     }
-    let meshed = speed.iter().flat_map(|speed| model.meshes.iter().enumerate().map(move |mesh| (*speed, mesh)));
-    for (speed, (index, mesh)) in meshed {
-        let sigma = model.sigma(index, speed);
-        let mut row = RowDVector::zeros(model.len());
-        mesh.gradient(sigma, mesh.normal_at_rest(sigma), |column, slope| row[column] += slope);
-        rows.push(row);
+    for connection in speed.iter().flat_map(|speed| model.connections(*speed)) {
+        for entries in connection.rows() {
+            let mut row = RowDVector::zeros(model.len());
+            entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
+            rows.push(row);
+        }
     }
     if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
 }

@@ -35,11 +35,13 @@ impl Model {
         sum + self.form_of_supports(v, |support| &support.damping)
     }
 
-    /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells; of bearings the restoring part.
+    /// qᵀKq of shafts, bearings with constant coefficients, springs, and meshes at rest with the given σ; of bearings the
+    /// restoring part.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let strained = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        self.unmeshed_elastic_form(q) + strained.sum::<f64>()
+        let springs = self.springs.iter().map(|spring| spring.stiffness * spring.scalar(q).powi(2));
+        self.unmeshed_elastic_form(q) + strained.sum::<f64>() + springs.sum::<f64>()
     }
 
     /// qᵀKq of shafts and bearings; of bearings the restoring part.
@@ -72,6 +74,6 @@ impl Model {
 }
 
 /// uᵀku.
-fn form(k: &[[f64; 2]; 2], u: [f64; 2]) -> f64 {
+pub(super) fn form(k: &[[f64; 2]; 2], u: [f64; 2]) -> f64 {
     k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
 }

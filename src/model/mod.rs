@@ -7,6 +7,7 @@
 //! A shaft couples neighbouring nodes alone, a bearing one node, a mesh six coordinates by one scalar force. Nothing
 //! here is ever stored as a dense matrix except on demand (`dense`), for eigenvalues and factorisations.
 
+mod at_speed;
 mod bow;
 mod dense;
 mod flanks;
@@ -20,10 +21,11 @@ pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
+use crate::connection::{SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
-use crate::scene::{Bearing, Node, Scene, SceneError};
+use crate::scene::{Matrix2, Node, Scene, SceneError};
 
 /// A bearing on its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -40,9 +42,8 @@ pub struct Support {
 }
 
 impl Support {
-    /// A bearing on the coordinates from `index` on.
-    fn new(index: usize, bearing: &Bearing) -> Self {
-        let (stiffness, damping) = (bearing.stiffness, bearing.damping);
+    /// A bearing of this stiffness and damping on the coordinates from `index` on.
+    pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
         Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
     }
 
@@ -55,6 +56,12 @@ impl Support {
         both.into_iter()
             .filter(move |(stiffness, _)| *stiffness > NOTHING * (mean + half))
             .map(|(_, direction)| direction)
+    }
+
+    /// qᵀKq of the symmetric part, J for displacements in m.
+    #[inline]
+    pub fn elastic_form(&self, q: &[f64]) -> f64 {
+        form::form(&self.symmetric_part, [q[self.index], q[self.index + 1]])
     }
 
     /// What the stiffness has beside its restoring part.
@@ -87,7 +94,7 @@ fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// An assembled scene.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
     /// The scene it was made from.
     pub scene: Scene,
@@ -95,10 +102,15 @@ pub struct Model {
     pub numbering: Numbering,
     /// Every shaft with the bodies on it.
     pub shafts: Vec<ShaftModel>,
-    /// Bearings; empty in a scene without bending.
+    /// Bearings with constant coefficients; empty in a scene without bending.
     pub supports: Vec<Support>,
+    /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
+    /// [`at_speed`](Self::at_speed).
+    pub bearings: Vec<SpeedDependentBearing>,
     /// Meshes.
     pub meshes: Vec<GearMesh>,
+    /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
+    pub springs: Vec<Spring>,
     /// Torque and gravity: the constant load.
     pub constant_load: DVector<f64>,
     /// σ of every mesh at speed zero.
@@ -115,14 +127,7 @@ impl Model {
         let shafts = (0..scene.shafts.len())
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;
-        let supports = scene
-            .bearings
-            .iter()
-            .filter_map(|bearing| {
-                let index = numbering.translation(bearing.node)?;
-                Some(Support::new(index, bearing))
-            })
-            .collect();
+        let (supports, bearings) = at_speed::bearings(&scene, &numbering);
         let meshes: Vec<_> = scene
             .meshes
             .iter()
@@ -137,7 +142,17 @@ impl Model {
             .collect();
         check_stiffness(&meshes)?;
         let constant_load = DVector::zeros(numbering.len());
-        let mut model = Self { constant_load, sigma_standing: Vec::new(), scene, numbering, shafts, supports, meshes };
+        let mut model = Self {
+            constant_load,
+            sigma_standing: Vec::new(),
+            scene,
+            numbering,
+            shafts,
+            supports,
+            bearings,
+            meshes,
+            springs: Vec::new(),
+        };
         model.constant_load = model.assemble_constant_load();
         model.sigma_standing = model.sigma_at_rest();
         Ok(model)
@@ -153,7 +168,13 @@ impl Model {
         self.len() == 0
     }
 
-    /// Force of the shaft on the bearings of a node over (y, z), N.
+    /// The same model with springs between its coordinates.
+    pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
+        self.springs = springs;
+        self
+    }
+
+    /// Force of the shaft on the bearings with constant coefficients of a node over (y, z), N.
     pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 2] {
         let mut force = [0.0; 2];
         let index = self.numbering.translation(node);

@@ -13,7 +13,6 @@ use super::convert::{outside_matrix, outside_vector, table};
 use super::errors::{warn, warn_of_speed};
 use super::{background, frequency, simulate, state};
 use crate::analysis::{self, AnalysisError, Dense, Interrupt};
-use crate::linalg::DecompositionError;
 use crate::mesh::Geometry;
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
@@ -72,6 +71,11 @@ impl PyModel {
             Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
             _ => Ok(()),
         }
+    }
+
+    /// The speed at which a warning of ill-conditioning is judged: zero, or one that the tables of bearings contain.
+    pub(super) fn representative_speed(&self, fastest: f64) -> f64 {
+        if self.model().bearings.is_empty() { 0.0 } else { fastest }
     }
 
     pub(super) fn place(&self, node: Node) -> (&str, f64) {
@@ -160,7 +164,8 @@ impl PyModel {
         EntryPath::root("speed").finite(speed)?;
         // Modal damping is made of the modes.
         let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
-        let matrices = self.run(py, dense, move |cached, _| -> Result<_, DecompositionError> {
+        let matrices = self.run(py, dense, move |cached, _| -> Result<_, AnalysisError> {
+            let cached = cached.at_speed(speed)?;
             let model = &cached.model;
             Ok([
                 ("mass", model.mass_matrix()),
@@ -180,7 +185,9 @@ impl PyModel {
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
         self.warn_of_ill_conditioning(py, speed, Dense::Damped)?;
-        let mut modes = self.run(py, Dense::Damped, move |cached, _| modal::modes(cached, speed))?;
+        let mut modes = self.run(py, Dense::Damped, move |cached, _| -> Result<_, AnalysisError> {
+            Ok(modal::modes(&*cached.at_speed(speed)?, speed)?)
+        })?;
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
@@ -240,7 +247,8 @@ impl PyModel {
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         let geometry = self::geometry(geometry)?;
         EntryPath::root("speed").finite(speed)?;
-        let model = self.model();
+        let at_speed = self.cached.at_speed(speed)?;
+        let model = &at_speed.model;
         self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
         let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
         let q = found.as_slice();
@@ -313,7 +321,7 @@ impl PyModel {
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
         }
-        self.warn_of_ill_conditioning(py, 0.0, options.dense(&self.cached.model))?;
+        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(&self.cached.model))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }

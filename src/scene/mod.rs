@@ -12,6 +12,7 @@ mod material;
 mod place;
 mod plausibility;
 mod shaft;
+mod speed_table;
 mod teeth;
 mod train;
 
@@ -24,6 +25,7 @@ pub use error::SceneError;
 pub use gear::{Damping, Gear, Mesh};
 pub use material::Material;
 pub use shaft::{Element, Shaft};
+pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use teeth::{Engagement, Foundation, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
 
 pub(crate) use error::{EntryPath, nearest};
@@ -65,9 +67,9 @@ pub struct Bearing {
     /// Where it sits.
     pub node: Node,
     /// Stiffness over (y, z), N/m.
-    pub stiffness: [[f64; 2]; 2],
+    pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
-    pub damping: [[f64; 2]; 2],
+    pub damping: BearingCoefficient,
 }
 
 /// A torque about +x.
@@ -240,31 +242,11 @@ fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Resul
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            stiffness: coefficient(Some(bearing.stiffness), &at.field("stiffness"))?,
-            damping: coefficient(bearing.damping, &at.field("damping"))?,
+            stiffness: BearingCoefficient::new(Some(&bearing.stiffness), &at.field("stiffness"))?,
+            damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
-}
-
-/// A finite 2×2 coefficient without a negative diagonal, which would push the shaft away from where it runs.
-fn coefficient(given: Option<description::Coefficient>, at: &EntryPath) -> Result<[[f64; 2]; 2], SceneError> {
-    let rows = given.unwrap_or(description::Coefficient::Isotropic(0.0)).rows();
-    for (i, row) in rows.iter().enumerate() {
-        for (j, value) in row.iter().enumerate() {
-            let place = match given {
-                Some(description::Coefficient::Full(_)) => at.index(i).index(j),
-                Some(description::Coefficient::Orthotropic(_)) => at.index(i),
-                _ => at.clone(),
-            };
-            if i == j {
-                place.non_negative(*value)?
-            } else {
-                place.finite(*value)?
-            };
-        }
-    }
-    Ok(rows)
 }
 
 fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {

@@ -49,6 +49,11 @@ pub(super) fn start(
     let n = model.len();
     let fastest = options.fastest();
     let found = equilibrium(cached, options.geometry, fastest);
+    // Bearings have the coefficients of the speed at which the run begins.
+    let begin = |found: &DVector<f64>| match cached.model.bearings.is_empty() {
+        true => Ok(found.clone()),
+        false => equilibrium(&*cached.at_speed(options.speed.at(options.start))?, options.geometry, fastest),
+    };
     let zero = || DVector::zeros(n);
     let course = |origin: f64, anchor: Anchor| ShaftRotation { speed: options.speed.clone(), anchor, origin, fastest };
     let absolute = course(options.start, Anchor::default());
@@ -79,17 +84,16 @@ pub(super) fn start(
         }
         Initial::Static => {
             let found = found?;
-            let y = [found.as_slice(), zero().as_slice()].concat();
+            let y = [begin(&found)?.as_slice(), zero().as_slice()].concat();
             (found, State::new(y), absolute)
         }
         Initial::Synchronous => {
-            let found = found?;
-            let speed = options.speed.at(options.start);
+            let (found, speed) = (found?, options.speed.at(options.start));
             let amplitudes = with_flanks(cached, speed, fastest)?;
             check_size(cached, &amplitudes)?;
             let turns: Vec<_> = model.shafts.iter().map(|shaft| absolute.phasor_at_origin(shaft.ratio)).collect();
             let (q, v) = motion(cached, speed, &amplitudes, &turns);
-            let y = [(&found + q).as_slice(), v.as_slice()].concat();
+            let y = [(begin(&found)? + q).as_slice(), v.as_slice()].concat();
             (found, State::new(y), absolute)
         }
     };
