@@ -12,6 +12,7 @@
 //! All quantities are in SI units and radians: m, kg, s, N, rad.
 
 pub mod analysis;
+pub mod connection;
 pub mod element;
 pub mod exponential;
 pub mod integrate;

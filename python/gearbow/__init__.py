@@ -31,6 +31,7 @@ from gearbow.response import Event, MeshResponse, Response
 from gearbow.results import Matrices, Static
 from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
 from gearbow.speed import SpeedProfile
+from gearbow.speed_table import SpeedTable
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 from gearbow.synchronous import Synchronous
 from gearbow.system import RotorSystem
@@ -74,6 +75,7 @@ __all__ = [
     "Shaft",
     "Spectrum",
     "SpeedProfile",
+    "SpeedTable",
     "StabilityError",
     "Static",
     "Stiffness",

@@ -54,10 +54,17 @@ def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
     """Give the types that each field of a part may have."""
     unions = (Union, types.UnionType)
     return {
-        # An array is a union too, of everything that NumPy converts.
-        field: get_args(hint) if get_origin(hint) in unions and hint != ArrayLike else (hint,)
+        field: _members(hint) if get_origin(hint) in unions else (hint,)
         for field, hint in get_type_hints(part).items()
     }
+
+
+def _members(union: Any) -> tuple[Any, ...]:
+    """Give the members of a union; an array, a union of everything that NumPy converts, is one."""
+    members, arrays = get_args(union), get_args(ArrayLike)
+    if set(arrays) <= set(members):
+        return (ArrayLike, *(member for member in members if member not in arrays))
+    return members
 
 
 def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
@@ -65,6 +72,8 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
     parts_allowed = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
     if isinstance(value, Part) and parts_allowed:
         return expect(value, parts_allowed[0], path)._describe(path)
+    if ArrayLike in kinds:
+        return nested(value, path)
     if str in kinds and (isinstance(value, str) or float not in kinds):
         return text(value, path)
     if float in kinds or int in kinds:

@@ -15,6 +15,7 @@ from gearbow._convert import real
 from gearbow._describe import Part, expect, parts, place
 from gearbow._types import At, Plain
 from gearbow.bow import Bow
+from gearbow.speed_table import SpeedTable
 from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
 
 __all__ = ["STEEL", "Bearing", "Disk", "Gear", "Material", "Mesh", "Segment", "Shaft", "Torque"]
@@ -334,7 +335,7 @@ class Mesh(Part):
 
 @dataclass(frozen=True)
 class Bearing(Part):
-    """A linear bearing between a shaft and the ground.
+    """A bearing between a shaft and the ground, linear in displacement and velocity.
 
     Parameters
     ----------
@@ -342,9 +343,10 @@ class Bearing(Part):
         Name of its shaft.
     position : float
         Where on the shaft, from its left end [m].
-    stiffness : float, pair or 2×2 array
-        Stiffness [N/m]: the same in every direction, (yy, zz), or [[yy, yz], [zy, zz]].
-    damping : float, pair or 2×2 array
+    stiffness : float, pair, 2×2 array or SpeedTable
+        Stiffness [N/m]: the same in every direction, (yy, zz), or [[yy, yz], [zy, zz]]; a table
+        of one of these over the speed of the shaft.
+    damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
 
     Examples
@@ -356,8 +358,16 @@ class Bearing(Part):
     shaft: str
     position: float
     _: KW_ONLY
-    stiffness: ArrayLike
-    damping: ArrayLike = 0.0
+    stiffness: ArrayLike | SpeedTable
+    damping: ArrayLike | SpeedTable = 0.0
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Bearing":
+        given = dict(description)
+        for key in ("stiffness", "damping"):
+            if isinstance(given.get(key), Mapping):
+                given[key] = SpeedTable._from_description(given[key])
+        return cls(**given)
 
 
 @dataclass(frozen=True)

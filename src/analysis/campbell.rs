@@ -11,8 +11,9 @@ use std::rc::Rc;
 
 use nalgebra::{Complex, DVector};
 
+use super::root::root;
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, CachedModel, OrderIntersection, Quadratic, Whirl};
+use crate::modal::{self, AtSpeed, CachedModel, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
 
 /// A step in which a mode keeps less than this part of its energy in its shape is halved.
@@ -145,6 +146,8 @@ pub fn campbell(
 struct Tracker<'a> {
     cached: &'a CachedModel,
     interrupt: &'a Interrupt,
+    /// The model whose undamped modes are the coordinates of all shapes.
+    basis: AtSpeed<'a>,
     quadratic: Quadratic,
     lines: Vec<ExcitationLine>,
     /// None before the first of the speeds.
@@ -168,10 +171,13 @@ impl<'a> Tracker<'a> {
         harmonics: u32,
         interrupt: &'a Interrupt,
     ) -> Result<Self, AnalysisError> {
+        // Of bearings that depend on the speed, those of the first speed are as good a basis as any.
+        let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
         let mut tracker = Self {
             cached,
             interrupt,
-            quadratic: Quadratic::new(cached, 1.0)?,
+            quadratic: Quadratic::new(&basis, 1.0)?,
+            basis,
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
@@ -190,8 +196,8 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         // The modes are followed with the flanks of a positive speed, from speed zero on.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
-        let real = self.cached.real_modes(speed)?;
-        let weighted = self.cached.model.mass_matrix() * &real.vectors;
+        let real = self.basis.real_modes(speed)?;
+        let weighted = self.basis.model.mass_matrix() * &real.vectors;
         let n = real.frequencies.len();
         let state = |mode: modal::Mode| {
             let part = |part: fn(&Complex<f64>) -> f64| weighted.tr_mul(&mode.shape.map(|value| part(&value)));
@@ -209,7 +215,7 @@ impl<'a> Tracker<'a> {
             let norm = energy.norm();
             State { eigenvalue: mode.eigenvalue, whirl: mode.whirl, energy: energy.unscale(norm) }
         };
-        Ok(Rc::new(modal::modes(self.cached, speed)?.into_iter().map(state).collect()))
+        Ok(Rc::new(modal::modes(&*self.cached.at_speed(speed)?, speed)?.into_iter().map(state).collect()))
     }
 
     /// Follows the modes to the states of `speed`.
@@ -281,9 +287,14 @@ impl<'a> Tracker<'a> {
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let met = self.intersection(order, ends, 0)?;
-                let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
-                let OrderIntersection { speed, eigenvalue, .. } = met;
+                let (speed, eigenvalue, whirl) = if self.cached.model.bearings.is_empty() {
+                    let met = self.intersection(order, ends, 0)?;
+                    let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
+                    (met.speed, met.eigenvalue, whirl)
+                } else {
+                    let (speed, state) = self.intersection_by_speed(order, ends)?;
+                    (speed, state.eigenvalue, state.whirl)
+                };
                 self.intersections.push(Intersection { mode, line, speed, eigenvalue, whirl });
             }
         }
@@ -324,6 +335,21 @@ impl<'a> Tracker<'a> {
         let between = (middle, found);
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
         self.intersection(order, halves, halved + 1)
+    }
+
+    /// The same where the matrices depend on the speed: the followed mode by the method of Illinois on Im λ − `order`·Ω.
+    fn intersection_by_speed(&self, order: f64, ends: [(f64, &State); 2]) -> Result<(f64, State), AnalysisError> {
+        let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
+        let ends = ends.map(|(speed, state)| (speed, state.clone()));
+        let gaps = [0, 1].map(|end| (ends[end].0, gap(ends[end].0, &ends[end].1)));
+        let mode = |speed: f64| -> Result<State, AnalysisError> {
+            let states = self.at(speed)?;
+            let like = |state: &&State| alike(&ends[0].1, state) + alike(&ends[1].1, state);
+            let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
+            Ok(found.unwrap_or(&ends[0].1).clone())
+        };
+        let speed = root(gaps, |speed| Ok(gap(speed, &mode(speed)?)))?;
+        Ok((speed, mode(speed)?))
     }
 
     fn start(&self, speed: f64, state: &State) -> OrderIntersection {

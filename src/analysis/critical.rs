@@ -1,5 +1,7 @@
 //! Undamped critical speeds, straight from the eigenproblem.
 
+mod speed_dependent;
+
 use super::{AnalysisError, Interrupt};
 use crate::modal::{self, CachedModel, Quadratic, Whirl};
 use crate::scene::EntryPath;
@@ -16,6 +18,9 @@ pub struct Critical {
 /// Speeds Ω, ascending, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng. Ind. 98,
 /// 1976, who write it over the whirl ratio).
 ///
+/// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed; a table that
+/// does not hold its end values has no critical speeds outside its range.
+///
 /// # Errors
 /// [`AnalysisError`] if `excitation` is not positive, a decomposition fails, or `interrupt` asks to stop.
 pub fn critical_speeds(
@@ -24,11 +29,20 @@ pub fn critical_speeds(
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
+    if !cached.model.bearings.is_empty() {
+        return speed_dependent::critical_speeds(cached, excitation, interrupt);
+    }
     let found = Quadratic::new(cached, 1.0)?.critical(excitation)?;
-    let named = |met: modal::OrderIntersection| {
-        interrupt.check()?;
-        let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
-        Ok(Critical { speed: met.speed, whirl })
-    };
-    found.into_iter().map(named).collect()
+    found.into_iter().map(|met| named(cached, met, interrupt)).collect()
+}
+
+/// A critical speed with the whirl of its mode.
+fn named(
+    cached: &CachedModel,
+    met: modal::OrderIntersection,
+    interrupt: &Interrupt,
+) -> Result<Critical, AnalysisError> {
+    interrupt.check()?;
+    let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
+    Ok(Critical { speed: met.speed, whirl })
 }

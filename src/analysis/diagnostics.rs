@@ -3,7 +3,9 @@
 //! In coordinates in which every mode has the unit mass, the stiffness has entries up to ω_max². Round-off of ε·ω_max²
 //! beside the ω₀² of the slowest mode takes that mode down to ε(ω_max/ω₀)² of itself, at worst.
 
-use crate::linalg::DecompositionError;
+use nalgebra::DVector;
+
+use super::AnalysisError;
 use crate::modal::CachedModel;
 use crate::model::{Model, Support};
 use crate::scene::Shaft;
@@ -14,8 +16,9 @@ const LOST: f64 = 1e-6;
 /// Says which element, bearing or mesh is so stiff that round-off takes digits of the slow motions, if one is.
 ///
 /// # Errors
-/// [`DecompositionError`] if the undamped modes cannot be found.
-pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<String>, DecompositionError> {
+/// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
+pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<String>, AnalysisError> {
+    let cached = cached.at_speed(speed)?;
     let (model, modes) = (&cached.model, cached.real_modes(speed)?);
     let (Some(slowest), fastest) = (modes.frequencies.iter().find(|frequency| **frequency > 0.0), modes.highest())
     else {
@@ -34,20 +37,23 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
         k[0][0] * v * v + 2.0 * k[0][1] * v * w + k[1][1] * w * w
     };
     let bearings = model.supports.iter().map(bearing);
-    let meshes = model.meshes.iter().enumerate();
-    let meshes =
-        meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(model.sigma(index, speed), shape).powi(2));
+    let connections = model.connections(speed).map(|connection| {
+        let stiffness = connection.linear(speed).stiffness;
+        let strain = DVector::from_vec(connection.rows().iter().map(|row| scalar(row, shape)).collect());
+        (strain.dot(&(stiffness * &strain)), connection.described().unwrap_or_default())
+    });
     let shafts = std::iter::once((model.shaft_form(shape), shortest(model)));
-    let (_, cause) =
-        shafts
-            .chain(bearings.enumerate().map(|(index, energy)| (energy, stiff(model, index))))
-            .chain(meshes.enumerate().map(|(index, energy)| {
-                (energy, format!("meshes[{index}], of {:.3e} N/m", model.meshes[index].stiffness))
-            }))
-            .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
+    let (_, cause) = shafts
+        .chain(bearings.enumerate().map(|(index, energy)| (energy, stiff(model, index))))
+        .chain(connections)
+        .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
     Ok(Some(format!(
         "frequencies reach from {slowest:.3e} to {fastest:.3e} rad/s, so that round-off may take up to {lost:.0e} of the slowest motion; the fastest is that of {cause}"
     )))
+}
+
+fn scalar(row: &[(usize, f64)], shape: &[f64]) -> f64 {
+    row.iter().map(|(index, coefficient)| coefficient * shape[*index]).sum()
 }
 
 fn shortest(model: &Model) -> String {

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::AnalysisError;
+use crate::connection::Connection;
 use crate::linalg::LuFactors;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::CachedModel;
@@ -33,6 +34,7 @@ const ITERATIONS: usize = 60;
 /// # Errors
 /// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.
 pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
+    let cached = cached.at_speed(speed)?;
     let model = &cached.model;
     let real = cached.real_modes(speed)?;
     let load = &model.constant_load;
@@ -50,7 +52,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let mut previous = f64::INFINITY;
     let mut factors: Option<LuFactors> = None;
     for _ in 0..ITERATIONS {
-        let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
+        let (force, tangent) = connection_forces(model, geometry, speed, &flanks, &q)?;
         // Summed from strains: rigid motion, large beside them in soft bearings, leaves no round-off.
         let residual = load - model.static_force(&q) - force;
         let known = factors.get_or_insert_with(|| {
@@ -159,8 +161,9 @@ fn check_held(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), Analysi
 /// Row, column and value of an entry of a matrix; entries of one place add up.
 type Entry = (usize, usize, f64);
 
-/// ΣF ∂δ/∂q and its derivative.
-fn mesh_forces(
+/// The generalised forces of all connections, with their sign on the left side of the equation of motion, and their
+/// derivative over q.
+fn connection_forces(
     model: &Model,
     geometry: Geometry,
     speed: f64,
@@ -169,15 +172,35 @@ fn mesh_forces(
 ) -> Result<(DVector<f64>, Vec<Entry>), AnalysisError> {
     let mut force = DVector::zeros(model.len());
     let mut tangent = Vec::new();
-    for (index, (mesh, flank)) in model.meshes.iter().zip(flanks).enumerate() {
-        let sigma = model.sigma(index, speed);
-        let (pressed, normal) = mesh
-            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |row, column, value| {
-                tangent.push((row, column, value))
-            })
-            .map_err(|overlap| overlapped(model, index, overlap))?;
-        let sigma = if *flank == Flank::Back { -sigma } else { sigma };
-        mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+    for connection in model.connections(speed) {
+        match connection {
+            Connection::Mesh(index, mesh, sigma) => {
+                let flank = flanks[index];
+                let (pressed, normal) = mesh
+                    .mean_tangent(geometry, sigma, flank, q.as_slice(), |row, column, value| {
+                        tangent.push((row, column, value))
+                    })
+                    .map_err(|overlap| overlapped(model, index, overlap))?;
+                let sigma = if flank == Flank::Back { -sigma } else { sigma };
+                mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+            }
+            Connection::Bearing(bearing) => {
+                let ([stiffness, _], first) = (bearing.at(speed), bearing.index);
+                for (i, row) in stiffness.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        force[first + i] += value * q[first + j];
+                        tangent.push((first + i, first + j, *value));
+                    }
+                }
+            }
+            Connection::Spring(spring) => {
+                let (stiffness, pressed) = spring.tangent(q.as_slice());
+                for (row, left) in &spring.row {
+                    force[*row] += pressed * left;
+                    tangent.extend(spring.row.iter().map(|(column, right)| (*row, *column, stiffness * left * right)));
+                }
+            }
+        }
     }
     Ok((force, tangent))
 }

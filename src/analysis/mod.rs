@@ -8,6 +8,7 @@ mod error;
 mod interrupt;
 mod memory;
 mod peaks;
+mod root;
 pub mod simulate;
 mod stability;
 mod synchronous;

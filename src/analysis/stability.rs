@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::AnalysisError;
+use crate::connection::{Connection, Row};
 use crate::integrate::tableau::Tableau;
 use crate::linalg::{DecompositionError, symmetric_pencil};
-use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::Support;
 
@@ -20,14 +21,15 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Bounds at `speed` of the reference shaft.
+    /// Bounds at `speed` of the reference shaft. Bearings that depend on the speed are bounded over all speeds of their
+    /// tables.
     ///
     /// # Errors
-    /// [`DecompositionError`] if the undamped modes cannot be found.
-    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
-        let model = &cached.model;
-        let beside = stiffening(cached, speed) + skew_part(cached);
-        let omega_max = (cached.real_modes(speed)?.highest().powi(2) + beside).sqrt();
+    /// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
+    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, AnalysisError> {
+        let (model, reference) = (&cached.model, cached.at_speed(speed)?);
+        let beside = stiffening(cached, speed) + skew_part(&reference);
+        let omega_max = (reference.real_modes(speed)?.highest().powi(2) + beside).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
@@ -50,24 +52,27 @@ impl Spectrum {
     }
 }
 
-/// A bound of what meshes that are stiffer than their mean add to ω_max²: (k_max − k)·gᵀM⁻¹g each.
+/// A bound of the increase of ω_max² by connections that may be stiffer than their linear part: the norm of the excess
+/// times Σ wᵀM⁻¹w over the scalars w of each connection.
 fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
     let model = &cached.model;
-    let stiffer = |(index, mesh): (usize, &GearMesh)| {
-        let excess = mesh.stiffest - mesh.stiffness;
+    let stiffer = |connection: Connection<'_>| {
+        let excess = connection.bounds(speed).excess_stiffness;
         if excess <= 0.0 {
             return 0.0;
         }
-        let sigma = model.sigma(index, speed);
-        let mut gradient = DVector::zeros(model.len());
-        mesh.gradient(sigma, mesh.normal_at_rest(sigma), |index, slope| gradient[index] += slope);
-        let mut accelerated = gradient.clone();
-        for shaft in &model.shafts {
-            shaft.solve_mass(accelerated.as_mut_slice());
-        }
-        excess * gradient.dot(&accelerated)
+        let accelerated = |entries: Row| {
+            let mut row = DVector::zeros(model.len());
+            entries.iter().for_each(|(index, coefficient)| row[*index] += coefficient);
+            let mut accelerated = row.clone();
+            for shaft in &model.shafts {
+                shaft.solve_mass(accelerated.as_mut_slice());
+            }
+            row.dot(&accelerated)
+        };
+        excess * connection.rows().into_iter().map(accelerated).sum::<f64>()
     };
-    model.meshes.iter().enumerate().map(stiffer).sum()
+    model.connections(speed).map(stiffer).sum()
 }
 
 /// A bound of what bearings that do more than restore add to ω_max²: the norm of K − K_restoring times (M⁻¹)_ii each.
@@ -89,7 +94,7 @@ fn skew_part(cached: &CachedModel) -> f64 {
     model.supports.iter().map(add).sum()
 }
 
-/// The largest eigenvalue of M⁻¹C for the dampers of bearings and meshes: that of the small matrix dᵀM⁻¹d, where each
+/// The largest eigenvalue of M⁻¹C for the dampers of bearings and connections: that of the small matrix dᵀM⁻¹d, where each
 /// damper c on the coordinate g contributes the column d = √c·g.
 fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> {
     let model = &cached.model;
@@ -103,13 +108,13 @@ fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> 
             columns.push(column);
         }
     }
-    for (index, mesh) in model.meshes.iter().enumerate().filter(|(_, mesh)| mesh.damping > 0.0) {
-        let sigma = model.sigma(index, speed);
-        let mut column = DVector::zeros(model.len());
-        let normal = mesh.normal_at_rest(sigma);
-        let flanks = if mesh.backlash.is_some() { 2.0 } else { 1.0_f64 };
-        mesh.gradient(sigma, normal, |index, slope| column[index] += (flanks * mesh.damping).sqrt() * slope);
-        columns.push(column);
+    for connection in model.connections(speed) {
+        let norm = connection.bounds(speed).damping;
+        for entries in connection.rows().into_iter().filter(|_| norm > 0.0) {
+            let mut column = DVector::zeros(model.len());
+            entries.iter().for_each(|(index, coefficient)| column[*index] += norm.sqrt() * coefficient);
+            columns.push(column);
+        }
     }
     if columns.is_empty() {
         return Ok(0.0);

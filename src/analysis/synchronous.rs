@@ -99,6 +99,7 @@ pub(super) fn synchronous_of(
     source: usize,
     part: ExcitationPart,
 ) -> Result<DVector<Complex<f64>>, AnalysisError> {
+    let cached = cached.at_speed(speed)?;
     let model = &cached.model;
     let shaft = &model.shafts[source];
     let spin = shaft.ratio * speed;

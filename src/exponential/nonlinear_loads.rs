@@ -11,10 +11,11 @@ use super::interface_maps::{InterfaceMaps, LinearizedContact};
 use super::rotating_source::{
     RotatingSource, add_rotated, interface_amplitudes, is_resonant, rotating_sources, synchronous_amplitudes,
 };
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
-use crate::mesh::{Contact, Overlap};
+use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
-use crate::motion::{EquationOfMotion, GuaranteedInterval, Interface};
+use crate::motion::EquationOfMotion;
 
 /// A residual load below this fraction of the loads at the reference is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-11;
@@ -69,10 +70,7 @@ impl<'m> NonlinearLoads<'m> {
         reference: DVector<f64>,
         synchronous: &DMatrix<Complex<f64>>,
     ) -> Result<(Self, InterfaceMaps), (usize, Overlap)> {
-        let meshes = 0..motion.model().meshes.len();
-        let interface =
-            |mesh| Interface::new(&motion, mesh, &reference, linear.meshed).map_err(|overlap| (mesh, overlap));
-        let interfaces = meshes.map(interface).collect::<Result<Vec<_>, _>>()?;
+        let interfaces = interfaces(&motion, &reference, linear.meshed)?;
         let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(Interface::rows).collect();
         let has_rates = interfaces.iter().any(Interface::has_rates);
         let kinds: &[bool] = if has_rates { &[false, true] } else { &[false] };
@@ -182,7 +180,10 @@ impl<'m> NonlinearLoads<'m> {
         for (interface, contact) in self.interfaces.iter().zip(contacts) {
             let to = from + interface.scalars();
             let rates = rates.get(from..to).unwrap_or_default();
-            *contact = interface.load(&self.motion, elapsed, &scalars[from..to], rates, &mut loads[from..to])?;
+            let instant = self.motion.instant(interface.mesh(), elapsed);
+            *contact = interface
+                .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
+                .map_err(|overlap| halt(interface, overlap))?;
             from = to;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
@@ -197,20 +198,24 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Stiffness (N/m) and damping (N·s/m) of a contact minus those that the linear motion contains.
     pub fn residual_tangent(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
-        self.interfaces[mesh].residual_tangent(&self.motion, contact)
+        let interface = &self.interfaces[mesh];
+        interface.residual_tangent(self.motion.contact_mode(interface.mesh()), contact)
     }
 
-    /// Lower bounds on the time to the next contact change of each mesh.
+    /// Lower bounds on the time to the next contact change of each connection.
     pub fn guaranteed_intervals<'a>(
         &'a self,
         contacts: &'a [Contact],
     ) -> impl Iterator<Item = GuaranteedInterval> + 'a {
-        self.interfaces.iter().zip(contacts).map(|(interface, contact)| interface.hold(&self.motion, contact))
+        self.interfaces.iter().zip(contacts).map(|(interface, contact)| {
+            interface.guaranteed_interval(self.motion.contact_mode(interface.mesh()), contact)
+        })
     }
 
     /// Margin of both flanks of a mesh to the next contact change, m.
     pub fn margins(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
-        self.interfaces[mesh].margins(&self.motion, contact)
+        let interface = &self.interfaces[mesh];
+        interface.margins(self.motion.contact_mode(interface.mesh()), contact)
     }
 
     /// Iterates over the interfaces with their scalars and rates in `u`; rates are empty if loads do not depend on them.
@@ -240,7 +245,11 @@ impl<'m> NonlinearLoads<'m> {
         contact_modes.clear();
         for (mesh, (interface, scalars, rates)) in self.each(u).enumerate() {
             let unchanged = unchanged.get(mesh) == Some(&true);
-            contact_modes.extend(interface.contact_mode(&self.motion, elapsed, scalars, rates, unchanged)?.code());
+            let instant = self.motion.instant(interface.mesh(), elapsed);
+            let contact_mode = interface
+                .contact_mode(&instant, scalars, rates, unchanged)
+                .map_err(|overlap| halt(interface, overlap))?;
+            contact_modes.extend(contact_mode.iter().flat_map(ContactMode::code));
         }
         Ok(())
     }
@@ -253,7 +262,8 @@ impl<'m> NonlinearLoads<'m> {
     pub fn path_ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         ends.clear();
         for (interface, scalars, _) in self.each(u) {
-            interface.ends(&self.motion, elapsed, scalars, ends)?;
+            let instant = self.motion.instant(interface.mesh(), elapsed);
+            interface.ends(&instant, scalars, ends).map_err(|overlap| halt(interface, overlap))?;
         }
         Ok(())
     }
@@ -300,6 +310,32 @@ impl<'m> NonlinearLoads<'m> {
         }
         sum.max(0.0).sqrt()
     }
+}
+
+/// The interfaces of all connections that the linear motion does not replace.
+fn interfaces(
+    motion: &EquationOfMotion,
+    reference: &DVector<f64>,
+    contained: bool,
+) -> Result<Vec<Interface>, (usize, Overlap)> {
+    let mut interfaces = Vec::new();
+    for (index, connection) in motion.connections().enumerate() {
+        let options = InterfaceOptions {
+            geometry: motion.geometry(),
+            reference: reference.as_slice(),
+            contained,
+            highest_swing: motion.fastest_swing(),
+            mobility: if index < motion.model().meshes.len() { motion.mobility(index) } else { 0.0 },
+        };
+        // Only meshes have base circles, and they come first.
+        interfaces.extend(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
+    }
+    Ok(interfaces)
+}
+
+/// The end of a run where the base circles of a mesh overlap; no other connection has any.
+fn halt(interface: &Interface, overlap: Overlap) -> Halt {
+    Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap }
 }
 
 /// Loads that do not depend on the motion, with their columns b: the unbalanced constant load, and the excitation of

@@ -21,6 +21,9 @@ pub enum DecompositionError {
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge")]
     Eigenvalues,
+    /// The matrices depend on the speed, and none was chosen.
+    #[error("a bearing depends on the speed: choose one with CachedModel::at_speed before a decomposition")]
+    SpeedDependent,
 }
 
 /// Eigenvalues and right eigenvectors of an n × n matrix, in no particular order.

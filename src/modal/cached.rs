@@ -1,5 +1,6 @@
 //! A model together with its modes and state-space models, computed on first use and kept.
 
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::DMatrix;
@@ -9,6 +10,7 @@ use super::real::RealModes;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
 use crate::model::Model;
+use crate::scene::SceneError;
 
 /// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
 const CAPACITY: usize = 8;
@@ -25,19 +27,69 @@ pub struct CachedModel {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
+    /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
+    at_speeds: Mutex<Vec<(f64, Arc<CachedModel>)>>,
+}
+
+/// A model at a constant speed: the model itself if nothing in it depends on the speed.
+#[derive(Debug)]
+pub enum AtSpeed<'a> {
+    /// The model itself.
+    Same(&'a CachedModel),
+    /// A model whose bearings have the coefficients of the speed.
+    Specialised(Arc<CachedModel>),
+}
+
+impl Deref for AtSpeed<'_> {
+    type Target = CachedModel;
+
+    fn deref(&self) -> &CachedModel {
+        match self {
+            Self::Same(model) => model,
+            Self::Specialised(model) => model,
+        }
+    }
 }
 
 impl CachedModel {
     /// Wraps a model; nothing is computed yet.
     pub fn new(model: Model) -> Self {
-        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()) }
+        Self {
+            model,
+            modes: [const { OnceLock::new() }; 3],
+            linear: Mutex::new(Vec::new()),
+            at_speeds: Mutex::default(),
+        }
+    }
+
+    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].
+    ///
+    /// # Errors
+    /// [`SceneError`] if a bearing has no coefficients at the speed.
+    pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+        if self.model.bearings.is_empty() {
+            return Ok(AtSpeed::Same(self));
+        }
+        let mut list = self.at_speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = list.iter().find(|(known, _)| *known == speed) {
+            return Ok(AtSpeed::Specialised(Arc::clone(known)));
+        }
+        let model = Arc::new(Self::new(self.model.at_speed(speed)?));
+        if list.len() >= CAPACITY {
+            list.remove(0);
+        }
+        list.push((speed, Arc::clone(&model)));
+        Ok(AtSpeed::Specialised(model))
     }
 
     /// Undamped modes, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     ///
     /// # Errors
-    /// [`DecompositionError`] if the decomposition fails.
+    /// [`DecompositionError`] if the decomposition fails, or a bearing depends on the speed.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
+        if !self.model.bearings.is_empty() {
+            return Err(DecompositionError::SpeedDependent);
+        }
         let cell = &self.modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }

@@ -17,7 +17,7 @@ mod rigid_body;
 mod state_space;
 mod whirl;
 
-pub use cached::CachedModel;
+pub use cached::{AtSpeed, CachedModel};
 pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};

@@ -45,7 +45,7 @@ impl RealModes {
         let mass = model.mass_matrix();
         let null = rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), &mass)?;
         let stiffness =
-            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.mesh_stiffness_matrix(speed);
+            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.connection_stiffness_matrix(speed);
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
         let form = |shape: &[f64]| model.elastic_form(shape, |mesh| model.sigma(mesh, speed));
         Ok(Self::ascending(model, vectors, null.ncols(), form))
@@ -181,12 +181,12 @@ fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
             rows.push(row);
         }
     }
-    let meshed = speed.iter().flat_map(|speed| model.meshes.iter().enumerate().map(move |mesh| (*speed, mesh)));
-    for (speed, (index, mesh)) in meshed {
-        let sigma = model.sigma(index, speed);
-        let mut row = RowDVector::zeros(model.len());
-        mesh.gradient(sigma, mesh.normal_at_rest(sigma), |column, slope| row[column] += slope);
-        rows.push(row);
+    for connection in speed.iter().flat_map(|speed| model.connections(*speed)) {
+        for entries in connection.rows() {
+            let mut row = RowDVector::zeros(model.len());
+            entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
+            rows.push(row);
+        }
     }
     if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
 }

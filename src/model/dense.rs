@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::Model;
 use super::shaft::{BendingChain, TwistChain};
+use crate::connection::Coefficients;
 use crate::linalg::BlockTridiagonal;
 
 impl Model {
@@ -57,19 +58,19 @@ impl Model {
         matrix
     }
 
-    /// Mean stiffness matrix of the meshes, linearized at rest.
-    pub fn mesh_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.mesh_matrix(speed, |mesh| self.meshes[mesh].stiffness)
+    /// Stiffness matrix of the connections at a speed of the reference shaft; meshes are linearised at rest.
+    pub fn connection_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
+        self.connection_matrix(speed, |coefficients| coefficients.stiffness)
     }
 
-    /// Stiffness matrix K of shafts, bearings and meshes.
+    /// Stiffness matrix K of shafts, bearings and connections.
     pub fn stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.shaft_stiffness_matrix() + self.support_stiffness_matrix() + self.mesh_stiffness_matrix(speed)
+        self.shaft_stiffness_matrix() + self.support_stiffness_matrix() + self.connection_stiffness_matrix(speed)
     }
 
-    /// Damping matrix of shafts, bearings and meshes, without modal damping, which `CachedModel` adds.
+    /// Damping matrix of shafts, bearings and connections, without modal damping, which `CachedModel` adds.
     pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.mesh_matrix(speed, |mesh| self.meshes[mesh].damping) + self.unmeshed_damping_matrix()
+        self.connection_matrix(speed, |coefficients| coefficients.damping) + self.unmeshed_damping_matrix()
     }
 
     /// Damping matrix of shafts and bearings, without modal damping.
@@ -105,15 +106,20 @@ impl Model {
         DMatrix::zeros(self.len(), self.len())
     }
 
-    /// Σ factor·gᵀg over the meshes, where g = ∂δ/∂q is the gradient of the mesh deflection at rest.
-    fn mesh_matrix(&self, speed: f64, factor: impl Fn(usize) -> f64) -> DMatrix<f64> {
+    fn connection_matrix(&self, speed: f64, of: impl Fn(Coefficients) -> DMatrix<f64>) -> DMatrix<f64> {
         let mut matrix = self.zeros();
-        for (index, mesh) in self.meshes.iter().enumerate() {
-            let sigma = self.sigma(index, speed);
-            let (normal, factor) = (mesh.normal_at_rest(sigma), factor(index));
-            mesh.gradient(sigma, normal, |row, left| {
-                mesh.gradient(sigma, normal, |column, right| matrix[(row, column)] += factor * left * right);
-            });
+        for connection in self.connections(speed) {
+            let (rows, coefficients) = (connection.rows(), of(connection.linear(speed)));
+            for (i, left) in rows.iter().enumerate() {
+                for (j, right) in rows.iter().enumerate() {
+                    let factor = coefficients[(i, j)];
+                    for (row, left) in left {
+                        for (column, right) in right {
+                            matrix[(*row, *column)] += factor * left * right;
+                        }
+                    }
+                }
+            }
         }
         matrix
     }

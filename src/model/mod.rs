@@ -7,6 +7,7 @@
 //! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
 //! force F. Matrices are stored per shaft as block-tridiagonal matrices; dense ones (`dense`) are assembled on demand.
 
+mod at_speed;
 mod bow;
 mod dense;
 mod flanks;
@@ -20,10 +21,11 @@ pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
+use crate::connection::{SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
-use crate::scene::{Bearing, Node, Scene, SceneError};
+use crate::scene::{Matrix2, Node, Scene, SceneError};
 
 /// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -40,9 +42,8 @@ pub struct Support {
 }
 
 impl Support {
-    /// A bearing at the coordinates `index` (v) and `index` + 1 (w).
-    fn new(index: usize, bearing: &Bearing) -> Self {
-        let (stiffness, damping) = (bearing.stiffness, bearing.damping);
+    /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
+    pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
         Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
     }
 
@@ -70,6 +71,12 @@ impl Support {
     pub fn elastic_force(&self, q: &[f64]) -> [f64; 2] {
         let (i, k) = (self.index, &self.stiffness);
         [0, 1].map(|row| k[row][0] * q[i] + k[row][1] * q[i + 1])
+    }
+
+    /// qᵀKq of the symmetric part, J for displacements in m.
+    #[inline]
+    pub fn elastic_form(&self, q: &[f64]) -> f64 {
+        quadratic_forms::form(&self.symmetric_part, [q[self.index], q[self.index + 1]])
     }
 
     /// Stiffness minus its symmetric part, over (v, w), N/m.
@@ -103,7 +110,7 @@ fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// Assembled model of a scene.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
     /// The scene.
     pub scene: Scene,
@@ -111,10 +118,15 @@ pub struct Model {
     pub numbering: Numbering,
     /// Shafts with the bodies on them.
     pub shafts: Vec<ShaftModel>,
-    /// Bearings; empty for a scene without bending.
+    /// Bearings with constant coefficients; empty for a scene without bending.
     pub supports: Vec<Support>,
+    /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
+    /// [`at_speed`](Self::at_speed).
+    pub bearings: Vec<SpeedDependentBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
+    /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
+    pub springs: Vec<Spring>,
     /// Constant load of torques and gravity, n entries, N or N m.
     pub constant_load: DVector<f64>,
     /// σ of every mesh at speed zero.
@@ -132,14 +144,7 @@ impl Model {
         let shafts = (0..scene.shafts.len())
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;
-        let supports = scene
-            .bearings
-            .iter()
-            .filter_map(|bearing| {
-                let index = numbering.translation(bearing.node)?;
-                Some(Support::new(index, bearing))
-            })
-            .collect();
+        let (supports, bearings) = at_speed::bearings(&scene, &numbering);
         let meshes: Vec<_> = scene
             .meshes
             .iter()
@@ -154,7 +159,17 @@ impl Model {
             .collect();
         check_stiffness(&meshes)?;
         let constant_load = DVector::zeros(numbering.len());
-        let mut model = Self { constant_load, sigma_standing: Vec::new(), scene, numbering, shafts, supports, meshes };
+        let mut model = Self {
+            constant_load,
+            sigma_standing: Vec::new(),
+            scene,
+            numbering,
+            shafts,
+            supports,
+            bearings,
+            meshes,
+            springs: Vec::new(),
+        };
         model.constant_load = model.assemble_constant_load();
         model.sigma_standing = model.sigma_at_rest();
         Ok(model)
@@ -170,7 +185,14 @@ impl Model {
         self.len() == 0
     }
 
-    /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q and velocities v.
+    /// The same model with springs between its coordinates.
+    pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
+        self.springs = springs;
+        self
+    }
+
+    /// Force of the shaft on the bearings with constant coefficients at a node in the directions (y, z), N, for
+    /// displacements q and velocities v.
     pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 2] {
         let mut force = [0.0; 2];
         let index = self.numbering.translation(node);

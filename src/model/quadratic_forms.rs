@@ -37,12 +37,13 @@ impl Model {
         sum + self.sum_over_supports(v, |support| &support.damping)
     }
 
-    /// qᵀKq of shafts, meshes at rest and the symmetric part of the bearing stiffness, J; `sigma` gives the loaded
-    /// flank of each mesh.
+    /// qᵀKq of shafts, springs, meshes at rest and the symmetric part of the stiffness of bearings with constant
+    /// coefficients, J; `sigma` gives the loaded flank of each mesh.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let mesh_forms = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        self.unmeshed_elastic_form(q) + mesh_forms.sum::<f64>()
+        let springs = self.springs.iter().map(|spring| spring.stiffness * spring.scalar(q).powi(2));
+        self.unmeshed_elastic_form(q) + mesh_forms.sum::<f64>() + springs.sum::<f64>()
     }
 
     /// qᵀKq of shafts and the symmetric part of the bearing stiffness, J.
@@ -75,6 +76,6 @@ impl Model {
 }
 
 /// uᵀku.
-fn form(k: &[[f64; 2]; 2], u: [f64; 2]) -> f64 {
+pub(super) fn form(k: &[[f64; 2]; 2], u: [f64; 2]) -> f64 {
     k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
 }

@@ -1,6 +1,7 @@
 //! Where the energy of the motion is, and what changes it.
 
 use super::EquationOfMotion;
+use crate::connection::Connection;
 use crate::mesh::{MeshState, Overlap};
 use crate::model::Model;
 
@@ -11,7 +12,7 @@ pub struct Energies {
     pub kinetic: f64,
     /// ½(q − q_b)ᵀK_s(q − q_b).
     pub shafts: f64,
-    /// ½qᵀK_bearings q.
+    /// ½qᵀK_bearings q, and the energy of other connections that are no meshes.
     pub bearings: f64,
     /// ΣU.
     pub meshes: f64,
@@ -41,9 +42,19 @@ impl<'m> EquationOfMotion<'m> {
         Ok(Energies {
             kinetic: self.model.kinetic_form(v) / 2.0,
             shafts,
-            bearings: self.model.support_form(q) / 2.0,
+            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q),
             meshes,
         })
+    }
+
+    /// Elastic energy of the connections that are no meshes, J.
+    fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
+        let energy = |connection: Connection<'_>| match connection {
+            Connection::Mesh(..) => 0.0,
+            Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
+            Connection::Spring(spring) => spring.contact(spring.scalar(q), 0.0).energy,
+        };
+        self.connections().map(energy).sum()
     }
 
     /// Elastic energy of the meshes, J.
@@ -60,8 +71,9 @@ impl<'m> EquationOfMotion<'m> {
         Ok(sum)
     }
 
-    /// Power of the [`SOURCES`], W: torque and gravity; the drive that turns bowed shafts; unbalance; what
-    /// the teeth prescribe (error, run-out, stiffness); damping, with the cross-coupling of bearings.
+    /// Power of the [`SOURCES`], W: torque; gravity; the drive, which turns bowed shafts and changes the stiffness of
+    /// bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
+    /// the cross-coupling of bearings.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
@@ -102,12 +114,25 @@ impl<'m> EquationOfMotion<'m> {
             }
         }
         let mut teeth = 0.0;
-        for (index, mesh) in model.meshes.iter().enumerate() {
-            let contact =
-                mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index]);
-            let contact = contact.map_err(|overlap| (index, overlap))?;
-            teeth += contact.drive_power;
-            damping += contact.damping_power;
+        for connection in self.connections() {
+            match connection {
+                Connection::Mesh(index, mesh, _) => {
+                    let pose = self.turning(index, elapsed);
+                    let contact = mesh.contact(&self.pose(index, &pose, q, v), &self.contact_modes[index]);
+                    let contact = contact.map_err(|overlap| (index, overlap))?;
+                    teeth += contact.drive_power;
+                    damping += contact.damping_power;
+                }
+                Connection::Bearing(bearing) => {
+                    let (speed, acceleration) = self.reference_speed(elapsed);
+                    let [stiffening, damped] = bearing.powers(speed, acceleration, q, v);
+                    drive += stiffening;
+                    damping += damped;
+                }
+                Connection::Spring(spring) => {
+                    damping += spring.contact(spring.scalar(q), spring.scalar(v)).damping_power;
+                }
+            }
         }
         Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
     }

@@ -11,10 +11,13 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::shaft_rotation::{Changing, ShaftRotation};
+use crate::connection::{Connection, Instant};
 use crate::integrate::{FirstOrderSystem, Halt};
+use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
-use crate::model::{Model, ShaftModel};
+use crate::model::{Model, ShaftModel, Support};
+use crate::scene::Node;
 
 /// A force on a coordinate pair that turns with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +43,8 @@ pub struct EquationOfMotion<'m> {
     pub(super) sigma: Vec<f64>,
     /// Signed spin of each shaft, rad/s, where it is constant.
     spins: Vec<f64>,
+    /// Speed of the reference shaft, rad/s, where it is constant.
+    speed: f64,
     /// The speed where it is not.
     changing: Option<Changing>,
     /// e^{iϑ} of each shaft at the origin of the elapsed time.
@@ -54,6 +59,9 @@ pub struct EquationOfMotion<'m> {
     /// The damping that is a ratio of every mode: a matrix over all displacements. At constant speed runs are in the
     /// modes, which carry it as a number each.
     pub(super) modal_damping: Option<DMatrix<f64>>,
+    /// Bearings that depend on the speed, at the largest speed of the run: they measure the energy norm of tolerances,
+    /// which must not change along a run.
+    norm_supports: Vec<Support>,
     equilibrium: DVector<f64>,
     /// Room for one vector of displacements.
     pub(super) scratch: Vec<f64>,
@@ -68,7 +76,7 @@ impl<'m> EquationOfMotion<'m> {
         speed: f64,
         origin: f64,
         equilibrium: DVector<f64>,
-    ) -> Result<Self, crate::linalg::DecompositionError> {
+    ) -> Result<Self, DecompositionError> {
         Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
     }
 
@@ -78,7 +86,7 @@ impl<'m> EquationOfMotion<'m> {
         geometry: Geometry,
         course: &ShaftRotation,
         equilibrium: DVector<f64>,
-    ) -> Result<Self, crate::linalg::DecompositionError> {
+    ) -> Result<Self, DecompositionError> {
         let (model, speed) = (&cached.model, course.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
         let at_origin: Vec<_> = model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
@@ -97,13 +105,24 @@ impl<'m> EquationOfMotion<'m> {
         };
         let excited = model.shafts.iter().enumerate().map(excited);
         let excited: Vec<_> = excited.filter(|excited| course.is_constant() && !excited.forces.is_empty()).collect();
-        let modal_damping = cached.modal_damping_matrix(speed)?;
+        let modal_damping = match model.scene.modal_damping {
+            0.0 => None,
+            _ => {
+                let cached = cached.at_speed(speed).map_err(|_| DecompositionError::SpeedDependent)?;
+                cached.modal_damping_matrix(speed)?
+            }
+        };
+        let norm_supports = model.bearings.iter().map(|bearing| {
+            let [stiffness, damping] = bearing.at(speed);
+            Support::new(bearing.index, stiffness, damping)
+        });
         let angles: Vec<f64> = at_origin.iter().map(|turn| turn.arg()).collect();
         Ok(Self {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
+            speed,
             changing: course.changing(),
             angles,
             at_origin,
@@ -111,6 +130,7 @@ impl<'m> EquationOfMotion<'m> {
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             excited,
             modal_damping,
+            norm_supports: norm_supports.collect(),
             equilibrium,
             scratch: vec![0.0; model.len()],
         })
@@ -118,7 +138,54 @@ impl<'m> EquationOfMotion<'m> {
 
     /// qᵀKq, each mesh linearised at rest.
     fn elastic_form(&self, q: &[f64]) -> f64 {
-        self.model.elastic_form(q, |mesh| self.sigma[mesh])
+        let constant = self.model.elastic_form(q, |mesh| self.sigma[mesh]);
+        self.norm_supports.iter().fold(constant, |sum, support| sum + support.elastic_form(q))
+    }
+
+    /// All connections of the model, meshes first.
+    #[inline(always)]
+    pub fn connections(&self) -> impl Iterator<Item = Connection<'_>> {
+        self.model.connections_with(|mesh| self.sigma[mesh])
+    }
+
+    /// What a connection depends on besides its scalars: the shafts and the contact mode of a mesh.
+    #[inline(always)]
+    pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
+        let phases = mesh.map_or_else(Default::default, |mesh| self.turning(mesh, elapsed));
+        Instant { phases, contact_mode: *self.contact_mode(mesh) }
+    }
+
+    /// The contact mode of a mesh; [`ContactMode::ALWAYS`] of another connection.
+    #[inline(always)]
+    pub fn contact_mode(&self, mesh: Option<usize>) -> &ContactMode {
+        mesh.map_or(&ContactMode::ALWAYS, |mesh| &self.contact_modes[mesh])
+    }
+
+    /// Whether the line of action follows the gear centres.
+    pub fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
+    /// Speed of the reference shaft, rad/s, and its acceleration, rad/s².
+    #[inline]
+    pub(super) fn reference_speed(&self, elapsed: f64) -> (f64, f64) {
+        match &self.changing {
+            None => (self.speed, 0.0),
+            Some(changing) => {
+                let now = changing.at(elapsed);
+                (now.speed, now.acceleration)
+            }
+        }
+    }
+
+    /// Force of the shaft on the bearings of a node over (y, z), N.
+    pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let mut force = self.model.bearing_force(node, q, v);
+        for bearing in self.model.bearings_at(node) {
+            let own = bearing.force(self.reference_speed(elapsed).0, q, v);
+            force = [force[0] + own[0], force[1] + own[1]];
+        }
+        force
     }
 
     /// e^{iϑ} of a shaft.
@@ -263,12 +330,25 @@ impl<'m> EquationOfMotion<'m> {
                 force[support.index + row] -= value;
             }
         }
-        for (index, mesh) in self.model.meshes.iter().enumerate() {
-            let contact = mesh
-                .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index])
-                .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
-            mesh.apply(&contact, force);
-        }
+        self.connections().try_for_each(|connection| {
+            match connection {
+                Connection::Mesh(index, mesh, _) => {
+                    let contact = mesh
+                        .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index])
+                        .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
+                    mesh.apply(&contact, force);
+                }
+                Connection::Bearing(bearing) => {
+                    let [y, z] = bearing.force(self.reference_speed(elapsed).0, q, v);
+                    force[bearing.index] -= y;
+                    force[bearing.index + 1] -= z;
+                }
+                Connection::Spring(spring) => {
+                    spring.apply(spring.contact(spring.scalar(q), spring.scalar(v)).force, force);
+                }
+            }
+            Ok(())
+        })?;
         if let Some(damping) = &self.modal_damping {
             for (column, rate) in damping.column_iter().zip(v) {
                 for (force, entry) in force.iter_mut().zip(column.iter()) {

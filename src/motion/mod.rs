@@ -2,14 +2,12 @@
 
 mod energy;
 mod equation;
-mod interface;
 mod phase;
 mod shaft_rotation;
 mod speed;
 
 pub use energy::{Energies, SOURCES};
 pub use equation::EquationOfMotion;
-pub use interface::{GuaranteedInterval, Interface};
 pub use phase::{DoubleDouble, phase};
 pub use shaft_rotation::{Anchor, ShaftRotation};
 pub use speed::{Profile, Speed};

@@ -48,6 +48,21 @@ impl Speed {
         }
     }
 
+    /// The smallest and the largest magnitude of the speed at all times, rad/s.
+    pub fn magnitudes(&self) -> [f64; 2] {
+        match self {
+            Self::Constant(speed) => [speed.abs(); 2],
+            Self::Changing(profile) => {
+                let extremes = profile.extremes(profile.breaks[0], profile.end());
+                let crosses = extremes.windows(2).any(|pair| pair[0].1 * pair[1].1 <= 0.0);
+                let magnitudes = extremes.into_iter().map(|(_, speed)| speed.abs());
+                let [least, most] =
+                    magnitudes.fold([f64::INFINITY, 0.0], |[least, most], speed| [least.min(speed), most.max(speed)]);
+                [if crosses { 0.0 } else { least }, most]
+            }
+        }
+    }
+
     /// The angle ∫Ω dt between two times, rad.
     pub fn turned(&self, from: f64, to: f64) -> DoubleDouble {
         match self {

@@ -92,7 +92,7 @@ pub fn synchronous<'py>(
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
-    model.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
+    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), Dense::Undamped)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let worker_speeds = speeds.clone();
     let amplitudes = model.run(py, Dense::Undamped, move |cached, interrupt| {
@@ -115,10 +115,11 @@ pub fn synchronous<'py>(
     let bearings = assembled.scene.bearing_nodes();
     let (mut values, mut forces) = (Vec::new(), Vec::new());
     for (sources, speed) in amplitudes.iter().zip(&speeds) {
+        let at_speed = model.cached.at_speed(*speed)?;
         for (column, shaft) in sources.column_iter().zip(&assembled.shafts) {
             let column = column.into_owned();
             values.extend(assembled.numbering.to_user_order(column.as_slice()));
-            forces.extend(analysis::bearing_forces(assembled, &bearings, shaft.ratio * speed, &column).concat());
+            forces.extend(analysis::bearing_forces(&at_speed.model, &bearings, shaft.ratio * speed, &column).concat());
         }
     }
     let dict = PyDict::new(py);

@@ -63,6 +63,11 @@ impl PyModel {
         }
     }
 
+    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one that the speed tables of bearings contain.
+    pub fn representative_speed(&self, fastest: f64) -> f64 {
+        if self.model().bearings.is_empty() { 0.0 } else { fastest }
+    }
+
     /// Name of the shaft and position, m, of a node.
     pub fn place(&self, node: Node) -> (&str, f64) {
         let shaft = &self.model().scene.shafts[node.shaft];

@@ -15,7 +15,6 @@ use super::state::{mesh_geometry, read_checkpoint};
 use super::{frequency, simulate, speed};
 use crate::analysis::simulate::{Method, Options, fields, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
-use crate::linalg::DecompositionError;
 use crate::modal;
 use crate::scene::{EntryPath, Node, SceneDescription, nearest};
 
@@ -97,7 +96,8 @@ impl PyModel {
         EntryPath::root("speed").finite(speed)?;
         // The matrix of modal damping is a sum over the modes.
         let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
-        let matrices = self.run(py, dense, move |cached, _| -> Result<_, DecompositionError> {
+        let matrices = self.run(py, dense, move |cached, _| -> Result<_, AnalysisError> {
+            let cached = cached.at_speed(speed)?;
             let model = &cached.model;
             Ok([
                 ("mass", model.mass_matrix()),
@@ -117,7 +117,9 @@ impl PyModel {
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
         self.warn_of_ill_conditioning(py, speed, Dense::Damped)?;
-        let mut modes = self.run(py, Dense::Damped, move |cached, _| modal::modes(cached, speed))?;
+        let mut modes = self.run(py, Dense::Damped, move |cached, _| -> Result<_, AnalysisError> {
+            Ok(modal::modes(&*cached.at_speed(speed)?, speed)?)
+        })?;
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
@@ -177,7 +179,8 @@ impl PyModel {
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         let geometry = mesh_geometry(geometry)?;
         EntryPath::root("speed").finite(speed)?;
-        let model = self.model();
+        let at_speed = self.cached.at_speed(speed)?;
+        let model = &at_speed.model;
         self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
         let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
         let q = found.as_slice();
@@ -243,7 +246,7 @@ impl PyModel {
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
         }
-        self.warn_of_ill_conditioning(py, 0.0, options.dense(self.model()))?;
+        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }

@@ -14,6 +14,7 @@ mod mesh;
 mod place;
 mod plausibility;
 mod shaft;
+mod speed_table;
 mod stiffness;
 mod teeth;
 mod train;
@@ -28,6 +29,7 @@ pub use gear::Gear;
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, Shaft};
+pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
 pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
 
@@ -70,9 +72,9 @@ pub struct Bearing {
     /// Node of the shaft.
     pub node: Node,
     /// Stiffness over (y, z), N/m.
-    pub stiffness: [[f64; 2]; 2],
+    pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
-    pub damping: [[f64; 2]; 2],
+    pub damping: BearingCoefficient,
 }
 
 /// A constant torque about +x.
@@ -258,31 +260,11 @@ fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Resul
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            stiffness: coefficient(Some(bearing.stiffness), &at.field("stiffness"))?,
-            damping: coefficient(bearing.damping, &at.field("damping"))?,
+            stiffness: BearingCoefficient::new(Some(&bearing.stiffness), &at.field("stiffness"))?,
+            damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
-}
-
-/// Checks a 2×2 coefficient. A negative diagonal entry is refused: it drives the shaft away from its rest position.
-fn coefficient(given: Option<description::Coefficient>, at: &EntryPath) -> Result<[[f64; 2]; 2], SceneError> {
-    let rows = given.unwrap_or(description::Coefficient::Isotropic(0.0)).rows();
-    for (i, row) in rows.iter().enumerate() {
-        for (j, value) in row.iter().enumerate() {
-            let place = match given {
-                Some(description::Coefficient::Full(_)) => at.index(i).index(j),
-                Some(description::Coefficient::Orthotropic(_)) => at.index(i),
-                _ => at.clone(),
-            };
-            if i == j {
-                place.non_negative(*value)?
-            } else {
-                place.finite(*value)?
-            };
-        }
-    }
-    Ok(rows)
 }
 
 fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {

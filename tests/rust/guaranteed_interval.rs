@@ -29,7 +29,7 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
     let deflection = if back { -CARRIED / STIFFNESS - BACKLASH } else { CARRIED / STIFFNESS };
     let mut reference = DVector::zeros(cached.model.len());
     reference[mesh.coordinates.twist[0]] = sigma * deflection / mesh.involute.base_radius[0];
-    let interface = Interface::new(&motion, 0, &reference, true).unwrap();
+    let interface = Interface::new(&motion, 0, &reference, true).unwrap(); // TODO
     (motion, interface)
 }
 

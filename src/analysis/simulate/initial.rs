@@ -64,7 +64,7 @@ pub(super) fn start(
         }
         Initial::Static => {
             let found = found?;
-            let y = [found.as_slice(), zero().as_slice()].concat();
+            let y = [equilibrium_at_start(cached, options, &found)?.as_slice(), zero().as_slice()].concat();
             (found, State::new(y), absolute)
         }
         Initial::Synchronous => synchronous(cached, options, found?, absolute)?,
@@ -132,6 +132,19 @@ fn continued(
     }
 }
 
+/// Displacements of the equilibrium with the bearing coefficients of the speed at which the run starts; `found` is the
+/// equilibrium of bearings with constant coefficients.
+fn equilibrium_at_start(
+    cached: &CachedModel,
+    options: &Options,
+    found: &DVector<f64>,
+) -> Result<DVector<f64>, AnalysisError> {
+    if cached.model.bearings.is_empty() {
+        return Ok(found.clone());
+    }
+    equilibrium(&*cached.at_speed(options.speed.at(options.start))?, options.geometry, options.fastest())
+}
+
 /// The equilibrium plus the linear synchronous motion.
 fn synchronous(
     cached: &CachedModel,
@@ -144,7 +157,7 @@ fn synchronous(
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);
-    let y = [(&found + q).as_slice(), v.as_slice()].concat();
+    let y = [(equilibrium_at_start(cached, options, &found)? + q).as_slice(), v.as_slice()].concat();
     Ok((found, State::new(y), course))
 }
 

@@ -27,7 +27,7 @@ use crate::integrate::{
     Trajectory, run,
 };
 use crate::modal::CachedModel;
-use crate::motion::EquationOfMotion;
+use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
 use modal_setup::{ModalSetup, enter, leave};
@@ -81,6 +81,13 @@ pub fn simulate(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, Stopped> {
     options.check()?;
+    for speed in options.speed.magnitudes() {
+        cached.model.check_speed(speed)?;
+    }
+    // At a constant speed bearings that depend on it belong to the matrices.
+    let constant = matches!(options.speed, Speed::Constant(_));
+    let at_speed = constant.then(|| cached.at_speed(options.fastest())).transpose()?;
+    let cached = at_speed.as_deref().unwrap_or(cached);
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.course.origin;

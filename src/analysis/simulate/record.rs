@@ -151,7 +151,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
         }
         for node in &self.plan.bearings {
-            let force = model.bearing_force(*node, q, v);
+            let force = self.motion.bearing_force(*node, elapsed, q, v);
             self.record.bearing_force.extend(force);
         }
         Ok(())

@@ -5,12 +5,14 @@
 
 mod reading;
 mod shaft;
+mod speed_table;
 mod teeth;
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
+pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
 };
@@ -233,10 +235,10 @@ pub struct Bearing {
     /// Where on the shaft, m.
     pub position: f64,
     /// Stiffness, N/m.
-    pub stiffness: Coefficient,
+    pub stiffness: BearingCoefficient,
     /// Damping, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub damping: Option<Coefficient>,
+    pub damping: Option<BearingCoefficient>,
 }
 
 /// A place: the name of a gear or disk, or a shaft and a position on it.

@@ -10,7 +10,7 @@ mod ranges;
 use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
-use super::{Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
+use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
 use findings::{Findings, short};
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
@@ -284,6 +284,7 @@ fn second_moment(element: &super::Element) -> f64 {
     PI / 4.0 * (element.outer_radius.powi(4) - element.inner_radius.powi(4))
 }
 
-fn stiffest(stiffness: &[[f64; 2]; 2]) -> f64 {
-    stiffness[0][0].max(stiffness[1][1])
+/// The largest stiffness along y or z, at any speed, N/m.
+fn stiffest(stiffness: &BearingCoefficient) -> f64 {
+    stiffness.extremes().iter().map(|stiffness| stiffness[0][0].max(stiffness[1][1])).fold(0.0, f64::max)
 }

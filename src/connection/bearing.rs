@@ -1,0 +1,116 @@
+//! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
+//!
+//! At a constant speed K and C are constant: [`Model::at_speed`](crate::model::Model::at_speed) then puts the bearing into
+//! the matrices, so that it costs nothing there. Where the speed changes, K and C follow it at every evaluation. The energy
+//! ½uᵀKu then changes with K as well; the drive, which prescribes the speed, does that work: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
+
+use super::{Bounds, Coefficients, Row};
+use crate::scene::{Bearing, EntryPath, Matrix2, SceneError};
+
+/// A bearing whose coefficients depend on the speed of its shaft.
+#[derive(Clone, Debug)]
+pub struct SpeedDependentBearing {
+    /// Index of the bearing in the scene.
+    pub number: usize,
+    /// The bearing with its tables.
+    pub bearing: Bearing,
+    /// Index of the coordinate v of its node; w follows.
+    pub index: usize,
+    /// Speed of its shaft over the speed of the reference shaft.
+    pub ratio: f64,
+}
+
+impl SpeedDependentBearing {
+    /// Refuses a speed of the reference shaft [rad/s] that a table of the bearing does not contain.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table; `shaft` is the name
+    /// of the shaft.
+    pub fn check(&self, speed: f64, shaft: &str) -> Result<(), SceneError> {
+        let own = (self.ratio * speed).abs();
+        for (name, coefficient) in [("stiffness", &self.bearing.stiffness), ("damping", &self.bearing.damping)] {
+            if let Some([first, last]) = coefficient.excludes(own) {
+                let message = format!(
+                    "the table ranges from {first} to {last} rad/s, but the shaft \"{shaft}\" turns at {own} rad/s; extend the table, or hold its end values with outside=\"hold\""
+                );
+                return Err(EntryPath::entry("bearings", self.number).field(name).error(message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Speeds of the reference shaft at the knots of its tables, rad/s.
+    pub fn knots(&self) -> impl Iterator<Item = f64> {
+        let coefficients = [&self.bearing.stiffness, &self.bearing.damping];
+        coefficients.into_iter().flat_map(|coefficient| coefficient.speeds()).map(|speed| speed / self.ratio.abs())
+    }
+
+    /// Whether its tables hold their end values at other speeds.
+    pub fn holds(&self) -> bool {
+        self.bearing.stiffness.holds() && self.bearing.damping.holds()
+    }
+
+    /// Its two scalars: v and w of the node.
+    pub fn rows(&self) -> Vec<Row> {
+        vec![vec![(self.index, 1.0)], vec![(self.index + 1, 1.0)]]
+    }
+
+    /// Stiffness [N/m] and damping [N s/m] over (v, w) at a speed of the reference shaft, rad/s.
+    #[inline]
+    pub fn at(&self, speed: f64) -> [Matrix2; 2] {
+        let own = self.ratio * speed;
+        [self.bearing.stiffness.at(own), self.bearing.damping.at(own)]
+    }
+
+    /// The same as matrices over its scalars.
+    pub fn linear(&self, speed: f64) -> Coefficients {
+        let [stiffness, damping] = self.at(speed);
+        Coefficients::over_two(&stiffness, &damping)
+    }
+
+    /// Bounds of its coefficients at all speeds of its tables; the stiffness counts from that at `speed`.
+    pub fn bounds(&self, speed: f64) -> Bounds {
+        let [reference, _] = self.at(speed);
+        let largest = |values: &[Matrix2], less: &Matrix2| {
+            // Every entry is monotone between two knots, so its largest deviation is at a knot.
+            let entry =
+                |i: usize, j: usize| values.iter().map(|value| (value[i][j] - less[i][j]).abs()).fold(0.0, f64::max);
+            entry(0, 0).hypot(entry(0, 1)).hypot(entry(1, 0).hypot(entry(1, 1)))
+        };
+        Bounds {
+            excess_stiffness: largest(self.bearing.stiffness.extremes(), &reference),
+            damping: largest(self.bearing.damping.extremes(), &[[0.0; 2]; 2]),
+        }
+    }
+
+    /// Force of the shaft on the bearing over (y, z), N, at a speed of the reference shaft.
+    #[inline]
+    pub fn force(&self, speed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let ([k, c], i) = (self.at(speed), self.index);
+        std::array::from_fn(|row| k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1])
+    }
+
+    /// Elastic energy ½uᵀKu, J.
+    pub fn energy(&self, speed: f64, q: &[f64]) -> f64 {
+        let [k, _] = self.at(speed);
+        form(&k, [q[self.index], q[self.index + 1]]) / 2.0
+    }
+
+    /// Power [W] that the changing stiffness takes from the drive, and power that damping and cross-coupling take from
+    /// the shaft, where the reference shaft turns at `speed` [rad/s] and accelerates at `acceleration` [rad/s²].
+    pub fn powers(&self, speed: f64, acceleration: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let ([k, c], u, rate) =
+            (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);
+        let own = self.ratio * speed;
+        // The table is over |Ω_s|.
+        let faster = self.ratio * acceleration * own.signum();
+        let stiffening = form(&self.bearing.stiffness.slope(own), u) * faster / 2.0;
+        let circulating = (k[0][1] - k[1][0]) / 2.0 * (rate[0] * u[1] - rate[1] * u[0]);
+        [stiffening, form(&c, rate) + circulating]
+    }
+}
+
+/// uᵀku.
+fn form(k: &Matrix2, u: [f64; 2]) -> f64 {
+    k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
+}

@@ -1,0 +1,320 @@
+//! A mesh in a run, as a few scalars of the motion and the loads on them.
+//!
+//! The force of a mesh depends on six coordinates, but only through the relative displacement of the gear centres and the
+//! rolling displacement of the gears: three scalars. In frozen geometry the deflection alone is enough. Both twists are
+//! needed where the tooth engagement follows the twist, and where a gear has run-out. The linear motion may contain the
+//! mean stiffness and the damping of the mesh at rest; the load is the remainder.
+
+use super::Row;
+use super::interface::{GuaranteedInterval, Instant, InterfaceOptions};
+use crate::mesh::{
+    Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
+};
+use crate::scene::Phase;
+
+/// The scalars through which a mesh sees the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scalars {
+    /// The deflection δ along the line of action at rest.
+    Deflection,
+    /// u_b − u_a over (y, z), and r_a θ_a + r_b θ_b.
+    Plane,
+    /// u_b − u_a over (y, z), θ_a and θ_b.
+    PlaneAndTwists,
+}
+
+/// The largest number of scalars of a mesh.
+const MAX_SCALARS: usize = 4;
+
+/// A mesh in a run.
+#[derive(Clone, Debug)]
+pub struct MeshInterface {
+    /// Index of the mesh.
+    pub mesh: usize,
+    gear_mesh: GearMesh,
+    scalars: Scalars,
+    geometry: Geometry,
+    /// σ, the sign of the spin of the driver.
+    sigma: f64,
+    /// Scalars at the reference.
+    reference: [f64; MAX_SCALARS],
+    /// Generalised forces on the scalars at the reference.
+    reference_force: [f64; MAX_SCALARS],
+    /// Mesh force at the reference, N, negative on the back flank.
+    static_force: f64,
+    /// Highest angular frequency of the oscillation of gears on their teeth, rad/s.
+    highest_swing: f64,
+    /// Acceleration of the teeth along the line of action by a unit force, 1/kg.
+    mobility: f64,
+    /// ∂δ/∂(scalars) along the line of action at rest.
+    gradient: [f64; MAX_SCALARS],
+    /// Stiffness, N/m, and damping, N s/m, along the gradient that the linear motion contains.
+    contained: [f64; 2],
+}
+
+impl MeshInterface {
+    /// The interface of the mesh with index `mesh`; `sigma` is the sign of the spin of its driver.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles at the reference.
+    pub(super) fn new(
+        mesh: usize,
+        gear_mesh: &GearMesh,
+        sigma: f64,
+        options: InterfaceOptions<'_>,
+    ) -> Result<Self, Overlap> {
+        let InterfaceOptions { geometry, reference, contained, highest_swing, mobility } = options;
+        let follows_twist = gear_mesh.phase == Phase::Twist && !gear_mesh.teeth.is_constant();
+        // The back flank has another line of action, unless there is no bending.
+        let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
+        let flat = frozen || gear_mesh.coordinates.translation.is_none();
+        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat) {
+            (true, _) => Scalars::PlaneAndTwists,
+            (false, true) => Scalars::Deflection,
+            (false, false) => Scalars::Plane,
+        };
+        let [ra, rb] = gear_mesh.involute.base_radius;
+        let [y, z] = gear_mesh.normal_at_rest(sigma);
+        let gradient = match scalars {
+            Scalars::Deflection => [1.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [-y, -z, sigma, 0.0],
+            Scalars::PlaneAndTwists => [-y, -z, sigma * ra, sigma * rb],
+        };
+        let contained = if contained { [gear_mesh.stiffness, gear_mesh.damping] } else { [0.0; 2] };
+        let mut interface = Self {
+            mesh,
+            gear_mesh: gear_mesh.clone(),
+            scalars,
+            geometry,
+            sigma,
+            reference: [0.0; MAX_SCALARS],
+            reference_force: [0.0; MAX_SCALARS],
+            static_force: 0.0,
+            highest_swing,
+            mobility,
+            gradient,
+            contained,
+        };
+        let rows = interface.rows();
+        for (scalar, row) in interface.reference.iter_mut().zip(rows) {
+            *scalar = row.iter().map(|(index, coefficient)| coefficient * reference[*index]).sum();
+        }
+        (interface.reference_force, interface.static_force) = interface.mean_force(reference)?;
+        Ok(interface)
+    }
+
+    /// Number of scalars.
+    #[inline(always)]
+    pub(super) fn scalars(&self) -> usize {
+        match self.scalars {
+            Scalars::Deflection => 1,
+            Scalars::Plane => 3,
+            Scalars::PlaneAndTwists => 4,
+        }
+    }
+
+    pub(super) fn has_rates(&self) -> bool {
+        let contained =
+            self.contained[1] > 0.0 && self.gear_mesh.backlash.is_none() && self.scalars == Scalars::Deflection;
+        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_run_out()
+    }
+
+    pub(super) fn is_affine(&self) -> bool {
+        self.scalars == Scalars::Deflection
+            && self.gear_mesh.backlash.is_none()
+            && !self.gear_mesh.teeth.is_relieved()
+            && !self.has_rates()
+    }
+
+    pub(super) fn rows(&self) -> Vec<Row> {
+        let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
+        let [ra, rb] = gear_mesh.involute.base_radius;
+        let MeshCoordinates { translation, twist: [a, b] } = gear_mesh.coordinates;
+        let relative_displacement =
+            |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
+        match self.scalars {
+            Scalars::Deflection => {
+                let mut row = Vec::new();
+                gear_mesh.gradient(sigma, gear_mesh.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
+                vec![row]
+            }
+            Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), vec![(a, ra), (b, rb)]],
+            Scalars::PlaneAndTwists => {
+                vec![relative_displacement(0), relative_displacement(1), vec![(a, 1.0)], vec![(b, 1.0)]]
+            }
+        }
+    }
+
+    /// The relative motion of the gears for these scalars, or for their rates.
+    #[inline(always)]
+    fn relative(&self, [a, b, c, d]: [f64; MAX_SCALARS]) -> RelativeMotion {
+        let [ra, rb] = self.gear_mesh.involute.base_radius;
+        match self.scalars {
+            Scalars::Deflection => RelativeMotion { rolling_displacement: self.sigma * a, ..RelativeMotion::default() },
+            Scalars::Plane => {
+                RelativeMotion { relative_displacement: [a, b], rolling_displacement: c, ..RelativeMotion::default() }
+            }
+            Scalars::PlaneAndTwists => {
+                RelativeMotion { relative_displacement: [a, b], rolling_displacement: ra * c + rb * d, twist: [c, d] }
+            }
+        }
+    }
+
+    /// The generalised forces of a contact on the scalars.
+    #[inline(always)]
+    fn forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
+        let [y, z] = contact.push;
+        match self.scalars {
+            Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0],
+            Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1]],
+        }
+    }
+
+    /// Generalised forces of the mean stiffness at the reference on the flank that carries there, and its force, N.
+    fn mean_force(&self, reference: &[f64]) -> Result<([f64; MAX_SCALARS], f64), Overlap> {
+        let pressed = |flank| self.gear_mesh.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
+        let drive = pressed(Flank::Drive)?;
+        let ((force, [y, z]), sigma) = match self.gear_mesh.backlash {
+            Some(_) if drive.0 < 0.0 => (pressed(Flank::Back)?, -self.sigma),
+            _ => (drive, self.sigma),
+        };
+        let [ra, rb] = self.gear_mesh.involute.base_radius;
+        let reference_force = match self.scalars {
+            Scalars::Deflection => [-force * sigma * self.sigma, 0.0, 0.0, 0.0],
+            Scalars::Plane => [force * y, force * z, -force * sigma, 0.0],
+            Scalars::PlaneAndTwists => [force * y, force * z, -force * sigma * ra, -force * sigma * rb],
+        };
+        Ok((reference_force, force * sigma * self.sigma))
+    }
+
+    pub(super) fn reference_force(&self) -> &[f64] {
+        &self.reference_force[..self.scalars()]
+    }
+
+    /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness along it, N/m.
+    pub(super) fn tangent(&self) -> (&[f64], f64) {
+        (&self.gradient[..self.scalars()], self.gear_mesh.stiffness)
+    }
+
+    #[inline(always)]
+    pub(super) fn load(
+        &self,
+        instant: &Instant,
+        u: &[f64],
+        rates: &[f64],
+        load: &mut [f64],
+    ) -> Result<Contact, Overlap> {
+        let contact = self.gear_mesh.contact(&self.pose(&instant.phases, u, rates), &instant.contact_mode)?;
+        let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
+        let linear = self.contained[0] * along(u) + self.contained[1] * along(rates);
+        let forces = self.forces(&contact);
+        for (k, load) in load.iter_mut().enumerate() {
+            *load = (forces[k] - self.reference_force[k]) + linear * self.gradient[k];
+        }
+        Ok(contact)
+    }
+
+    #[inline(always)]
+    pub(super) fn residual_tangent(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
+        let flanks = f64::from(u8::from(flank.drives()) + u8::from(flank.holds_back()));
+        [contact.stiffness - self.contained[0], flanks * self.gear_mesh.damping - self.contained[1]]
+    }
+
+    pub(super) fn guaranteed_interval(&self, flank: Flank, contact: &Contact) -> GuaranteedInterval {
+        if self.gear_mesh.backlash.is_none() || self.is_firm(flank, contact) {
+            return GuaranteedInterval { time: f64::INFINITY, swing: 0.0 };
+        }
+        // Separated flanks are watched at the frequency that the gears have on the teeth in contact.
+        let swing =
+            if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.highest_swing };
+        let [drive, back] = self.margins(flank, contact);
+        let presses = matches!(flank, Flank::Drive | Flank::Back);
+        // The amplitude of an oscillation is unknown without rates.
+        if !self.has_rates() || !presses || drive <= 0.0 || back <= 0.0 {
+            return GuaranteedInterval { time: 0.0, swing };
+        }
+        // The distance x after the time t is at least x − |ẋ|t − aω²t²/2 with the amplitude a.
+        let rate = contact.rate.abs();
+        let amplitude = ((contact.force - self.static_force) / contact.stiffness).hypot(rate / swing);
+        let time =
+            |margin: f64| 2.0 * margin / (rate + (rate * rate + 2.0 * amplitude * swing * swing * margin).sqrt());
+        GuaranteedInterval { time: time(drive).min(time(back)), swing }
+    }
+
+    pub(super) fn margins(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
+        // The force decides on separation: damping may hold flanks together whose deflection is negative.
+        let pressed = |force: f64, deflection: f64| {
+            if contact.stiffness > 0.0 { force / contact.stiffness } else { deflection }
+        };
+        let Contact { force, deflection, back_flank_deflection, .. } = *contact;
+        match flank {
+            Flank::Drive => [pressed(force, deflection), -back_flank_deflection],
+            Flank::Back => [-deflection, pressed(-force, back_flank_deflection)],
+            Flank::Apart => [-deflection, -back_flank_deflection],
+            Flank::Both => [deflection, back_flank_deflection],
+        }
+    }
+
+    /// Whether the flank in contact certainly stays pressed and the other flank stays clear: the oscillation of the mesh
+    /// force, estimated from the force and its rate, is at most half of the static force, and half of the backlash is
+    /// left.
+    fn is_firm(&self, flank: Flank, contact: &Contact) -> bool {
+        let (static_force, clear) = match flank {
+            Flank::Drive => (self.static_force, contact.back_flank_deflection),
+            Flank::Back => (-self.static_force, contact.deflection),
+            Flank::Apart | Flank::Both => return false,
+        };
+        // Relative to the static force, so that no square overflows.
+        let part = |force: f64| force / static_force;
+        let oscillation = part(contact.force - self.static_force).powi(2)
+            + part(contact.stiffness * contact.rate / self.highest_swing).powi(2);
+        self.has_rates()
+            && static_force > 0.0
+            && oscillation <= 0.25
+            && clear <= -self.gear_mesh.backlash.unwrap_or(f64::INFINITY) / 2.0
+    }
+
+    pub(super) fn contact_mode(
+        &self,
+        instant: &Instant,
+        u: &[f64],
+        rates: &[f64],
+        unchanged: bool,
+    ) -> Result<ContactMode, Overlap> {
+        if !self.gear_mesh.switches() {
+            return Ok(ContactMode::ALWAYS);
+        }
+        if unchanged && !self.gear_mesh.teeth.is_sharp() {
+            return Ok(instant.contact_mode);
+        }
+        self.gear_mesh.contact_mode(&self.pose(&instant.phases, u, rates))
+    }
+
+    pub(super) fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
+        if !self.gear_mesh.teeth.is_sharp() {
+            return Ok(());
+        }
+        for back in [false, true] {
+            if !back || self.gear_mesh.backlash.is_some() {
+                let [low, high] = self.gear_mesh.engagement(&self.pose(&instant.phases, u, &[]), back)?.ends();
+                let (first, last) = instant.contact_mode.engaged[usize::from(back)];
+                ends.extend([(low, first), (high, last)]);
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn pose<'a>(&self, phases: &'a [ShaftPhase; 2], u: &[f64], rates: &[f64]) -> MeshPose<'a> {
+        let (mut scalars, mut speeds) = (self.reference, [0.0; MAX_SCALARS]);
+        for (scalar, u) in scalars.iter_mut().zip(u) {
+            *scalar += u;
+        }
+        for (speed, rate) in speeds.iter_mut().zip(rates) {
+            *speed = *rate;
+        }
+        let (position, velocity) = (self.relative(scalars), self.relative(speeds));
+        MeshPose { geometry: self.geometry, sigma: self.sigma, turning: phases, position, velocity }
+    }
+}

@@ -1,0 +1,122 @@
+//! Everything that acts between a few coordinates and is not simply linear and constant.
+//!
+//! A connection sees the displacements q through a few scalars u = Wᵀq and acts on the same coordinates with the same
+//! coefficients. [`Connection`] is one enum; each variant has its own file and answers the same questions:
+//!
+//! | question | answer | used by |
+//! |---|---|---|
+//! | Which scalars? | [`Connection::rows`] | matrices, null motions, exponential method |
+//! | Which stiffness and damping, at a speed? | [`Connection::linear`] | matrices, modes, Campbell diagram, critical speeds, synchronous response, static equilibrium |
+//! | Which force, energy and power at an instant? | `contact` or `force` of the variant | equation of motion, energy audit |
+//! | Which tangent? | `mean_tangent`, `tangent` of the variant; [`Interface::residual_tangent`] | Newton's method in the static equilibrium and in the exponential method |
+//! | Which contact mode, and how far is the next change? | [`Interface::contact_mode`], [`Interface::margins`], [`Interface::guaranteed_interval`] | events |
+//! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
+//!
+//! A bearing with constant coefficients is linear and constant: it is part of the matrices and no connection. A
+//! [`SpeedDependentBearing`] joins it there at a constant speed.
+//!
+//! The `match` over the variants has no wildcard, so an analysis that does not answer for a new variant does not compile.
+
+mod bearing;
+mod interface;
+mod mesh;
+mod spring;
+
+use nalgebra::DMatrix;
+
+pub use bearing::SpeedDependentBearing;
+pub use interface::{GuaranteedInterval, Instant, Interface, InterfaceOptions, SpringInterface};
+pub use mesh::MeshInterface;
+pub use spring::Spring;
+
+use crate::mesh::GearMesh;
+
+/// A scalar as entries (index of a coordinate, coefficient).
+pub type Row = Vec<(usize, f64)>;
+
+/// One element that acts between a few coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum Connection<'m> {
+    /// A pair of gears: index of the mesh, its teeth, and σ, the sign of the spin of the driver.
+    Mesh(usize, &'m GearMesh, f64),
+    /// A bearing whose coefficients depend on the speed.
+    Bearing(&'m SpeedDependentBearing),
+    /// A spring with a cubic term.
+    Spring(&'m Spring),
+}
+
+/// Stiffness and damping over the scalars of a connection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficients {
+    /// K, shape (r, r), N/m for scalars in m.
+    pub stiffness: DMatrix<f64>,
+    /// C, shape (r, r), N s/m.
+    pub damping: DMatrix<f64>,
+}
+
+impl Coefficients {
+    fn over_one(stiffness: f64, damping: f64) -> Self {
+        let [stiffness, damping] = [stiffness, damping].map(|value| DMatrix::from_element(1, 1, value));
+        Self { stiffness, damping }
+    }
+
+    fn over_two(stiffness: &[[f64; 2]; 2], damping: &[[f64; 2]; 2]) -> Self {
+        let [stiffness, damping] = [stiffness, damping].map(|rows| DMatrix::from_fn(2, 2, |i, j| rows[i][j]));
+        Self { stiffness, damping }
+    }
+}
+
+/// Bounds of what a connection adds to the fastest motion of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Norm of the stiffness beyond that of [`Connection::linear`], N/m.
+    pub excess_stiffness: f64,
+    /// Norm of the damping, N s/m.
+    pub damping: f64,
+}
+
+impl Connection<'_> {
+    /// Its scalars; those of a mesh are the deflection along the line of action at rest.
+    pub fn rows(&self) -> Vec<Row> {
+        match self {
+            Self::Mesh(_, mesh, sigma) => {
+                let mut row = Row::new();
+                mesh.gradient(*sigma, mesh.normal_at_rest(*sigma), |index, slope| row.push((index, slope)));
+                vec![row]
+            }
+            Self::Bearing(bearing) => bearing.rows(),
+            Self::Spring(spring) => spring.rows(),
+        }
+    }
+
+    /// Stiffness and damping over its scalars at a speed of the reference shaft, rad/s: those of a mesh are the means.
+    pub fn linear(&self, speed: f64) -> Coefficients {
+        match self {
+            Self::Mesh(_, mesh, _) => Coefficients::over_one(mesh.stiffness, mesh.damping),
+            Self::Bearing(bearing) => bearing.linear(speed),
+            Self::Spring(spring) => spring.linear(),
+        }
+    }
+
+    /// Bounds of its coefficients in a run whose linear part is that at `speed`.
+    pub fn bounds(&self, speed: f64) -> Bounds {
+        match self {
+            Self::Mesh(_, mesh, _) => {
+                let flanks = if mesh.backlash.is_some() { 2.0 } else { 1.0_f64 };
+                Bounds { excess_stiffness: mesh.stiffest - mesh.stiffness, damping: flanks * mesh.damping }
+            }
+            Self::Bearing(bearing) => bearing.bounds(speed),
+            Self::Spring(spring) => spring.bounds(),
+        }
+    }
+
+    /// The name of the connection in messages, with its stiffness; none for a bearing, which has a stiffness for each
+    /// speed.
+    pub fn described(&self) -> Option<String> {
+        match self {
+            Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
+            Self::Bearing(_) => None,
+            Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Connections of the model, and the model at a constant speed.
+
+use super::{Model, Numbering, Support};
+use crate::connection::{Connection, SpeedDependentBearing};
+use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
+
+/// Bearings with constant coefficients, and bearings that depend on the speed.
+pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
+    let (mut supports, mut bearings) = (Vec::new(), Vec::new());
+    for (number, bearing) in scene.bearings.iter().enumerate() {
+        let Some(index) = numbering.translation(bearing.node) else {
+            continue;
+        };
+        match (bearing.stiffness.constant(), bearing.damping.constant()) {
+            (Some(stiffness), Some(damping)) => supports.push(Support::new(index, stiffness, damping)),
+            _ => {
+                let ratio = scene.speed_ratios[bearing.node.shaft];
+                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), index, ratio });
+            }
+        }
+    }
+    (supports, bearings)
+}
+
+impl Model {
+    /// All connections, meshes first, with the flanks that carry at a speed of the reference shaft, rad/s.
+    pub fn connections(&self, speed: f64) -> impl Iterator<Item = Connection<'_>> {
+        self.connections_with(move |mesh| self.sigma(mesh, speed))
+    }
+
+    /// All connections, meshes first, with the σ of each mesh.
+    #[inline(always)]
+    pub fn connections_with<'a>(
+        &'a self,
+        sigma: impl Fn(usize) -> f64 + 'a,
+    ) -> impl Iterator<Item = Connection<'a>> + 'a {
+        let meshes = self.meshes.iter().enumerate();
+        let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
+        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(self.springs.iter().map(Connection::Spring))
+    }
+
+    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
+    pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
+        self.bearings.iter().try_for_each(|bearing| {
+            let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
+            bearing.check(speed, &shaft.name)
+        })
+    }
+
+    /// The model at a constant speed of the reference shaft [rad/s]: every bearing has constant coefficients and belongs
+    /// to the matrices.
+    ///
+    /// # Errors
+    /// [`SceneError`] where [`Self::check_speed`] refuses the speed.
+    pub fn at_speed(&self, speed: f64) -> Result<Self, SceneError> {
+        self.check_speed(speed)?;
+        let mut model = self.clone();
+        for bearing in &self.bearings {
+            let given = &mut model.scene.bearings[bearing.number];
+            let [stiffness, damping] = bearing.at(speed);
+            given.stiffness = BearingCoefficient::Constant(stiffness);
+            given.damping = BearingCoefficient::Constant(damping);
+        }
+        (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
+        Ok(model)
+    }
+
+    /// The bearings at a node whose coefficients depend on the speed.
+    pub fn bearings_at(&self, node: Node) -> impl Iterator<Item = &SpeedDependentBearing> {
+        self.bearings.iter().filter(move |bearing| bearing.bearing.node == node)
+    }
+}
