@@ -224,7 +224,7 @@ fn a_train_has_exactly_one_null_motion_and_it_rolls() {
     // The softest and the stiffest bearings that there are, together: they hold all the same.
     let mut system = train();
     for (index, bearing) in system.bearings.iter_mut().enumerate() {
-        bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 });
+        bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 }).into();
     }
     assert_eq!(common::cached(&system).real_modes(100.0).unwrap().null, 1);
     let modes = modal::modes(&cached, 100.0).unwrap();

@@ -11,8 +11,8 @@ use std::rc::Rc;
 
 use nalgebra::{Complex, DVector};
 
-use super::{AnalysisError, Interrupt};
 use super::root::root;
+use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, OnLine, Quadratic, Whirl};
 use crate::scene::EntryPath;
 

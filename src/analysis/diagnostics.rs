@@ -43,11 +43,10 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
         (strain.dot(&(stiffness * &strain)), connection.described().unwrap_or_default())
     });
     let shafts = std::iter::once((model.shaft_form(shape), shortest(model)));
-    let (_, cause) =
-        shafts
-            .chain(bearings.enumerate().map(|(index, energy)| (energy, stiff(model, index))))
-            .chain(connections)
-            .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
+    let (_, cause) = shafts
+        .chain(bearings.enumerate().map(|(index, energy)| (energy, stiff(model, index))))
+        .chain(connections)
+        .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
     Ok(Some(format!(
         "frequencies reach from {slowest:.3e} to {fastest:.3e} rad/s, so that round-off may take up to {lost:.0e} of the slowest motion; the fastest is that of {cause}"
     )))

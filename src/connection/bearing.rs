@@ -73,9 +73,8 @@ impl SpeedDependentBearing {
         let [reference, _] = self.at(speed);
         let largest = |values: &[Matrix2], less: &Matrix2| {
             // Every entry is monotone between two knots, so its largest deviation is at a knot.
-            let entry = |i: usize, j: usize| {
-                values.iter().map(|value| (value[i][j] - less[i][j]).abs()).fold(0.0, f64::max)
-            };
+            let entry =
+                |i: usize, j: usize| values.iter().map(|value| (value[i][j] - less[i][j]).abs()).fold(0.0, f64::max);
             entry(0, 0).hypot(entry(0, 1)).hypot(entry(1, 0).hypot(entry(1, 1)))
         };
         Bounds {
@@ -100,7 +99,8 @@ impl SpeedDependentBearing {
     /// Power [W] that the changing stiffness takes from the drive, and power that damping and cross-coupling take from
     /// the shaft, where the reference shaft turns at `speed` [rad/s] and accelerates at `acceleration` [rad/s²].
     pub fn powers(&self, speed: f64, acceleration: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let ([k, c], u, rate) = (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);
+        let ([k, c], u, rate) =
+            (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);
         let own = self.ratio * speed;
         // The table is over |Ω_s|.
         let faster = self.ratio * acceleration * own.signum();

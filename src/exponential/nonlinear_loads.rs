@@ -8,10 +8,10 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::cache::{InterfaceMaps, LinearizedContact};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::motion::EquationOfMotion;
 
 /// Digits that a synchronous motion near resonance may lose against what is left: five.

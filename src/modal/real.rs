@@ -140,7 +140,12 @@ const REMEMBERED: usize = 8;
 impl CachedModel {
     /// The basis of a model.
     pub fn new(model: Model) -> Self {
-        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()), at_speeds: Mutex::default() }
+        Self {
+            model,
+            modes: [const { OnceLock::new() }; 3],
+            linear: Mutex::new(Vec::new()),
+            at_speeds: Mutex::default(),
+        }
     }
 
     /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].

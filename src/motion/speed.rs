@@ -56,9 +56,8 @@ impl Speed {
                 let extremes = profile.extremes(profile.breaks[0], profile.end());
                 let crosses = extremes.windows(2).any(|pair| pair[0].1 * pair[1].1 <= 0.0);
                 let magnitudes = extremes.into_iter().map(|(_, speed)| speed.abs());
-                let [least, most] = magnitudes.fold([f64::INFINITY, 0.0], |[least, most], speed| {
-                    [least.min(speed), most.max(speed)]
-                });
+                let [least, most] =
+                    magnitudes.fold([f64::INFINITY, 0.0], |[least, most], speed| [least.min(speed), most.max(speed)]);
                 [if crosses { 0.0 } else { least }, most]
             }
         }

@@ -321,7 +321,11 @@ impl PyModel {
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
         }
-        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(&self.cached.model))?;
+        self.warn_of_ill_conditioning(
+            py,
+            self.representative_speed(options.fastest()),
+            options.dense(&self.cached.model),
+        )?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }

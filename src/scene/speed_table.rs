@@ -42,10 +42,7 @@ impl BearingCoefficient {
     /// # Errors
     /// [`SceneError`] for a number that is not finite or a negative diagonal, which would push the shaft away from its
     /// centre; for speeds that do not ascend from zero or above, and for values that do not fit them.
-    pub(super) fn new(
-        given: Option<&description::BearingCoefficient>,
-        at: &EntryPath,
-    ) -> Result<Self, SceneError> {
+    pub(super) fn new(given: Option<&description::BearingCoefficient>, at: &EntryPath) -> Result<Self, SceneError> {
         match given {
             None => Ok(Self::Constant([[0.0; 2]; 2])),
             Some(description::BearingCoefficient::Constant(constant)) => checked(*constant, at).map(Self::Constant),
@@ -123,7 +120,8 @@ impl SpeedTable {
         }
         let place = at.field("values");
         if given.values.len() != speeds.len() {
-            let message = format!("needs one value for each of the {} speeds, got {}", speeds.len(), given.values.len());
+            let message =
+                format!("needs one value for each of the {} speeds, got {}", speeds.len(), given.values.len());
             return Err(place.error(message));
         }
         let form = std::mem::discriminant(&given.values[0]);
@@ -177,7 +175,11 @@ fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, SceneError> {
                 Coefficient::Orthotropic(_) => at.index(i),
                 Coefficient::Isotropic(_) => at.clone(),
             };
-            if i == j { place.non_negative(*value)? } else { place.finite(*value)? };
+            if i == j {
+                place.non_negative(*value)?
+            } else {
+                place.finite(*value)?
+            };
         }
     }
     Ok(rows)

@@ -50,9 +50,8 @@ pub(super) fn critical_speeds(
             let ends = [0, 1].map(|end| (speeds[end], values[end][number] - speeds[end]));
             let starts = ends[0].1 >= 0.0;
             if starts == (ends[1].1 < 0.0) {
-                let speed = root(ends, |speed| {
-                    Ok(at(speed)?.get(number).map_or(f64::INFINITY, |critical| critical - speed))
-                })?;
+                let speed =
+                    root(ends, |speed| Ok(at(speed)?.get(number).map_or(f64::INFINITY, |critical| critical - speed)))?;
                 add(speed, number)?;
             }
         }
