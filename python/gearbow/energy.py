@@ -39,7 +39,8 @@ class EnergyBalance(ReadOnly):
     gravity : ndarray, shape (k,)
         Work of gravity [J].
     drive : ndarray, shape (k,)
-        Work of what keeps bowed shafts at their speed [J].
+        Work of the drive, which keeps bowed shafts at their speed and changes the stiffness of
+        bearings with the speed [J].
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)

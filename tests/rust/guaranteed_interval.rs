@@ -2,11 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use gearbow::connection::{Interface, InterfaceOptions};
 use gearbow::integrate::FirstOrderSystem as _;
 use gearbow::mesh::{Contact, ContactMode, Flank, Geometry};
 use gearbow::modal::CachedModel;
 use gearbow::model::Model;
-use gearbow::motion::{EquationOfMotion, Interface};
+use gearbow::motion::EquationOfMotion;
 use nalgebra::DVector;
 use proptest::prelude::*;
 
@@ -29,7 +30,15 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
     let deflection = if back { -CARRIED / STIFFNESS - BACKLASH } else { CARRIED / STIFFNESS };
     let mut reference = DVector::zeros(cached.model.len());
     reference[mesh.coordinates.twist[0]] = sigma * deflection / mesh.involute.base_radius[0];
-    let interface = Interface::new(&motion, 0, &reference, true).unwrap(); // TODO
+    let options = InterfaceOptions {
+        geometry: Geometry::Frozen,
+        reference: reference.as_slice(),
+        contained: true,
+        highest_swing: motion.fastest_swing(),
+        mobility: motion.mobility(0),
+    };
+    let connection = cached.model.connections(100.0).next().unwrap();
+    let interface = Interface::new(connection, options).unwrap().unwrap();
     (motion, interface)
 }
 
@@ -62,7 +71,7 @@ proptest! {
             back_flank_deflection: if back { 0.0 } else { -clear(0.0) },
             ..Contact::default()
         };
-        let hold = interface.hold(&motion, &contact);
+        let hold = interface.guaranteed_interval(motion.contact_mode(Some(0)), &contact);
         // Before or after: where the flank presses at both ends of a stretch, it may have lifted off between.
         let lifts = |t: &f64| [*t, -t].into_iter().any(|t| force(t) <= 0.0 || clear(t) <= 0.0);
         let lifts = (0..2000).map(|i| f64::from(i) * TAU / omega / 2000.0).find(lifts);
@@ -85,6 +94,6 @@ fn flanks_that_are_apart_or_both_pressed_do_not_stay() {
         let contact_mode = ContactMode { flank, ..ContactMode::ALWAYS };
         motion.set_contact_modes(&contact_mode.code());
         let contact = Contact { force: CARRIED, stiffness: STIFFNESS, ..Contact::default() };
-        assert_eq!(interface.hold(&motion, &contact).time, 0.0);
+        assert_eq!(interface.guaranteed_interval(motion.contact_mode(Some(0)), &contact).time, 0.0);
     }
 }

@@ -5,6 +5,7 @@
 
 mod block_tridiagonal;
 mod common;
+mod connections;
 mod conservation;
 mod eigen;
 mod elements;

@@ -2,8 +2,8 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Place, Segment, Shaft,
-    Stiffness, Torque,
+    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Outside,
+    Place, Segment, Shaft, SpeedTable, Stiffness, Torque,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
@@ -98,6 +98,23 @@ fn complexes() -> BoxedStrategy<Complex> {
         .boxed()
 }
 
+fn bearing_coefficients() -> BoxedStrategy<BearingCoefficient> {
+    let table = (prop::collection::vec((1.0..1e3_f64, 0.0..1e9_f64), 2..5), any::<bool>()).prop_map(|(rows, holds)| {
+        let mut speed = 0.0;
+        let speeds = rows
+            .iter()
+            .map(|(step, _)| {
+                speed += step;
+                speed
+            })
+            .collect();
+        let values = rows.iter().map(|(_, value)| Coefficient::Orthotropic([*value, 1.0])).collect();
+        let outside = if holds { Outside::Hold } else { Outside::Error };
+        BearingCoefficient::Table(SpeedTable { speeds, values, outside })
+    });
+    prop_oneof![coefficients().prop_map(BearingCoefficient::from), table].boxed()
+}
+
 fn coefficients() -> BoxedStrategy<Coefficient> {
     prop_oneof![
         sizes(0, 12).prop_map(Coefficient::Isotropic),
@@ -112,7 +129,10 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
     let gear = || (8_u32..200, maybe(0.01..0.2), maybe(sizes(-3, 3)), maybe(complexes()), 0.0..=1.0_f64, -0.5..0.5);
     let pair = (gear(), gear(), 1e-3..2e-2, maybe(0.2..0.5));
     let mesh = (sizes(5, 10), 0..3, 0.0..0.2, maybe(-7.0..7.0));
-    let places = prop::collection::vec((any::<bool>(), 0.0..=1.0_f64, coefficients(), maybe(coefficients())), 1..5);
+    let places = prop::collection::vec(
+        (any::<bool>(), 0.0..=1.0_f64, bearing_coefficients(), maybe(bearing_coefficients())),
+        1..5,
+    );
     let disks = prop::collection::vec((any::<bool>(), 0.0..=1.0_f64, sizes(-3, 3), maybe(complexes())), 0..3);
     let whole =
         (maybe(0.0..0.2), maybe(prop::array::uniform2(0.0..1e-3)), maybe(-20.0..20.0), any::<(bool, bool, bool)>());

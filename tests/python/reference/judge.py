@@ -94,8 +94,12 @@ def run_up(
     live: bool = True,
     rtol: float = 1e-11,
     kinks: Sequence[float] = (),
+    bearings: Callable[[float], tuple[Array, Array]] | None = None,
 ) -> Motion:
-    """Integrate from q = q' = 0 at t = 0 while the speed changes, anew from each kink on."""
+    """Integrate from q = q' = 0 at t = 0 while the speed changes, anew from each kink on.
+
+    `bearings` gives stiffness and damping (n, n) of further bearings at a speed of the reference shaft.
+    """
     n = train.size
     inverse = np.linalg.inv(train.mass)
     grounded, viscous = inverse @ train.grounded, inverse @ train.viscous
@@ -118,6 +122,9 @@ def run_up(
         angle, speed, acceleration = turning(t)
         q, qd = state[:n], state[n:]
         a = steady - grounded @ q - viscous @ qd - speed * (gyroscopic @ qd)
+        if bearings is not None:
+            stiffness, damping = bearings(speed)
+            a -= inverse @ (stiffness @ q + damping @ qd)
         for ratio, (b_0, b_90), (u_0, u_90) in shafts:
             c, s = np.cos(ratio * angle), np.sin(ratio * angle)
             spin, gain = ratio * speed, ratio * acceleration

@@ -1,0 +1,297 @@
+"""Bearings over the speed: equal to constant ones at the knots, dense evaluation between, and run-ups."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+import gearbow as gb
+from gearbow._core import Model
+from reference import elements, judge
+from reference.bows import HalfSine
+from reference.elements import Section
+from reference.judge import Array
+from reference.scenes import DENSITY, E, G, single_shaft
+from reference.train import RigidSpec, ShaftPart, ShaftSpec, Train
+
+LENGTH, DIAMETER, ELEMENTS = 1.0, 0.02, 2
+DISK = {"mass": 10.0, "diametral_inertia": 0.05, "polar_inertia": 0.1}
+UNBALANCE = 1e-3 + 2e-3j
+BOW = HalfSine(1e-4, 0.5)
+ENDS = (0.0, LENGTH)
+
+# A rotor of 10 kg whose bearings stiffen with the speed and couple the planes like a journal bearing.
+SPEEDS = np.array([0.0, 40.0, 70.0, 110.0, 160.0])
+STIFFNESS = np.array(
+    [
+        [[8e4 + 900.0 * s, 30.0 * s], [-60.0 * s, 6e4 + 400.0 * s + 5.0 * s**2]]
+        for s in SPEEDS
+    ]
+)  # fmt: skip
+DAMPING = np.array([(600.0 - 2.0 * s, 700.0 - 1.5 * s) for s in SPEEDS])
+
+
+def rotor(stiffness: Any = None, damping: Any = None, **options: Any) -> gb.RotorSystem:
+    stiffness = gb.SpeedTable(SPEEDS, STIFFNESS) if stiffness is None else stiffness
+    damping = gb.SpeedTable(SPEEDS, DAMPING) if damping is None else damping
+    return single_shaft(
+        BOW.package(LENGTH),
+        length=LENGTH,
+        diameter=DIAMETER,
+        elements=ELEMENTS,
+        density=DENSITY,
+        support=None,
+        disks=[gb.Disk("wheel", "s", 0.5, **DISK, unbalance=UNBALANCE)],
+        bearings=[gb.Bearing("s", x, stiffness=stiffness, damping=damping) for x in ENDS],
+        **options,
+    )
+
+
+def dense(speed: float) -> tuple[Array, Array]:
+    """Stiffness and damping of one bearing from SciPy's interpolation."""
+    speed = abs(speed)
+    return PchipInterpolator(SPEEDS, STIFFNESS)(speed), np.diag(
+        PchipInterpolator(SPEEDS, DAMPING)(speed)
+    )
+
+
+def frozen(speed: float) -> gb.RotorSystem:
+    """The rotor on constant bearings of one speed."""
+    return rotor(*dense(speed))
+
+
+RUN: dict[str, Any] = {
+    "record": ["wheel", ("s", 0.0), ("s", LENGTH), "bearings", "energy"],
+    "output_step": 1e-3,
+}
+
+
+@pytest.mark.parametrize("knot", range(len(SPEEDS)))
+def test_at_a_knot_every_answer_is_that_of_the_constant_bearing_bit_for_bit(knot: int):
+    speed = float(SPEEDS[knot])
+    table, constant = rotor(), rotor(STIFFNESS[knot], DAMPING[knot])
+    for name in ("mass", "stiffness", "damping", "gyroscopic"):
+        first, second = (getattr(s.matrices(speed), name) for s in (table, constant))
+        np.testing.assert_array_equal(first, second)
+    np.testing.assert_array_equal(table.modes(speed).shapes, constant.modes(speed).shapes)
+    answers = [s.synchronous([speed]) for s in (table, constant)]
+    np.testing.assert_array_equal(*(answer.displacement("wheel") for answer in answers))
+    np.testing.assert_array_equal(*(answer.bearing_force("s", 0.0) for answer in answers))
+    for method in ("exponential", "rk45"):
+        runs = [s.simulate(0.01, speed, method=method, **RUN) for s in (table, constant)]
+        np.testing.assert_array_equal(*(run.displacement("wheel") for run in runs))
+        np.testing.assert_array_equal(*(run.bearing_force("s", LENGTH) for run in runs))
+        np.testing.assert_array_equal(*(run.energy for run in runs))
+
+
+def test_static_equilibrium_and_its_bearing_forces_are_those_of_the_speed():
+    heavy = [s.static(speed=70.0) for s in (rotor(gravity=9.81), rotor(*dense(70.0), gravity=9.81))]
+    np.testing.assert_array_equal(*(s.displacement("wheel") for s in heavy))
+    np.testing.assert_array_equal(*(s.bearing_force("s", 0.0) for s in heavy))
+
+
+def test_modes_between_the_knots_follow_the_interpolation():
+    for speed in (13.0, 55.0, -99.0, 159.0):
+        found, expected = rotor().modes(speed), frozen(speed).modes(speed)
+        # both interpolations round differently
+        np.testing.assert_allclose(found.frequencies_hz, expected.frequencies_hz, rtol=1e-12)
+        np.testing.assert_allclose(found.damping_ratios, expected.damping_ratios, rtol=1e-9)
+
+
+def test_a_campbell_diagram_meets_its_lines_where_modes_of_that_speed_do():
+    system = rotor()
+    speeds = np.linspace(5.0, 160.0, 25)
+    diagram = system.campbell(speeds, count=6)
+    for k in (0, 12, 24):
+        modes = system.modes(speeds[k]).eigenvalues
+        for value in diagram.eigenvalues[k]:
+            assert np.abs(modes - value).min() < 1e-9 * abs(value)
+    assert len(diagram.intersections) >= 2
+    for meeting in diagram.intersections:
+        values = frozen(meeting.speed).modes(meeting.speed).eigenvalues
+        assert np.abs(values.imag - meeting.speed).min() < 1e-9 * meeting.speed
+
+
+def test_undamped_critical_speeds_belong_to_the_stiffness_of_the_same_speed():
+    symmetric = (STIFFNESS + STIFFNESS.transpose(0, 2, 1)) / 2
+    table = Model(rotor(gb.SpeedTable(SPEEDS, symmetric)).description)
+    found = [speed for speed, _ in table.critical_speeds(1.0)]
+    assert len(found) >= 2
+    at = PchipInterpolator(SPEEDS, symmetric)
+    for speed in found:
+        near = [s for s, _ in Model(rotor(at(speed)).description).critical_speeds(1.0)]
+        assert min(abs(s - speed) for s in near) < 1e-9 * speed
+    # and none is missed that a dense sampling shows: a frozen critical speed passes its own speed
+    samples = np.linspace(0.5, 159.5, 160)
+    below = [
+        sum(s < speed for s, _ in Model(rotor(at(speed)).description).critical_speeds(1.0))
+        for speed in samples
+    ]
+    assert np.abs(np.diff(below)).sum() == len(found)
+
+
+def test_held_tables_add_the_critical_speeds_beyond_them():
+    table = gb.SpeedTable(SPEEDS, STIFFNESS[:, 0, 0], outside="hold")
+    last = float(STIFFNESS[-1, 0, 0])
+    found = [s for s, _ in Model(rotor(table, 0.0).description).critical_speeds(1.0)]
+    constant = [s for s, _ in Model(rotor(last, 0.0).description).critical_speeds(1.0)]
+    beyond = [s for s in constant if s > SPEEDS[-1]]
+    assert beyond
+    np.testing.assert_allclose([s for s in found if s > SPEEDS[-1]], beyond, rtol=1e-12)
+
+
+RAMP = (30.0, 130.0, 0.6, 0.05)  # through the critical speed, from 0.05 s to 0.65 s
+END = 0.75
+
+
+def turning(t: float) -> tuple[float, float, float]:
+    start, end, duration, begin = RAMP
+    since, slope = min(max(t - begin, 0.0), duration), (end - start) / duration
+    angle = start * min(t, begin + since) + slope * since**2 / 2
+    angle += end * max(0.0, t - begin - duration)
+    return angle, start + slope * since, slope if 0.0 < t - begin < duration else 0.0
+
+
+@pytest.fixture(scope="module")
+def judged() -> judge.Motion:
+    part = ShaftPart(LENGTH, Section(DIAMETER, E, G, DENSITY), ELEMENTS)
+    wheel = RigidSpec("wheel", "s", 0.5, *DISK.values(), UNBALANCE)
+    curves = (BOW.curve(LENGTH), BOW.slope(LENGTH))
+    train = Train([ShaftSpec("s", [part], 1.0, *curves)], [wheel], [])
+    stiffness, damping = (PchipInterpolator(SPEEDS, table) for table in (STIFFNESS, DAMPING))
+    places = [train.dof("s", x, elements.V) for x in ENDS]
+
+    def bearings(speed: float) -> tuple[Array, Array]:
+        k, c = np.zeros_like(train.mass), np.zeros_like(train.mass)
+        for i in places:
+            k[i : i + 2, i : i + 2], c[i : i + 2, i : i + 2] = stiffness(speed), np.diag(damping(speed))
+        return k, c
+
+    # the second derivative of the interpolation jumps at its knots
+    start, end, duration, begin = RAMP
+    knots = begin + (SPEEDS - start) / (end - start) * duration
+    kinks = sorted([begin, begin + duration, *knots[(SPEEDS > start) & (SPEEDS < end)]])
+    times = np.linspace(0.0, END, 151)
+    return judge.run_up(train, turning, times, rtol=1e-11, kinks=kinks, bearings=bearings)
+
+
+def profile() -> gb.SpeedProfile:
+    start, end, duration, begin = RAMP
+    return gb.SpeedProfile.ramp(start, end, duration, begin=begin)
+
+
+def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(judged: judge.Motion):
+    options: dict[str, Any] = {"initial": "rest", "times": judged.time, "record": ["wheel", "bearings"]}
+    exact = judged.displacement("wheel")
+    size = np.abs(exact).max()
+    found = rotor().simulate(END, profile(), method="rk45", rtol=1e-10, **options)
+    # the independent solution is accurate to 1e-10
+    assert np.abs(found.displacement("wheel") - exact).max() < 1e-8 * size
+    # the step crosses the knots, where the second derivative of the interpolation jumps: third order at worst
+    errors = []
+    for step in (2e-4, 1e-4):
+        run = rotor().simulate(END, profile(), method="rk4", step=step, **options)
+        errors.append(np.abs(run.displacement("wheel") - exact).max() / size)
+    assert errors[1] < 1e-6
+    assert np.log2(errors[0] / errors[1]) > 2.5
+    # bearings that stay as they are at the start differ by far more
+    constant = frozen(RAMP[0]).simulate(END, profile(), method="rk45", rtol=1e-6, **options)
+    assert np.abs(constant.displacement("wheel") - exact).max() > 0.05 * size
+    # and the recorded force is that of the coefficients at each speed
+    i = judged.train.dof("s", 0.0, elements.V)
+    expected = []
+    for t, q, qd in zip(judged.time, judged.q, judged.qd, strict=True):
+        k, c = dense(turning(float(t))[1])
+        expected.append(k @ q[i : i + 2] + c @ qd[i : i + 2])
+    gap = np.abs(found.bearing_force("s", 0.0) - np.array(expected)).max()
+    assert gap < 1e-6 * np.abs(expected).max()
+
+
+def test_the_energy_audit_counts_the_work_that_stiffens_the_bearings():
+    run = rotor().simulate(END, profile(), method="rk45", rtol=1e-10, **RUN)
+    balance = run.energy_balance()
+    # the audit integrates the power over steps to the seventh digit
+    assert np.abs(balance.residual).max() < 1e-7 * balance.total.max()
+    # without that work it would not close; its power is u^T (dK/dt) u / 2
+    slope = PchipInterpolator(SPEEDS, STIFFNESS).derivative()
+    work = 0.0
+    for x in ENDS:
+        u = run.displacement(("s", x))
+        speeds = [turning(float(t))[1:] for t in run.time]
+        power = [q @ slope(s) @ q / 2 * a for q, (s, a) in zip(u, speeds, strict=True)]
+        work += float(np.trapezoid(power, run.time))
+    assert work > 1e-3 * balance.total.max()
+
+
+def test_runs_and_pieces_of_runs_are_the_same(tmp_path: Any):
+    whole = rotor().simulate(0.4, profile(), method="rk45", **RUN)
+    first = rotor().simulate(0.2, profile(), method="rk45", **RUN)
+    second = rotor().simulate(0.2, profile(), method="rk45", initial=first, **RUN)
+    np.testing.assert_array_equal(whole.final["state"], second.final["state"])
+    whole.save(tmp_path / "run.npz")
+    again = gb.Response.load(tmp_path / "run.npz")
+    np.testing.assert_array_equal(again.bearing_force("s", 0.0), whole.bearing_force("s", 0.0))
+
+
+def test_a_start_on_the_synchronous_motion_takes_the_bearings_of_the_first_speed():
+    start = rotor().simulate(0.0, profile(), method="rk45", **RUN)
+    constant = frozen(RAMP[0]).simulate(0.0, RAMP[0], method="rk45", **RUN)
+    np.testing.assert_allclose(
+        start.displacement("wheel"), constant.displacement("wheel"), rtol=1e-10
+    )
+
+
+def test_speeds_outside_the_table_name_bearing_speed_and_range():
+    text = r'bearings\[0\].stiffness: the table ranges from 0 to 160 rad/s, but the shaft "s" turns at 200 rad/s'
+    system = rotor()
+    for ask in (
+        lambda: system.modes(200.0),
+        lambda: system.modes(-200.0),
+        lambda: system.matrices(200.0),
+        lambda: system.static(speed=200.0),
+        lambda: system.synchronous([10.0, 200.0]),
+        lambda: system.campbell([10.0, 200.0]),
+        lambda: system.simulate(0.01, 200.0),
+        lambda: system.simulate(0.1, gb.SpeedProfile.ramp(100.0, 200.0, 0.1), method="rk45"),
+    ):
+        with pytest.raises(gb.SceneError, match=text):
+            ask()
+    held = rotor(
+        gb.SpeedTable(SPEEDS, STIFFNESS, outside="hold"),
+        gb.SpeedTable(SPEEDS, DAMPING, outside="hold"),
+    )
+    end = rotor(STIFFNESS[-1], DAMPING[-1])
+    np.testing.assert_array_equal(held.modes(200.0).eigenvalues, end.modes(200.0).eigenvalues)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (gb.SpeedTable([0.0], [1e8]), "bearings[0].stiffness.speeds: needs at least 2 speeds, got 1"),
+        (gb.SpeedTable([0.0, 0.0], [1e8, 2e8]), "bearings[0].stiffness.speeds[1]: must be above the speed before it, 0, got 0"),
+        (gb.SpeedTable([-1.0, 0.0], [1e8, 2e8]), "bearings[0].stiffness.speeds[0]: must not be negative, got -1"),
+        (gb.SpeedTable([0.0, 1.0], [1e8]), "bearings[0].stiffness.values: needs one value for each of the 2 speeds, got 1"),
+        (gb.SpeedTable([0.0, 1.0], [1e8, -2e8]), "bearings[0].stiffness.values[1]: must not be negative, got -2"),
+        (gb.SpeedTable([0.0, 1.0], [1e8, np.nan]), "bearings[0].stiffness.values[1]: must be finite, got nan"),
+        (gb.SpeedTable([0.0, 1.0], [1e8, (1e8, 1e8)]), "bearings[0].stiffness.values[1]: must have the same form"),
+        (gb.SpeedTable([0.0, 1.0], [(1e8, 2e8, 3e8)] * 2), "bearings[0].stiffness.values[0]: expected a number, a pair"),
+        (gb.SpeedTable([0.0, 1.0], [1e8, 1e8], outside="keep"), "bearings[0].stiffness.outside: unknown variant"),
+        ("soft", "bearings[0].stiffness: "),
+    ],
+)  # fmt: skip
+def test_invalid_tables_name_the_entry(table: Any, message: str):
+    with pytest.raises(gb.SceneError, match="^" + re.escape(message)):
+        rotor(table)
+
+
+def test_tables_survive_files_and_descriptions(tmp_path: Any):
+    system = rotor(damping=gb.SpeedTable(SPEEDS, DAMPING, outside="hold"))
+    system.save(tmp_path / "scene.toml")
+    for again in (gb.RotorSystem.load(tmp_path / "scene.toml"), gb.RotorSystem.from_dict(system.description)):
+        assert again.bearings == system.bearings
+        assert again.description == system.description
+        np.testing.assert_array_equal(again.modes(33.0).shapes, system.modes(33.0).shapes)
