@@ -325,8 +325,8 @@ struct Maps([DMatrix<f64>; 4]);
 impl Maps {
     /// Maps of z with y = `right` z and z = `left` y.
     fn new(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Self {
-        let (q, v) = order.to_physical(real);
-        let (from_q, from_v) = order.from_physical(real);
+        let (q, v) = order.physical_maps(real);
+        let (from_q, from_v) = order.state_maps(real);
         Self([q * right, v * right, (left * from_q).transpose(), (left * from_v).transpose()])
     }
 
