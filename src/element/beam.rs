@@ -21,11 +21,11 @@ use crate::scene::{Element, Material};
 /// Matrices of one shaft element. Rows and columns of bending are (u₁, φ₁, u₂, φ₂), those of torsion (θ₁, θ₂).
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
-    /// Mass matrix ρA∫NᵥᵀNᵥ dx + R, kg, kg m, kg m².
+    /// Mass matrix ρA∫NᵥᵀNᵥ dx + R with rotary inertia R; entries in kg, kg m and kg m².
     pub mass: Matrix4<f64>,
-    /// Gyroscopic matrix G = 2R with R = ρI∫N_θᵀN_θ dx, per unit spin.
+    /// Gyroscopic matrix G = 2R with R = ρI∫N_θᵀN_θ dx, per unit spin; entries in kg, kg m and kg m².
     pub gyroscopic: Matrix4<f64>,
-    /// Stiffness matrix of bending and shear, N/m, N, N m.
+    /// Stiffness matrix of bending and shear; entries in N/m, N and N m.
     pub stiffness: Matrix4<f64>,
     /// Mass matrix of torsion, kg m².
     pub torsional_mass: Matrix2<f64>,
@@ -91,7 +91,7 @@ impl Beam {
     }
 }
 
-/// Shape functions Nᵥ of the displacement at ξ = x/l; φ = 12EI/(κGAl²) is the shear parameter.
+/// Shape functions Nᵥ of the displacement at ξ = x/l; Φ = 12EI/(κGAl²) = `phi` is the shear parameter.
 fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     let (square, cube) = (xi * xi, xi * xi * xi);
     Vector4::new(

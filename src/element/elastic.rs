@@ -3,12 +3,12 @@
 //! With κ = φ₂ − φ₁ and d = u₂ − u₁ − l(φ₁ + φ₂)/2, the elastic energy of an element is
 //!
 //! ```text
-//! ½ (EI/l) κ² + ½ · 12EI/(l³(1 + φ)) · d²   in bending,      ½ (GJ/l) (θ₂ − θ₁)²   in torsion,
+//! ½ (EI/l) κ² + ½ · 12EI/(l³(1 + Φ)) · d²   in bending,      ½ (GJ/l) (θ₂ − θ₁)²   in torsion,
 //! ```
 //!
-//! where φ is the shear parameter. This form needs fewer operations than the product with the matrix K. A rigid motion
-//! cancels in the strains, before the multiplication with a large stiffness, which avoids round-off errors. Forces act
-//! on the nodes: f = −K q.
+//! where Φ = 12EI/(κ_s GAl²) is the shear parameter with the shear coefficient κ_s. This form needs fewer operations
+//! than the product with the matrix K. A rigid motion cancels in the strains, before the multiplication with a large
+//! stiffness, which avoids round-off errors. Forces act on the nodes: f = −K q.
 
 /// Values of the `B` unknowns, each with `L` lanes, at one node.
 pub type Values<const B: usize, const L: usize> = [[f64; L]; B];
@@ -29,7 +29,7 @@ pub struct Bending {
     pub half_length: f64,
     /// Flexural stiffness EI/l, N m.
     pub flexural: f64,
-    /// Transverse stiffness 12EI/(l³(1 + φ)), N/m.
+    /// Transverse stiffness 12EI/(l³(1 + Φ)), N/m.
     pub transverse: f64,
 }
 

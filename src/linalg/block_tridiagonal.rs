@@ -5,7 +5,7 @@
 //! `B = L = 1`. A vector is ordered by node, then by unknown, then by lane.
 //!
 //! Products and solutions take time proportional to the number of nodes. The factorization is block LDLᵀ (Golub and Van
-//! Loan, Matrix Computations, section 4.5).
+//! Loan, Matrix Computations, 4th ed., section 4.5).
 
 use thiserror::Error;
 

@@ -1,9 +1,9 @@
 //! Refinement of the eigenvectors of repeated or close eigenvalues by inverse iteration.
 //!
-//! Back substitution in a real Schur form cannot separate two equal pairs of complex eigenvalues, and separates close
-//! ones badly. Of such a cluster one eigenvector is correct; the others have errors of up to a few per cent. Inverse
+//! Back substitution in a real Schur form cannot separate two equal pairs of complex eigenvalues, and is inaccurate for
+//! close ones. One eigenvector of such a cluster is correct; the others have errors of up to a few per cent. Inverse
 //! iteration computes them again, one after the other, each orthogonal to the correct eigenvectors of the same
-//! eigenvalue (Golub and Van Loan, Matrix Computations, section 7.6.1).
+//! eigenvalue (Golub and Van Loan, Matrix Computations, 4th ed., section 7.6.1).
 
 use faer::linalg::solvers::Solve;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -25,7 +25,7 @@ const PERTURBATION: f64 = 0.1;
 
 type Vector = DVector<Complex<f64>>;
 
-/// Computes the wrong ones among the unit eigenvectors of `matrix` again. A vector whose residual does not decrease
+/// Recomputes wrong eigenvectors of `matrix`; all vectors have unit length. A vector whose residual does not decrease
 /// stays unchanged.
 pub(super) fn refine_eigenvectors(matrix: &DMatrix<f64>, values: &[Complex<f64>], vectors: &mut [Vector]) {
     let size = matrix.norm();
@@ -69,13 +69,14 @@ fn inverse_iteration(matrix: &DMatrix<f64>, shift: Complex<f64>, start: &Vector,
     let shifted =
         DMatrix::from_fn(n, n, |i, j| Complex::from(matrix[(i, j)]) - if i == j { shift } else { Complex::ZERO });
     let factors = view(&shifted).partial_piv_lu();
-    // The start vector may lack a component of the wanted one. A fixed perturbation adds components of all directions.
+    // The start vector may have no component in the direction of the eigenvector. A fixed perturbation adds components
+    // in all directions.
     let perturbation = |i: usize| Complex::from_polar(PERTURBATION / (n as f64).sqrt(), (i * i) as f64);
     let mut vector = DVector::from_fn(n, |i, _| start[i] + perturbation(i));
     for _ in 0..STEPS {
         let solved = factors.solve(view(&DMatrix::from_column_slice(n, 1, vector.as_slice())));
         vector = copy(solved.as_ref()).column(0).into_owned();
-        // Orthogonalization is done twice: once leaves round-off of the removed components.
+        // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
         for equal in equals.iter().chain(equals) {
             let component = equal.dotc(&vector);
             vector -= equal * component;

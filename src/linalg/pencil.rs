@@ -22,7 +22,7 @@ pub struct SymmetricPencil {
     pub vectors: DMatrix<f64>,
 }
 
-/// Solves K φ = ω² M φ. The columns of `null` are orthonormal in M and span the null space of K.
+/// Solves K φ = ω² M φ. The columns of `null` are the known null vectors of K, orthonormal in M; there may be none.
 ///
 /// # Errors
 /// [`DecompositionError`] if M is not positive definite or the iteration fails.

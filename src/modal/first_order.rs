@@ -107,7 +107,7 @@ impl FirstOrder {
     }
 
     /// Matrices Q and V, each n × 2n, with q = Q y and q̇ = V y.
-    pub fn to_physical(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
+    pub fn physical_maps(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
         let (n, size) = real.vectors.shape();
         let (mut displacement, mut velocity) = (DMatrix::zeros(n, 2 * size), DMatrix::zeros(n, 2 * size));
         self.for_each_mode(real, |mode, position, scale, rate| {
@@ -118,7 +118,7 @@ impl FirstOrder {
     }
 
     /// Matrices P and R, each 2n × n, with y = P M q + R M q̇.
-    pub fn inverse_maps(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
+    pub fn state_maps(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
         let (n, size) = real.vectors.shape();
         let (mut displacement, mut velocity) = (DMatrix::zeros(2 * size, n), DMatrix::zeros(2 * size, n));
         self.for_each_mode(real, |mode, position, scale, rate| {

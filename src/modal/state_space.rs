@@ -20,7 +20,7 @@ use crate::model::Model;
 
 /// The slots of every part are padded to a multiple of this number, so that SIMD loops have no remainder.
 pub const LANES: usize = 8;
-/// Largest accepted condition number of the modes. Results lose as many digits as the condition number has.
+/// Largest accepted condition number κ of the modes. Results lose about log₁₀ κ digits.
 pub const MAX_CONDITION: f64 = 1e8;
 
 /// The matrix A of ż = A z.
@@ -255,7 +255,7 @@ impl ModalStateSpace {
         Some(DVector::from_fn(re.len(), |i, _| Complex64::new(re[i], im[i])))
     }
 
-    /// Output row w of the scalar w·z = Σ coefficient·q[index] over the entries (index, coefficient) of `scalar`; with
+    /// Output row w of the scalar w·z = Σ coefficient·qᵢ over the entries (i, coefficient) of `scalar`; with
     /// `rate` that of its time derivative.
     pub fn row(&self, scalar: &[(usize, f64)], rate: bool) -> Vec<f64> {
         let matrix = if rate { &self.velocity } else { &self.displacement };
@@ -325,8 +325,8 @@ struct Maps([DMatrix<f64>; 4]);
 impl Maps {
     /// Maps of z with y = `right` z and z = `left` y.
     fn new(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Self {
-        let (q, v) = order.to_physical(real);
-        let (from_q, from_v) = order.inverse_maps(real);
+        let (q, v) = order.physical_maps(real);
+        let (from_q, from_v) = order.state_maps(real);
         Self([q * right, v * right, (left * from_q).transpose(), (left * from_v).transpose()])
     }
 

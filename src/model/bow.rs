@@ -42,8 +42,8 @@ pub(super) fn shape(
     })
 }
 
-/// (u, φ) of the sag under the weight of the shaft and its bodies on rigid bearings, scaled to a largest deflection of
-/// 1.
+/// (u, φ) of the sag under the weight of the shaft and its bodies on rigid bearings, with a largest
+/// deflection of 1.
 ///
 /// Bearings are rigid because run-out is measured relative to the line through the bearings. The rigid-body part of a
 /// bow exerts no force.

@@ -316,7 +316,12 @@ fn check_stiffness(meshes: &[GearMesh]) -> Result<(), SceneError> {
 }
 
 /// Error for a shaft whose mass matrix is not positive definite.
-fn massless(scene: &Scene, shaft: usize, failure: NotPositiveDefinite) -> SceneError {
+fn mass_error(scene: &Scene, shaft: usize, failure: NotPositiveDefinite) -> SceneError {
     let x = scene.shafts[shaft].nodes[failure.node];
-    SceneError::new(format!("shafts[{shaft}]"), format!("the node at {x} m has no inertia, or one lost to round-off"))
+    SceneError::new(
+        format!("shafts[{shaft}]"),
+        format!(
+            "the inertia of the node at {x} m is zero or lost to round-off; check the density and the distances of nodes"
+        ),
+    )
 }

@@ -15,7 +15,7 @@
 use num_complex::Complex64;
 
 use super::numbering::Numbering;
-use super::{bow, massless};
+use super::{bow, mass_error};
 use crate::element::{Beam, Bending, Elastic, Twist, Values};
 use crate::linalg::{BlockTridiagonal, BlockTridiagonalFactor, load};
 use crate::scene::{Node, Scene, SceneError};
@@ -67,8 +67,8 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
     }
 }
 
-/// Force that rotates with the shaft: amplitude·e^{iϑ} at the shaft angle ϑ, where amplitude = bow + unbalance·(Ω² −
-/// iΩ̇).
+/// Force that rotates with the shaft: amplitude·e^{iϑ} at the shaft angle ϑ, where amplitude =
+/// bow + unbalance·(Ω² − iΩ̇).
 #[derive(Clone, Copy, Debug)]
 pub struct Excitation {
     /// Internal index of the real part (v or Γ); the imaginary part (w or −B) has the next index.
@@ -139,7 +139,7 @@ impl ShaftModel {
                     gyroscopic.add_at_node(body.node.node, 1, 1, body.polar_inertia);
                 }
                 bow_shape = bow::shape(scene, index, &mass, &stiffness)?;
-                let mass_factor = mass.factor().map_err(|failure| massless(scene, index, failure))?;
+                let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.bending).collect();
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
@@ -157,7 +157,7 @@ impl ShaftModel {
                 for body in scene.bodies().filter(|body| body.node.shaft == index) {
                     mass.add_at_node(body.node.node, 0, 0, body.polar_inertia);
                 }
-                let mass_factor = mass.factor().map_err(|failure| massless(scene, index, failure))?;
+                let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.twist).collect();
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }

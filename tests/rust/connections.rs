@@ -147,7 +147,7 @@ fn connections_act_as_loads_where_the_linear_motion_leaves_the_meshes_out() {
     let mesh: gearbow::scene::description::Mesh = parsed["m"].clone().try_into().unwrap();
     system.meshes[0] = mesh;
     let cached = pair(&system);
-    assert!(cached[1].linear_of_parts(100.0).unwrap().is_some());
+    assert!(cached[1].linear_without_meshes(100.0).unwrap().is_some());
     let [matrices, springs] = cached.map(|cached| run(&cached, &options(Method::Exponential, None)));
     let gap = difference(&matrices.record.displacement, &springs.record.displacement);
     // Both are as accurate as their tolerance of 1e-6.
