@@ -131,7 +131,7 @@ class RotorSystem:
     >>> system.speed_ratios
     array([ 1. , -0.5])
     >>> system.modes().names()[0]
-    'rolling of the train'
+    'rigid-body rotation'
     >>> response = system.simulate(0.1, speed=100.0)
     >>> contact_ratio = response.mesh("g1", "g2").contact_ratio
     >>> print(f"{contact_ratio.max() - contact_ratio.min():.2f}")

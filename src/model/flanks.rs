@@ -66,7 +66,7 @@ impl Model {
         for given in &self.scene.torques {
             torque[given.node.shaft] += given.value;
         }
-        // The rolling motion turns every shaft by its part, by base radii: what published data round differently from
+        // The rigid-body rotation turns every shaft by its part, by base radii: what published data round differently from
         // the tooth numbers would deflect the teeth.
         let rolling = self.rolling();
         let inertia = DVector::from_fn(shafts, |shaft, _| self.polar_inertia(shaft));
@@ -82,7 +82,7 @@ impl Model {
                 }
             }
         }
-        // The rolling motion gets a stiffness of the size of the others; the balanced torques do not drive it.
+        // The rigid-body rotation gets a stiffness of the size of the others; the balanced torques do not drive it.
         let size = stiffness.trace() / rolling.norm_squared();
         stiffness.ger(size, &rolling, &rolling, 1.0);
         let turned = Factors::of(&stiffness).solve(&DMatrix::from_column_slice(shafts, 1, torque.as_slice()));

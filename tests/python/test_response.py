@@ -444,13 +444,13 @@ def test_modes_are_named_by_where_they_move():
     np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-9)
     names = modes.names()
     assert modes.whirl[0] == "rigid"
-    assert names[0] == "rolling of the train"
-    assert names.count("rolling of the train") == 1
+    assert names[0] == "rigid-body rotation"
+    assert names.count("rigid-body rotation") == 1
     assert any(name.startswith("twist of") for name in names)
     assert any(name.startswith(("input v", "input w", "output v", "output w")) for name in names)
     lines = modes.table(count=3).splitlines()
     assert len(lines) == 4
-    assert lines[1].endswith("rolling of the train")
+    assert lines[1].endswith("rigid-body rotation")
     assert str(modes).splitlines()[:4] == lines
     frame = modes.to_dataframe()
     np.testing.assert_array_equal(frame["frequency [Hz]"], modes.frequencies_hz)

@@ -309,7 +309,7 @@ def over_phases(study: Study) -> Figure:
 
 
 def modes(study: Study) -> Figure:
-    """Draw the first mode shapes at rest, after the rolling of the train.
+    """Draw the first mode shapes at rest, after the rigid-body rotation.
 
     Parameters
     ----------

@@ -182,7 +182,7 @@ class Geared:
         ]
         torques = []
         if self.torque:
-            # balance: the torques do no work on the rolling of the train
+            # balance: the torques do no work on the rigid-body rotation
             first, last = (self._gear(self.gears[i].name).shaft for i in (0, -1))
             ratio = dict(zip(self.shafts, self.ratios, strict=True))
             load = -self.torque * ratio[first] / ratio[last]
