@@ -190,7 +190,9 @@ def test_a_mistake_of_units_is_a_warning(name):
     assert len(found) == 1, texts
     assert cause in found[0]
     assert (
-        "usual is" in found[0] or "more than a full turn" in found[0] or "of the stiffness" in found[0]
+        "usual is" in found[0]
+        or "more than a full turn" in found[0]
+        or "of the stiffness" in found[0]
     )
 
 
