@@ -280,8 +280,8 @@ def campbell(
     speeds : array_like, shape (k,)
         Ascending speeds of the reference shaft [rad/s], from 0 or above.
     count : int
-        How many modes, those of the lowest frequencies at the first speed; the rolling of a train
-        is none of them.
+        Number of modes, beginning with the lowest frequency at the first speed, without
+        rigid-body rotation.
     harmonics : int
         How many harmonics of every tooth frequency; 0 leaves the teeth out.
 

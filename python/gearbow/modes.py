@@ -30,7 +30,7 @@ class Modes(ReadOnly):
     Parameters
     ----------
     frequencies_hz : ndarray, shape (m,)
-        Damped natural frequencies [Hz]; 0 for the rolling of a train that is free to turn.
+        Damped natural frequencies [Hz]; 0 for rigid-body rotation.
     damping_ratios : ndarray, shape (m,)
         Damping ratios.
     whirl : tuple of str
@@ -90,8 +90,8 @@ class Modes(ReadOnly):
         Returns
         -------
         list of str, length m
-            What carries at least half as much kinetic energy as what carries the most; "rolling of
-            the train" for the motion that meets no stiffness.
+            The motions with at least half the kinetic energy of the largest one; "rigid-body
+            rotation" for the rotation of the whole train, which has no stiffness.
         """
         groups, shares = zip(*self.energy_shares().items(), strict=True)
         table = np.array(shares)

@@ -1,11 +1,11 @@
-//! Modes followed over the speed, and the speeds at which they meet what excites them.
+//! Campbell diagram: tracks modes over the speed and finds their intersections with excitation lines.
 //!
-//! A mode is followed by its shape. In y = (ωη, η̇), half of whose square is the energy, the modes of an undamped train
-//! are orthogonal at every speed, gyroscopic moments and all, so |yᴴy'|² (a modal assurance criterion with mass *and*
-//! stiffness as weights; Allemang, Sound and Vibration 37, 2003) adds up to one over all modes. Where every mode keeps
-//! more than a half of itself, the largest values are the optimal assignment. A step that does not keep [`CLEAR`] of
-//! every mode, or in which two modes that mix change places, is halved: what is left of their meeting tells a veering,
-//! where each mode takes the other's shape over by and by, from a crossing, where they pass each other.
+//! Modes are tracked by their shapes in y = (ωη, η̇); half of |y|² is the energy. In this form, the modes of an undamped
+//! system with gyroscopic moments are orthogonal at every speed. Therefore |yᴴy'|² (a modal assurance criterion weighted
+//! with mass and stiffness; Allemang, Sound and Vibration 37, 2003) adds up to one over all modes. If every mode keeps
+//! more than half of its energy, assigning the largest values first is optimal. A speed step is halved if a mode keeps
+//! less than [`MIN_CORRELATION`], or if two modes that mix exchange their order. Small steps distinguish a veering, where
+//! two modes gradually exchange their shapes, from a crossing, where their shapes do not change.
 
 use std::rc::Rc;
 
@@ -16,68 +16,69 @@ use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
 
-/// A step in which a mode keeps less than this part of its energy in its shape is halved.
-const CLEAR: f64 = 0.9;
-/// Modes that change places in a step and mix by less than this veer within a hundredth of it: they cross.
-const UNMIXED: f64 = 1e-4;
-/// How often a step is halved at most.
-const HALVINGS: u32 = 10;
-/// Eigenvalues that differ by less than this part are equal: their shapes are any combination.
-const EQUAL: f64 = 1e-7;
-/// The part of the first step at which modes that are equal at the first speed are told apart.
-const APART: f64 = 1e-3;
-/// The part of its shape by which a mode on a line is known again.
-const KNOWN: f64 = 0.7;
+/// Smallest |yᴴy'|² of a mode in a speed step; with a smaller value the step is halved.
+const MIN_CORRELATION: f64 = 0.9;
+/// Two modes that exchange their order and mix by less than this cross. A veering within a hundredth of the step is
+/// treated as a crossing.
+const MAX_MIXING_OF_CROSSING: f64 = 1e-4;
+/// Largest number of times that a step is halved.
+const MAX_HALVINGS: u32 = 10;
+/// Relative difference below which eigenvalues are equal. Their shapes may then be any combination.
+const EQUAL_TOLERANCE: f64 = 1e-7;
+/// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
+const START_OFFSET: f64 = 1e-3;
+/// Smallest |yᴴy'|² between a mode and its intersection with a line.
+const MIN_CORRELATION_ON_LINE: f64 = 0.7;
 
-/// What excites a train at a multiple of the speed.
+/// Source of an excitation at a multiple of the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExcitationSource {
-    /// The turning of a shaft.
+    /// Rotation of the shaft with this index.
     Shaft(usize),
-    /// The teeth of a mesh.
+    /// Tooth engagement of the mesh with this index.
     Mesh(usize),
 }
 
-/// A line of the diagram: ω = order·Ω, with Ω the speed of the reference shaft.
+/// An excitation line ω = order·Ω, with the speed Ω of the reference shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct ExcitationLine {
-    /// What excites.
+    /// Source of the excitation.
     pub source: ExcitationSource,
-    /// The harmonic of its own frequency.
+    /// Harmonic of the frequency of the source.
     pub harmonic: u32,
-    /// Frequency over the speed of the reference shaft.
+    /// Frequency relative to the speed of the reference shaft.
     pub order: f64,
 }
 
-/// A speed at which a mode meets a line.
+/// An intersection of a mode with an excitation line.
 #[derive(Clone, Copy, Debug)]
 pub struct Intersection {
     /// Index of the mode.
     pub mode: usize,
     /// Index of the line.
     pub line: usize,
-    /// Ω of the reference shaft, rad/s.
+    /// Speed Ω of the reference shaft, rad/s.
     pub speed: f64,
-    /// λ there, rad/s.
+    /// Eigenvalue λ of the mode, rad/s.
     pub eigenvalue: Complex<f64>,
-    /// How the mode whirls there.
+    /// Direction of whirl of the mode.
     pub whirl: Whirl,
 }
 
 /// A Campbell diagram.
 #[derive(Clone, Debug)]
 pub struct Campbell {
-    /// λ of every mode, speed after speed.
+    /// Eigenvalues λ by speed and mode, rad/s.
     pub eigenvalues: Vec<Vec<Complex<f64>>>,
-    /// Whirl of every mode, speed after speed.
+    /// Direction of whirl by speed and mode.
     pub whirl: Vec<Vec<Whirl>>,
-    /// The lines.
+    /// Excitation lines.
     pub lines: Vec<ExcitationLine>,
-    /// Where modes meet lines, by ascending speed.
+    /// Intersections in ascending order of speed.
     pub intersections: Vec<Intersection>,
 }
 
-/// One mode at one speed: y of unit length beside its eigenvalue.
+/// One mode at one speed: its eigenvalue and its shape y of unit norm.
 #[derive(Clone, Debug)]
 struct State {
     eigenvalue: Complex<f64>,
@@ -85,7 +86,7 @@ struct State {
     energy: DVector<Complex<f64>>,
 }
 
-/// Every shaft's turning, and `harmonics` of the tooth frequency of every mesh.
+/// Excitation lines of the rotation of every shaft and of `harmonics` harmonics of every mesh frequency.
 pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
     let scene = &cached.model.scene;
     let turning = |(shaft, ratio): (usize, &f64)| ExcitationLine {
@@ -106,10 +107,10 @@ pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
     scene.speed_ratios.iter().enumerate().map(turning).chain(teeth).collect()
 }
 
-/// The `count` lowest modes over ascending `speeds`, with the lines of [`lines`].
+/// Tracks the `count` lowest modes over ascending `speeds`, rad/s, and intersects them with [`lines`].
 ///
 /// # Errors
-/// [`AnalysisError`] if the speeds do not ascend from zero or above, a decomposition fails, or `interrupt` asks to stop.
+/// [`AnalysisError`] if the speeds are negative or do not ascend, a decomposition fails, or `interrupt` requests a stop.
 pub fn campbell(
     cached: &CachedModel,
     speeds: &[f64],
@@ -121,7 +122,7 @@ pub fn campbell(
         let place = EntryPath::entry("speeds", index);
         place.non_negative(*speed)?;
         if index > 0 && *speed <= speeds[index - 1] {
-            return Err(place.error(format!("must be above the one before, got {speed}")).into());
+            return Err(place.error(format!("must be larger than the previous speed, got {speed}")).into());
         }
     }
     let mut tracker = Tracker::new(cached, speeds, count, harmonics, interrupt)?;
@@ -142,7 +143,7 @@ pub fn campbell(
     Ok(diagram)
 }
 
-/// Where the modes have been followed to.
+/// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
     interrupt: &'a Interrupt,
@@ -150,16 +151,16 @@ struct Tracker<'a> {
     basis: AtSpeed<'a>,
     quadratic: Quadratic,
     lines: Vec<ExcitationLine>,
-    /// None before the first of the speeds.
+    /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
     modes: Vec<State>,
     intersections: Vec<Intersection>,
 }
 
-/// Which state each mode becomes in a step.
+/// Assignment of the states at a new speed to the tracked modes.
 struct Assignment {
     states: Vec<usize>,
-    /// Whether the step leaves no doubt.
+    /// Whether the assignment is reliable.
     clear: bool,
 }
 
@@ -184,8 +185,8 @@ impl<'a> Tracker<'a> {
             intersections: Vec::new(),
         };
         if let Some(first) = speeds.first() {
-            // At rest forward and backward are equal; their shapes are told apart a little way on.
-            let start = speeds.get(1).map_or(*first, |second| first + APART * (second - first));
+            // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
+            let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
             let states = tracker.at(start)?;
             tracker.modes = states.iter().filter(|state| state.eigenvalue.im > 0.0).take(count).cloned().collect();
         }
@@ -194,7 +195,7 @@ impl<'a> Tracker<'a> {
 
     fn at(&self, speed: f64) -> Result<Rc<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
-        // The modes are followed with the flanks of a positive speed, from speed zero on.
+        // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let real = self.basis.real_modes(speed)?;
         let weighted = self.basis.model.mass_matrix() * &real.vectors;
@@ -218,26 +219,29 @@ impl<'a> Tracker<'a> {
         Ok(Rc::new(modal::modes(&*self.cached.at_speed(speed)?, speed)?.into_iter().map(state).collect()))
     }
 
-    /// Follows the modes to the states of `speed`.
+    /// Tracks the modes to the states at `speed`.
     fn advance(&mut self, speed: f64, states: Rc<Vec<State>>, halved: u32) -> Result<(), AnalysisError> {
         let assignment = self.assign(&states);
         if let Some(from) = self.speed {
-            if !assignment.clear && halved < HALVINGS {
+            if !assignment.clear && halved < MAX_HALVINGS {
                 let middle = f64::midpoint(from, speed);
                 let between = self.at(middle)?;
                 self.advance(middle, between, halved + 1)?;
                 return self.advance(speed, states, halved + 1);
             }
             for mode in 0..self.modes.len() {
-                self.meet(mode, [(from, &self.modes[mode].clone()), (speed, &states[assignment.states[mode]])])?;
+                self.add_intersections(
+                    mode,
+                    [(from, &self.modes[mode].clone()), (speed, &states[assignment.states[mode]])],
+                )?;
             }
         }
         for (mode, index) in self.modes.iter_mut().zip(assignment.states) {
             let state = &states[index];
-            let unlike = states.iter().filter(|other| equal(other, state)).count() == 1;
+            let distinct = states.iter().filter(|other| equal(other, state)).count() == 1;
             mode.eigenvalue = state.eigenvalue;
             mode.whirl = state.whirl;
-            if unlike {
+            if distinct {
                 mode.energy.clone_from(&state.energy);
             }
         }
@@ -247,8 +251,8 @@ impl<'a> Tracker<'a> {
 
     fn assign(&self, states: &[State]) -> Assignment {
         let own: Vec<Vec<f64>> =
-            self.modes.iter().map(|mode| states.iter().map(|s| alike(mode, s)).collect()).collect();
-        // Of equal eigenvalues any state will do; what counts is the part of the mode in all of them.
+            self.modes.iter().map(|mode| states.iter().map(|s| correlation(mode, s)).collect()).collect();
+        // Among equal eigenvalues any state is correct; the correlation is the sum over all of them.
         let shared = |mode: usize, index: usize| {
             let together = (0..states.len()).filter(|other| equal(&states[*other], &states[index]));
             together.map(|other| own[mode][other]).sum::<f64>()
@@ -256,7 +260,7 @@ impl<'a> Tracker<'a> {
         let mut pairs: Vec<(f64, usize, usize)> = (0..self.modes.len())
             .flat_map(|mode| (0..states.len()).map(move |index| (mode, index)))
             .filter(|(mode, index)| own[*mode][*index] > f64::EPSILON)
-            .map(|(mode, index)| (shared(mode, index) + UNMIXED * own[mode][index], mode, index))
+            .map(|(mode, index)| (shared(mode, index) + MAX_MIXING_OF_CROSSING * own[mode][index], mode, index))
             .collect();
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut taken, mut assigned) = (vec![false; states.len()], vec![None; self.modes.len()]);
@@ -268,20 +272,20 @@ impl<'a> Tracker<'a> {
         let mut free = (0..states.len()).filter(|index| !taken[*index]);
         let found: Vec<usize> =
             assigned.iter().map(|index| index.or_else(|| free.next()).unwrap_or_default()).collect();
-        let kept = found.iter().enumerate().all(|(mode, index)| shared(mode, *index) > CLEAR);
-        let mixed = |a: usize, b: usize| own[a][found[b]].max(own[b][found[a]]) > UNMIXED;
+        let kept = found.iter().enumerate().all(|(mode, index)| shared(mode, *index) > MIN_CORRELATION);
+        let mixed = |a: usize, b: usize| own[a][found[b]].max(own[b][found[a]]) > MAX_MIXING_OF_CROSSING;
         let passed = |a: usize, b: usize| {
             let gap = |a: &State, b: &State| (a.eigenvalue.im - b.eigenvalue.im) / (a.eigenvalue.im + b.eigenvalue.im);
             let (before, after) = (gap(&self.modes[a], &self.modes[b]), gap(&states[found[a]], &states[found[b]]));
-            before * after < 0.0 && before.abs().min(after.abs()) > EQUAL
+            before * after < 0.0 && before.abs().min(after.abs()) > EQUAL_TOLERANCE
         };
         let count = self.modes.len();
         let clear = kept && !(0..count).any(|b| (0..b).any(|a| passed(a, b) && mixed(a, b)));
         Assignment { states: found, clear }
     }
 
-    /// Keeps where a mode meets lines between two speeds.
-    fn meet(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+    /// Stores the intersections of a mode with all lines between two speeds.
+    fn add_intersections(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
         for line in 0..self.lines.len() {
             let order = self.lines[line].order;
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
@@ -301,7 +305,7 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// The mode on the line ω = `order`·Ω between two speeds at which it is on either side of it.
+    /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
     fn intersection(
         &self,
         order: f64,
@@ -313,23 +317,23 @@ impl<'a> Tracker<'a> {
         let part = distance[0] / (distance[0] + distance[1]);
         let nearest = if part < 0.5 { low.1 } else { high.1 };
         let start = self.start(low.0 + part * (high.0 - low.0), nearest);
-        // Newton finds a mode on the line: whether it is this one, its shape tells.
+        // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
         let within = |met: &OrderIntersection| {
             let slack = 1e-9 * high.0;
             met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
                 let known = self.energy(met);
-                ends.iter().any(|(_, state)| known.dotc(&state.energy).norm_sqr() > KNOWN)
+                ends.iter().any(|(_, state)| known.dotc(&state.energy).norm_sqr() > MIN_CORRELATION_ON_LINE)
             }
         };
         if let Some(met) = self.quadratic.intersection(order, &start).filter(within) {
             return Ok(met);
         }
-        if halved > 4 * HALVINGS {
+        if halved > 4 * MAX_HALVINGS {
             return Ok(start);
         }
         let middle = f64::midpoint(low.0, high.0);
         let states = self.at(middle)?;
-        let like = |state: &State| alike(low.1, state) + alike(high.1, state);
+        let like = |state: &State| correlation(low.1, state) + correlation(high.1, state);
         let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(nearest);
         let above = |(speed, state): (f64, &State)| state.eigenvalue.im > order * speed;
         let between = (middle, found);
@@ -344,7 +348,7 @@ impl<'a> Tracker<'a> {
         let gaps = [0, 1].map(|end| (ends[end].0, gap(ends[end].0, &ends[end].1)));
         let mode = |speed: f64| -> Result<State, AnalysisError> {
             let states = self.at(speed)?;
-            let like = |state: &&State| alike(&ends[0].1, state) + alike(&ends[1].1, state);
+            let like = |state: &&State| correlation(&ends[0].1, state) + correlation(&ends[1].1, state);
             let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
             Ok(found.unwrap_or(&ends[0].1).clone())
         };
@@ -368,11 +372,11 @@ impl<'a> Tracker<'a> {
     }
 }
 
-/// |yᴴy'|².
-fn alike(a: &State, b: &State) -> f64 {
+/// Correlation |yᴴy'|² of two modes.
+fn correlation(a: &State, b: &State) -> f64 {
     a.energy.dotc(&b.energy).norm_sqr()
 }
 
 fn equal(a: &State, b: &State) -> bool {
-    (a.eigenvalue - b.eigenvalue).norm() <= EQUAL * a.eigenvalue.norm()
+    (a.eigenvalue - b.eigenvalue).norm() <= EQUAL_TOLERANCE * a.eigenvalue.norm()
 }

@@ -1,4 +1,4 @@
-//! Undamped critical speeds, straight from the eigenproblem.
+//! Undamped critical speeds from an eigenvalue problem in the speed.
 
 mod speed_dependent;
 
@@ -11,18 +11,18 @@ use crate::scene::EntryPath;
 pub struct Critical {
     /// Ω of the reference shaft, rad/s.
     pub speed: f64,
-    /// How the train whirls there.
+    /// Direction of whirl of the mode.
     pub whirl: Whirl,
 }
 
-/// Speeds Ω, ascending, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng. Ind. 98,
-/// 1976, who write it over the whirl ratio).
+/// Speeds Ω, in ascending order, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng.
+/// Ind. 98, 1976, who use the whirl ratio instead).
 ///
 /// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed; a table that
 /// does not hold its end values has no critical speeds outside its range.
 ///
 /// # Errors
-/// [`AnalysisError`] if `excitation` is not positive, a decomposition fails, or `interrupt` asks to stop.
+/// [`AnalysisError`] if `excitation` is not positive, a decomposition fails, or `interrupt` requests a stop.
 pub fn critical_speeds(
     cached: &CachedModel,
     excitation: f64,

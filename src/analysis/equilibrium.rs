@@ -1,7 +1,7 @@
-//! Static equilibrium under torque, gravity and the mesh forces, by Newton with the exact mesh tangent.
+//! Static equilibrium under torques, gravity and mesh forces, by Newton's method with the exact mesh tangent.
 //!
-//! Null motions, the rolling of a train among them, are held at zero in the mass sense. They change no force, and a
-//! load that drives one has no equilibrium.
+//! The solution contains no null motion (motion without elastic force, for example the rigid-body rotation), in the
+//! inner product of the mass matrix. A load that drives a null motion has no equilibrium.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,23 +13,24 @@ use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::SceneError;
 
-/// A load on a null motion below this part of what acts there is round-off.
-const BALANCED: f64 = 1e-9;
-/// The part of the load that the stiffness of null motions may carry, round-off.
-const CARRIED: f64 = 1e-6;
-/// ExcitationPart of a null motion that is round-off where it should not move.
+/// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
+const BALANCE_TOLERANCE: f64 = 1e-9;
+/// Largest fraction of the load that the artificial stiffness of the null motions may carry, as round-off.
+const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
+/// Component of a null motion, relative to its largest one, below which it is round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Newton has converged when the energy of its step is below this part of that of the load: displacements to 1e-13.
-const CONVERGED: f64 = 1e-26;
-/// Round-off of a stiff scene may not allow that: a step that stopped shrinking below this part has converged too.
-const STALLED: f64 = 1e-14;
-/// A step that leaves more than this part of the energy of the one before asks for a new tangent.
-const SLOW: f64 = 1e-4;
-/// A smooth problem takes three to five; more mean that there is no equilibrium near.
-const ITERATIONS: usize = 60;
+/// Energy of a Newton step, relative to the energy of the load, below which the iteration has converged; displacements
+/// are then accurate to 1e-13.
+const CONVERGENCE_TOLERANCE: f64 = 1e-26;
+/// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
+const STALL_TOLERANCE: f64 = 1e-14;
+/// Ratio of the energies of successive steps above which the tangent is computed anew.
+const TANGENT_REUSE_RATIO: f64 = 1e-4;
+/// Largest number of iterations. A smooth problem takes three to five.
+const MAX_ITERATIONS: usize = 60;
 
-/// Displacements q of the equilibrium with the flanks that carry at `speed`; bow and unbalance, which turn, are not
-/// part of it.
+/// Displacements q of the equilibrium, with the flanks in contact at `speed`, rad/s. Bow and unbalance rotate and are not
+/// included.
 ///
 /// # Errors
 /// [`AnalysisError`] if the load has no equilibrium, base circles overlap, or the iteration fails.
@@ -40,20 +41,20 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let load = &model.constant_load;
     let null = real.vectors.columns(0, real.null).into_owned();
     check_balance(model, &null, load)?;
-    // Null motions get a stiffness of their own, that of the lowest elastic mode; no load ever meets it.
+    // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    let held = model.mass_times(&null) * lowest;
+    let weighted = model.mass_times(&null) * lowest;
     let mut linear = model.shaft_stiffness_matrix();
     linear += model.support_stiffness_matrix();
-    linear.gemm(1.0, &held, &held.transpose(), 1.0);
+    linear.gemm(1.0, &weighted, &weighted.transpose(), 1.0);
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
     let mut factors: Option<LuFactors> = None;
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let (force, tangent) = connection_forces(model, geometry, speed, &flanks, &q)?;
-        // Summed from strains: rigid motion, large beside them in soft bearings, leaves no round-off.
+        // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
         let residual = load - model.static_force(&q) - force;
         let known = factors.get_or_insert_with(|| {
             let mut matrix = linear.clone();
@@ -66,10 +67,10 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         let step = step.column(0);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
-        let stalled = energy <= STALLED * scale && energy >= previous / 4.0;
-        let converged = energy <= CONVERGED * scale || stalled;
-        // The tangent of an earlier step serves as long as it leaves little.
-        if energy > SLOW * previous {
+        let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
+        let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
+        // An old tangent is used as long as the steps decrease fast.
+        if energy > TANGENT_REUSE_RATIO * previous {
             factors = None;
         }
         previous = energy;
@@ -79,10 +80,10 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             break;
         }
         if converged {
-            // A flank that would pull has parted; the other one carries.
+            // A flank cannot pull: change to the opposite flank.
             let pulls = pulling(model, geometry, speed, &flanks, &q)?;
             if pulls.is_empty() {
-                check_held(&(&held * held.tr_mul(&q)), load)?;
+                check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
                 return Ok(q);
             }
             for mesh in pulls {
@@ -91,20 +92,20 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             (previous, factors) = (f64::INFINITY, None);
         }
     }
-    Err(AnalysisError::Convergence(format!("no static equilibrium found in {ITERATIONS} Newton iterations")))
+    Err(AnalysisError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
 }
 
-/// A load that drives a null motion has no equilibrium: says whether a bearing or a torque is missing.
+/// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
 fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
-    // Null motions may be any mixture of rolling and sideways motion. Their sum is the acceleration under the load, which
-    // does not depend on the mixture.
+    // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
+    // depend on the combination.
     let mut acceleration = DVector::zeros(model.len());
     for column in null.column_iter() {
         let drive: f64 = column.dot(load);
         let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
-        // Of a motion that does not move at a load, round-off is left there.
-        let nothing = ROUND_OFF * column.amax() * load.lp_norm(1);
-        if drive.abs() > (BALANCED * acting).max(nothing) {
+        // Round-off of a null motion that does not move the points where loads act.
+        let round_off = ROUND_OFF * column.amax() * load.lp_norm(1);
+        if drive.abs() > (BALANCE_TOLERANCE * acting).max(round_off) {
             acceleration.axpy(drive, &column, 1.0);
         }
     }
@@ -113,56 +114,57 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
         return Ok(());
     }
     let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
-    let (shaft, sideways) = lateral.fold((0, 0.0), |(shaft, most), dof| {
+    let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
         let motion = acceleration[dof.index].abs();
         if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
     });
-    Err(if sideways > CARRIED * largest { unsupported(model, shaft) } else { unbalanced(model) }.into())
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
+        .into())
 }
 
-/// The load moves a shaft sideways that its bearings do not hold.
+/// The error for a load that moves a shaft laterally: its bearings do not constrain it.
 fn unsupported(model: &Model, shaft: usize) -> SceneError {
     let name = &model.scene.shafts[shaft].name;
     let has_bearing = model.scene.bearings.iter().any(|bearing| bearing.node.shaft == shaft);
     let cause = if has_bearing {
         format!(
-            "the bearings of \"{name}\" let the load move or tilt it; add one at another position, or give those that it has a stiffness in both directions"
+            "the load moves or tilts \"{name}\", which its bearings do not constrain; add a bearing at another position, or give its bearings a stiffness in both directions"
         )
     } else {
         format!(
-            "no bearing holds \"{name}\" sideways against the load; add gb.Bearing(\"{name}\", position, stiffness=...)"
+            "\"{name}\" is unconstrained: no bearing holds it laterally against the load; add gb.Bearing(\"{name}\", position, stiffness=...)"
         )
     };
     SceneError::new(format!("shafts[{shaft}]"), format!("no static equilibrium: {cause}"))
 }
 
-/// The torques turn the train.
+/// The error for torques that do not balance.
 fn unbalanced(model: &Model) -> SceneError {
     let scene = &model.scene;
     let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
     SceneError::new(
         "torques",
         format!(
-            "no static equilibrium: the torques do not balance, {net} N m of them, referred to the reference shaft, speed up the train; add gb.Torque.balance(at) where the load takes its torque"
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts"
         ),
     )
 }
 
-/// Bearings whose stiffness is neither symmetric nor regular hold what their null motions do not tell: what those got for
-/// a stiffness must carry nothing.
-fn check_held(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
-    if carried.norm() <= CARRIED * load.norm() {
+/// Refuses a load that the artificial stiffness of the null motions carries. This occurs with bearings whose stiffness is
+/// singular and not symmetric: its left and right null vectors differ.
+fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
         return Ok(());
     }
-    let message = "the stiffness of a bearing is singular, and pushes where it does not hold: no static equilibrium";
+    let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";
     Err(SceneError::new("bearings", message).into())
 }
 
-/// Row, column and value of an entry of a matrix; entries of one place add up.
+/// Row, column and value of a matrix entry. Entries with the same row and column add up.
 type Entry = (usize, usize, f64);
 
-/// The generalised forces of all connections, with their sign on the left side of the equation of motion, and their
-/// derivative over q.
+/// Sum of the generalised forces of all connections, on the left side of the equation of motion, and its derivative with
+/// respect to q.
 fn connection_forces(
     model: &Model,
     geometry: Geometry,
@@ -205,7 +207,7 @@ fn connection_forces(
     Ok((force, tangent))
 }
 
-/// Meshes with backlash whose flank would have to pull.
+/// Indices of the meshes with backlash whose flank carries a tensile force.
 fn pulling(
     model: &Model,
     geometry: Geometry,
@@ -219,7 +221,7 @@ fn pulling(
         let (force, _) = mesh
             .mean_tangent(geometry, sigma, *flank, q.as_slice(), |_, _, _| {})
             .map_err(|overlap| overlapped(model, index, overlap))?;
-        // An unloaded mesh rests on its flank with a force of round-off.
+        // The force of an unloaded mesh is round-off.
         let scale = mesh.stiffness * mesh.involute.base_radius[0] * f64::EPSILON;
         if mesh.backlash.is_some() && force < -scale {
             pulling.push(index);
@@ -228,7 +230,7 @@ fn pulling(
     Ok(pulling)
 }
 
-/// The part of a Newton step that keeps the base circles apart.
+/// Fraction of a Newton step that keeps the base circles apart.
 fn admissible(
     model: &Model,
     geometry: Geometry,

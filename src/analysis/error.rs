@@ -1,4 +1,4 @@
-//! Why an analysis has no answer.
+//! Errors of an analysis.
 
 use thiserror::Error;
 
@@ -6,28 +6,28 @@ use crate::linalg::DecompositionError;
 use crate::mesh::Overlap;
 use crate::scene::SceneError;
 
-/// An analysis that has no answer.
+/// The reason why an analysis has no result.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum AnalysisError {
-    /// The scene, or an option, does not allow it.
+    /// The scene or an option is invalid for the analysis.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A step above the stability limit, or a run that diverged.
+    /// The step exceeds the stability limit, or the run diverged.
     #[error("{0}")]
     Stability(String),
-    /// Base circles overlap.
+    /// The base circles of a mesh overlap.
     #[error("{0}")]
     Contact(String),
     /// An iteration did not converge.
     #[error("{0}")]
     Convergence(String),
-    /// The analysis was asked to stop.
+    /// The caller requested the analysis to stop.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl AnalysisError {
-    /// Base circles of the mesh `driver`–`driven` overlap, `when` it was.
+    /// Creates the error for overlapping base circles of the mesh `driver`–`driven`; `when` describes the state.
     pub fn overlap(driver: &str, driven: &str, when: &str, overlap: Overlap) -> Self {
         let Overlap { distance, base_circles } = overlap;
         Self::Contact(format!(

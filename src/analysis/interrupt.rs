@@ -5,19 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::AnalysisError;
 
-/// A request to stop: one thread makes it, and the analysis on another thread checks for it between its decompositions.
+/// A request to stop. One thread sets it; the analysis on another thread checks it between its decompositions.
 ///
-/// Clones share one request.
+/// All clones share one request.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Asks the analysis to stop.
+    /// Requests the analysis to stop.
     pub fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Ends an analysis that was asked to stop.
+    /// Returns an error if a stop was requested.
     ///
     /// # Errors
     /// [`AnalysisError::Interrupted`] after [`request`](Self::request).

@@ -1,4 +1,4 @@
-//! What is asked of a model: modes over the speed, critical speeds, equilibrium, synchronous response, motion.
+//! Analyses of a model: Campbell diagram, critical speeds, equilibrium, synchronous response and simulation.
 
 mod campbell;
 mod critical;

@@ -1,8 +1,8 @@
-//! Peaks of the synchronous response at one place, with the speeds at which it is 1/√2 of them.
+//! Peaks of the synchronous response at one node and their half-power speeds, at which the response is 1/√2 of the peak.
 //!
-//! API RP 684 calls the speed of a peak N_c, the two others N₁ and N₂, and N_c/(N₂ − N₁) the amplification factor. Here
-//! all three are found on the response itself, not between the speeds at which it was asked for. Each sense of rotation
-//! is searched from standstill to its highest speed, so that N₁ is always nearer to standstill than N₂.
+//! API RP 684 calls the speed of a peak N_c, the half-power speeds N₁ and N₂, and N_c/(N₂ − N₁) the amplification factor.
+//! All three are computed from the response itself, not by interpolation between the given speeds. Each direction of
+//! rotation is searched from standstill to its highest speed, so that N₁ is always closer to standstill than N₂.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -12,41 +12,41 @@ use super::synchronous::synchronous_of;
 use super::{AnalysisError, ExcitationPart, Interrupt};
 use crate::modal::CachedModel;
 
-/// A maximum is flat: closer than this part of its speed, round-off hides where it is.
-const PEAK: f64 = 1e-9;
-/// Half-power speeds are met to this part of their value.
-const HALF_POWER: f64 = 1e-12;
+/// Relative tolerance of the speed of a peak. A maximum is flat; round-off prevents a smaller tolerance.
+const PEAK_TOLERANCE: f64 = 1e-9;
+/// Relative tolerance of half-power speeds.
+const HALF_POWER_TOLERANCE: f64 = 1e-12;
 
-/// What is measured: the largest semi-axis of an orbit.
+/// The measured quantity: the major semi-axis of the orbit of a node.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
-    /// Index of v; w follows.
+    /// Index of the coordinate v; w follows.
     pub index: usize,
-    /// The shaft that excites.
+    /// Index of the shaft that excites.
     pub source: usize,
-    /// What of it.
+    /// Part of the excitation.
     pub part: ExcitationPart,
-    /// The speed of slow roll, whose amplitudes are taken off as run-out, rad/s.
+    /// Slow-roll speed, rad/s. Its response is subtracted as run-out.
     pub slow_roll: Option<f64>,
 }
 
-/// A peak.
+/// A peak of the response.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
-    /// N_c: the speed of the reference shaft, rad/s.
+    /// Speed N_c of the reference shaft, rad/s.
     pub speed: f64,
-    /// The semi-axis there, m.
+    /// Major semi-axis at the peak, m.
     pub amplitude: f64,
-    /// N₁, rad/s, between standstill and the peak; none where the response does not fall so far within the range.
+    /// Half-power speed N₁ between standstill and the peak, rad/s; None if it lies outside the speed range.
     pub lower: Option<f64>,
-    /// N₂, rad/s, beyond the peak; none likewise.
+    /// Half-power speed N₂ above the peak, rad/s; None if it lies outside the speed range.
     pub upper: Option<f64>,
 }
 
-/// The peaks between ascending `speeds`, each of which shows on these speeds as a local maximum.
+/// Finds the peaks between ascending `speeds`. Each is a local maximum of the response at these speeds.
 ///
 /// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found, or `interrupt` asks to stop.
+/// [`AnalysisError`] if the undamped modes cannot be found, or `interrupt` requests a stop.
 pub fn peaks(
     cached: &CachedModel,
     probe: Probe,
@@ -76,7 +76,7 @@ pub fn peaks(
     Ok(found.chain(from_standstill(&size, &forward)?).collect())
 }
 
-/// The peaks of `size` between ascending `speeds` that are not negative.
+/// Finds the peaks of `size` between ascending, non-negative `speeds`.
 fn from_standstill(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
     speeds: &[f64],
@@ -87,20 +87,22 @@ fn from_standstill(
         if sizes[at] <= sizes[at - 1] || sizes[at] < sizes[at + 1] {
             continue;
         }
-        let (speed, amplitude) = highest(size, speeds[at - 1], speeds[at + 1])?;
+        let (speed, amplitude) = maximum(size, speeds[at - 1], speeds[at + 1])?;
         let half = FRAC_1_SQRT_2 * amplitude;
         let below = (0..=at).rev().find(|index| speeds[*index] < speed && sizes[*index] < half);
         let above = (at..sizes.len()).find(|index| speeds[*index] > speed && sizes[*index] < half);
-        // From the neighbour on the peak's side, or from the peak itself.
-        let lower = below.map(|index| falls(size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
-        let upper = above.map(|index| falls(size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
+        // The bracket begins at the neighbour towards the peak, or at the peak itself.
+        let lower =
+            below.map(|index| half_power_speed(size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
+        let upper =
+            above.map(|index| half_power_speed(size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
         peaks.push(Peak { speed, amplitude, lower, upper });
     }
     Ok(peaks)
 }
 
-/// The maximum between two speeds, by golden section.
-fn highest(
+/// Finds the maximum between two speeds by golden-section search.
+fn maximum(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
     low: f64,
     high: f64,
@@ -109,7 +111,7 @@ fn highest(
     let (mut low, mut high) = (low, high);
     let mut inner = [high - golden * (high - low), low + golden * (high - low)];
     let mut sizes = [size(inner[0])?, size(inner[1])?];
-    while high - low > PEAK * high.abs() {
+    while high - low > PEAK_TOLERANCE * high.abs() {
         if sizes[0] > sizes[1] {
             high = inner[1];
             inner = [high - golden * (high - low), inner[0]];
@@ -123,15 +125,16 @@ fn highest(
     Ok(if sizes[0] > sizes[1] { (inner[0], sizes[0]) } else { (inner[1], sizes[1]) })
 }
 
-/// Where the response falls through `level` on the way from `inside`, where it is above, to `outside`: bisection.
-fn falls(
+/// Finds the speed at which the response falls to `level`, by bisection between `inside`, where it is larger, and
+/// `outside`.
+fn half_power_speed(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
     level: f64,
     inside: f64,
     outside: f64,
 ) -> Result<f64, AnalysisError> {
     let (mut inside, mut outside) = (inside, outside);
-    while (outside - inside).abs() > HALF_POWER * outside.abs().max(inside.abs()) {
+    while (outside - inside).abs() > HALF_POWER_TOLERANCE * outside.abs().max(inside.abs()) {
         let middle = f64::midpoint(inside, outside);
         if middle == inside || middle == outside {
             break;

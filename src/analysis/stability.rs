@@ -1,4 +1,4 @@
-//! How fast the fastest motion of a scene is: the limit of every explicit step.
+//! Bounds of the eigenvalues of a model, which limit the step of explicit methods.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,39 +12,40 @@ use crate::model::Support;
 /// Bounds of the eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
-    /// ω_max of the undamped system, rad/s.
+    /// Highest natural frequency ω_max of the undamped system, rad/s.
     pub omega_max: f64,
-    /// Bound of xᵀCx/xᵀMx, 1/s.
+    /// Upper bound of xᵀCx/xᵀMx, 1/s.
     pub damping: f64,
-    /// Bound of what the gyroscopic matrix adds to a frequency, rad/s.
+    /// Upper bound of the increase of a frequency by the gyroscopic matrix, rad/s.
     pub gyroscopic: f64,
 }
 
 impl Spectrum {
-    /// Bounds at `speed` of the reference shaft. Bearings that depend on the speed are bounded over all speeds of their
-    /// tables.
+    /// Computes the bounds at `speed` of the reference shaft, rad/s. Bearings that depend on the speed are bounded over
+    /// all speeds of their tables.
     ///
     /// # Errors
     /// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, AnalysisError> {
         let (model, reference) = (&cached.model, cached.at_speed(speed)?);
-        let beside = stiffening(cached, speed) + skew_part(&reference);
-        let omega_max = (reference.real_modes(speed)?.highest().powi(2) + beside).sqrt();
+        let additional = stiffening(cached, speed) + skew_part(&reference);
+        let omega_max = (reference.real_modes(speed)?.highest().powi(2) + additional).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
         Ok(Self { omega_max, damping: spread + dampers(cached, speed)?, gyroscopic: 2.0 * spin })
     }
 
-    /// Bound of |λ|: λ² + dλ + ω² = 0 has |λ| ≤ (d + √(d² + 4ω²))/2.
+    /// Upper bound of |λ|, rad/s: λ² + dλ + ω² = 0 has |λ| ≤ (d + √(d² + 4ω²))/2.
     pub fn radius(&self) -> f64 {
         self.gyroscopic + (self.damping + (self.damping * self.damping + 4.0 * self.omega_max.powi(2)).sqrt()) / 2.0
     }
 
-    /// The longest stable step of a method, s.
+    /// Longest stable step of a Runge–Kutta method, s.
     ///
-    /// A damped oscillator has |λ| = ω, at the angle asin(d/2ω) from the imaginary axis, or is overdamped with |λ| ≤ d.
-    /// While d ≤ ω_max/2 those near ω_max stay within 14.5° of the axis, and all others have room.
+    /// A damped oscillator has |λ| = ω at the angle asin(d/2ω) from the imaginary axis, or is overdamped with |λ| ≤ d.
+    /// For d ≤ ω_max/2, eigenvalues near ω_max are within 14.5° of the axis, and all others are well inside the stability
+    /// region.
     pub fn longest_step<const S: usize>(&self, tableau: &Tableau<S>) -> f64 {
         let undamped = tableau.imaginary_limit / (self.omega_max + self.gyroscopic);
         let light = self.damping <= self.omega_max / 2.0;
@@ -52,8 +53,8 @@ impl Spectrum {
     }
 }
 
-/// A bound of the increase of ω_max² by connections that may be stiffer than their linear part: the norm of the excess
-/// times Σ wᵀM⁻¹w over the scalars w of each connection.
+/// Upper bound of the increase of ω_max² by connections that can be stiffer than their linear part: the norm of the excess
+/// stiffness times Σ wᵀM⁻¹w over the scalars w of each connection.
 fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
     let model = &cached.model;
     let stiffer = |connection: Connection<'_>| {
@@ -75,7 +76,7 @@ fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
     model.connections(speed).map(stiffer).sum()
 }
 
-/// A bound of what bearings that do more than restore add to ω_max²: the norm of K − K_restoring times (M⁻¹)_ii each.
+/// Upper bound of the increase of ω_max² by the skew part of bearing stiffnesses: Σ‖K − K_sym‖·(M⁻¹)_ii.
 fn skew_part(cached: &CachedModel) -> f64 {
     let model = &cached.model;
     let add = |support: &Support| {
@@ -83,7 +84,7 @@ fn skew_part(cached: &CachedModel) -> f64 {
         if norm == 0.0 {
             return 0.0;
         }
-        // v and w have the same inertia.
+        // The inertia is the same for v and w.
         let mut accelerated = vec![0.0; model.len()];
         accelerated[support.index] = 1.0;
         for shaft in &model.shafts {
@@ -94,13 +95,13 @@ fn skew_part(cached: &CachedModel) -> f64 {
     model.supports.iter().map(add).sum()
 }
 
-/// The largest eigenvalue of M⁻¹C for the dampers of bearings and connections: that of the small matrix dᵀM⁻¹d, where each
-/// damper c on the coordinate g contributes the column d = √c·g.
+/// Largest eigenvalue of M⁻¹C for the dampers of bearings and connections, 1/s. It is that of the small matrix DᵀM⁻¹D,
+/// where a damper c on the coordinate g contributes the column √c·g of D.
 fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> {
     let model = &cached.model;
     let mut columns: Vec<DVector<f64>> = Vec::new();
     for support in &model.supports {
-        // Its Frobenius norm bounds what a damping matrix, symmetric or not, does in any direction.
+        // The Frobenius norm bounds the damping in every direction, also of a non-symmetric matrix.
         let norm = support.damping.as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
         for lane in (0..2).filter(|_| norm > 0.0) {
             let mut column = DVector::zeros(model.len());

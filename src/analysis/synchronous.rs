@@ -1,7 +1,7 @@
-//! ModalStateSpace response to what turns with the shafts, without time stepping.
+//! Steady linear response to bow and unbalance, in the frequency domain.
 //!
-//! Shaft s excites at its own speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s, and the motion is Re(a e^{iϑ_s}). A gear
-//! carries as many lines as there are shafts.
+//! Shaft s excites at its speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all
+//! shafts.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -11,20 +11,20 @@ use crate::modal::CachedModel;
 use crate::model::{Excitation, Model};
 use crate::scene::Node;
 
-/// What turns with a shaft and is asked for.
+/// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExcitationPart {
     /// Bow and unbalance.
     #[default]
     Both,
-    /// The bow alone.
+    /// Bow only.
     Bow,
-    /// Unbalance alone.
+    /// Unbalance only.
     Unbalance,
 }
 
-/// Amplitudes a at `speed` of shaft after shaft as the source, one a column, in the inside order; the meshes are
-/// linearised at rest.
+/// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core. The
+/// meshes are linearised at rest.
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
@@ -37,8 +37,7 @@ pub fn synchronous(
     Ok(DMatrix::from_columns(&columns.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// The bow b e^{iϑ} of every shaft as amplitudes over its own coordinates, in the inside order: what it would be if
-/// nothing bent it.
+/// Phasors of the bow of all shafts, each over the coordinates of its own shaft, in the coordinate order of the core, m.
 pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     let mut amplitudes = DVector::zeros(model.len());
     for shaft in &model.shafts {
@@ -52,7 +51,7 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     amplitudes
 }
 
-/// Amplitudes of the force over (y, z) on the bearings of `nodes`, N, where a shaft of speed `spin` excites the motion.
+/// Phasors of the force over (y, z) on the bearings of `nodes`, N, for a source shaft of speed `spin`, rad/s.
 pub fn bearing_forces(
     model: &Model,
     nodes: &[Node],
@@ -61,7 +60,7 @@ pub fn bearing_forces(
 ) -> Vec<[Complex<f64>; 2]> {
     let part = |part: fn(&Complex<f64>) -> f64| amplitudes.iter().map(part).collect::<Vec<_>>();
     let (re, im) = (part(|value| value.re), part(|value| value.im));
-    // q̇ = Re(iω a e^{iϑ}): in phase −ω Im a, a quarter turn ahead ω Re a.
+    // The velocity is Re(iω a e^{iϑ}): its phasor has the real part −ω Im a and the imaginary part ω Re a.
     let rate = |part: &[f64], factor: f64| part.iter().map(|value| factor * value).collect::<Vec<_>>();
     let (rate_re, rate_im) = (rate(&im, -spin), rate(&re, spin));
     let force = |node: &Node| {
@@ -71,11 +70,12 @@ pub fn bearing_forces(
     nodes.iter().map(force).collect()
 }
 
-/// The amplitudes of bow and unbalance with the flanks that carry at the speed `carrying`: at rest no speed says which.
+/// Phasors of bow and unbalance, with the flanks in contact at the speed `flank_speed`, rad/s: at standstill, `speed` does
+/// not determine the flanks.
 pub(super) fn with_flanks(
     cached: &CachedModel,
     speed: f64,
-    carrying: f64,
+    flank_speed: f64,
 ) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
     let model = &cached.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
@@ -83,19 +83,19 @@ pub(super) fn with_flanks(
         return Ok(amplitudes);
     }
     for (source, _) in model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
-        amplitudes.set_column(source, &synchronous_of(cached, speed, carrying, source, ExcitationPart::Both)?);
+        amplitudes.set_column(source, &synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?);
     }
     Ok(amplitudes)
 }
 
-/// Amplitudes a at `speed` of one shaft as the source, with the flanks that carry at the speed `carrying`.
+/// Phasors a at `speed` for one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.
 pub(super) fn synchronous_of(
     cached: &CachedModel,
     speed: f64,
-    carrying: f64,
+    flank_speed: f64,
     source: usize,
     part: ExcitationPart,
 ) -> Result<DVector<Complex<f64>>, AnalysisError> {
@@ -111,17 +111,18 @@ pub(super) fn synchronous_of(
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
         return Ok(DVector::zeros(model.len()));
     }
-    let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(carrying));
-    let rate = cached.damping_matrix(carrying)? + model.gyroscopic_matrix() * speed;
+    let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(flank_speed));
+    let rate = cached.damping_matrix(flank_speed)? + model.gyroscopic_matrix() * speed;
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
     if spin == 0.0 {
-        // At rest null motions have no stiffness; the bow, which bends alone, does not drive them either.
-        let real = cached.real_modes(carrying)?;
+        // Null motions have no stiffness at standstill. The bow does not drive them, so that an artificial stiffness has
+        // no effect.
+        let real = cached.real_modes(flank_speed)?;
         let weighted = &mass * real.vectors.columns(0, real.null);
-        let held = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-        dynamic += (&weighted * weighted.transpose() * (held * held)).map(|value| Complex::new(value, 0.0));
+        let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
+        dynamic += (&weighted * weighted.transpose() * (lowest * lowest)).map(|value| Complex::new(value, 0.0));
     }
     let mut force = DMatrix::zeros(model.len(), 1);
     for excitation in &shaft.excitations {
@@ -133,21 +134,21 @@ pub(super) fn synchronous_of(
     Ok(solve_complex(&dynamic, &force).column(0).into_owned())
 }
 
-/// Displacement and velocity of the synchronous motion where shaft s stands at e^{iϑ} = `turns[s]`.
+/// Displacement and velocity of the synchronous motion at the shaft angles e^{iϑ_s} = `rotations[s]`.
 pub(super) fn motion(
     cached: &CachedModel,
     speed: f64,
     amplitudes: &DMatrix<Complex<f64>>,
-    turns: &[Complex<f64>],
+    rotations: &[Complex<f64>],
 ) -> (DVector<f64>, DVector<f64>) {
     let n = cached.model.len();
     let (mut q, mut v) = (DVector::zeros(n), DVector::zeros(n));
-    for (source, turn) in turns.iter().enumerate() {
+    for (source, rotation) in rotations.iter().enumerate() {
         let spin = cached.model.shafts[source].ratio * speed;
         for (index, amplitude) in amplitudes.column(source).iter().enumerate() {
-            let turned = amplitude * turn;
-            q[index] += turned.re;
-            v[index] -= spin * turned.im;
+            let value = amplitude * rotation;
+            q[index] += value.re;
+            v[index] -= spin * value.im;
         }
     }
     (q, v)

@@ -228,7 +228,7 @@ def test_a_free_disk_starts_to_wobble_from_nothing():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"speeds": [1.0, 1.0]}, r"speeds\[1\]: must be above the one before, got 1"),
+        ({"speeds": [1.0, 1.0]}, r"speeds\[1\]: must be larger than the previous speed, got 1"),
         ({"speeds": [-1.0, 1.0]}, r"speeds\[0\]: must not be negative, got -1"),
         ({"speeds": [0.0, np.nan]}, r"speeds\[1\]: must be finite, got nan"),
         ({"speeds": [0.0, 1.0], "count": 0}, "count: must be at least 1"),

@@ -134,7 +134,7 @@ def test_a_torque_that_nothing_balances_accelerates_the_train(geometry: str):
     )
     q = np.column_stack([found.twist((shaft, x)) for shaft, x, _ in system.dofs])
     rolled = q @ matrices.mass @ rolling / inertia
-    # the rolling mode knows nothing of the others: exact
+    # the rigid-body rotation is not coupled to the other modes: exact
     assert rolled == pytest.approx(40.0 / inertia * times**2 / 2, rel=1e-11)
 
 

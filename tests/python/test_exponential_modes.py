@@ -107,7 +107,7 @@ def test_a_bowed_shaft_from_rest_needs_a_few_modes():
 
 # --- parallel modes ------------------------------------------------------------------------------------------
 
-# A train of which the rolling alone is damped, by next to nothing: it ends where it stands only after minutes.
+# Only the rigid-body rotation is damped, and very weakly: it comes to rest after minutes.
 HARDLY = {"rayleigh": (1e-8, 0.0)}
 CASES: dict[str, dict[str, Any]] = {
     "mean": {"stiffness": 2e8},

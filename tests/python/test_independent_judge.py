@@ -155,7 +155,7 @@ def test_synchronous_response(name: str, speed: float):
     expected = own.synchronous(speed)
     found = scene.package().synchronous([speed]).amplitudes[0]
     for source, exact in enumerate(expected):
-        # twist: the response of the rolling train is in it; the matrix has a condition of 1e8
+        # twist: it contains the rigid-body rotation; the matrix has a condition of 1e8
         for coordinate in range(5):
             part = slice(coordinate, None, 5)
             scale = np.abs(exact[part]).max()

@@ -229,7 +229,7 @@ def test_modes_of_turned_and_mirrored_scenes(speed: float):
     expected = UNEQUAL.package().modes(speed=speed)
     for scene, sense in ((spun(UNEQUAL, -1.9), 1.0), (mirrored(UNEQUAL), -1.0)):
         found = scene.package().modes(speed=sense * speed)
-        # round-off of the eigensolver; the rolling mode is 0
+        # round-off of the eigensolver; the rigid-body rotation is 0
         assert found.frequencies_hz[:40] == pytest.approx(
             expected.frequencies_hz[:40], rel=1e-8, abs=1e-6
         )

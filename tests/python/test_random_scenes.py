@@ -226,7 +226,7 @@ def drawn(draw: st.DrawFn) -> Drawn:
 
 #: Scenes that have failed once, by what was wrong with them.
 FOUND: dict[str, Drawn] = {
-    # round-off of the rolling, where the weight acts, was taken for a shaft that nothing holds
+    # round-off of the rigid-body rotation at the weight must not be taken for an unconstrained shaft
     "weight without torque": Drawn(torque=0.0, mesh=("mean", 1e7, 0.0), gravity=(0.0, 1.0)),
     # of two meshes that lose a pair within a step, the later lost its own with the earlier
     "pairs that leave almost at once": Drawn(

@@ -103,7 +103,7 @@ fn the_gyroscopic_matrix_is_skew_and_does_no_work() {
 
 #[test]
 fn the_rolling_momentum_is_conserved() {
-    // Torque in balance does no work on the rolling, and live mesh forces have no part along it.
+    // Balanced torques do no work on the rigid-body rotation, and live mesh forces have no component along it.
     let mut system = train();
     system.meshes.iter_mut().for_each(|mesh| mesh.centre_line_angle = Some(0.3));
     let cached = cached(&system);

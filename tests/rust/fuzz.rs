@@ -1,5 +1,5 @@
-//! Descriptions that nobody would write: whatever stands in a file, the answer is a scene or an error that says where,
-//! soon and in little memory. `make fuzz` tries a million of them.
+//! Random changes of TOML files: each file gives a scene or an error with a path, in limited time and memory. `make fuzz`
+//! tries a million files.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use gearbow::scene::{Scene, SceneDescription, SceneError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// Valid files, which the others are made of.
+/// Valid files, which the test changes.
 const FILES: [&str; 5] = [
     crate::common::TRAIN,
     EVERYTHING,
@@ -23,7 +23,7 @@ const FILES: [&str; 5] = [
     include_str!("../../examples/rotors/rao_1998.toml"),
 ];
 
-/// Everything that the others leave out.
+/// A file with all entries that the other files do not contain.
 const EVERYTHING: &str = r#"
 reference = "b"
 modal_damping = 0.02
@@ -126,7 +126,7 @@ at = ["c", 0.5]
 balance = true
 "#;
 
-/// What stands where a number stood, or anything else.
+/// Values that replace other values.
 const WORDS: [&str; 40] = [
     "0",
     "-0.0",
@@ -170,20 +170,20 @@ const WORDS: [&str; 40] = [
     "{ model = \"square\", pair = 1e8 }",
 ];
 
-/// One change of a text.
+/// One change of a text. Each `Index` selects a place.
 #[derive(Clone, Debug)]
 enum Change {
-    /// A word in the place of a word.
+    /// Replaces a word by one of [`WORDS`].
     Word(Index, Index),
-    /// A word of the file in the place of another.
+    /// Replaces a word by another word of the file.
     Swap(Index, Index),
-    /// A line less.
+    /// Removes a line.
     Drop(Index),
-    /// A line twice.
+    /// Repeats a line at another place.
     Repeat(Index, Index),
-    /// Bytes in the place of bytes.
+    /// Replaces bytes by other bytes.
     Bytes(Index, u8, Vec<u8>),
-    /// An end before the end.
+    /// Removes the end of the text.
     Cut(Index),
 }
 
@@ -199,7 +199,7 @@ fn changes() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// Where the words of a text stand.
+/// Begin and end of the words of a text, as byte offsets.
 fn words(text: &str) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut begin = None;
@@ -265,25 +265,25 @@ fn texts() -> impl Strategy<Value = String> {
     ]
 }
 
-/// An answer that takes longer counts as a hang. Most take less than a millisecond; a busy machine is no hang.
-const LONGEST: Duration = Duration::from_secs(120);
-/// No answer may take more memory, bytes; the largest scenes that are allowed take some.
-const MOST: u64 = 200 << 20;
-/// Scenes with more degrees of freedom are not run: it is the description that is tried here.
-const SMALL: usize = 80;
+/// Time limit of one file. Most files take less than a millisecond; the machine may be busy.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+/// Memory limit of one file, bytes; the largest allowed scenes need a part of it.
+const MEMORY_LIMIT: u64 = 200 << 20;
+/// Largest number of degrees of freedom of a scene that is simulated. The test is about descriptions.
+const MAX_SIMULATED_DOFS: usize = 80;
 
-/// What is tried now, and since when; whoever waits too long says what it was.
-static NOW: Mutex<Option<(Instant, String)>> = Mutex::new(None);
+/// The text that is being tried and its start time. A watchdog thread prints the text after the time limit.
+static CURRENT: Mutex<Option<(Instant, String)>> = Mutex::new(None);
 
-fn watch() {
+fn start_watchdog() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| {
         std::thread::spawn(|| {
             loop {
                 std::thread::sleep(Duration::from_secs(1));
-                let now = NOW.lock().unwrap();
-                if let Some((_, text)) = now.as_ref().filter(|(since, _)| since.elapsed() > LONGEST) {
-                    eprintln!("no answer for {LONGEST:?} to:\n{text}");
+                let now = CURRENT.lock().unwrap();
+                if let Some((_, text)) = now.as_ref().filter(|(since, _)| since.elapsed() > TIME_LIMIT) {
+                    eprintln!("no result after {TIME_LIMIT:?} for:\n{text}");
                     std::process::abort();
                 }
             }
@@ -295,7 +295,7 @@ fn scene(text: &str) -> Result<Model, SceneError> {
     Model::new(Scene::new(&SceneDescription::from_toml(text)?)?)
 }
 
-/// A run of a few steps; that it fails with an error is as good as that it succeeds.
+/// Simulates a few steps. An error is allowed.
 fn run(model: Model) {
     let n = model.len();
     let cached = CachedModel::new(model);
@@ -317,38 +317,38 @@ fn run(model: Model) {
         };
         let requests = ["gears", "meshes", "energy"].map(|name| Request::Name(name.to_owned()));
         let plan = RecordPlan::new(&cached.model, &requests).unwrap();
-        let mut asked = 0;
-        // Some scenes are stiff beyond measure: they are stopped.
-        let mut patience = |_| {
-            asked += 1;
-            asked < 3
+        let mut reports = 0;
+        // Extremely stiff scenes are stopped.
+        let mut watch = |_| {
+            reports += 1;
+            reports < 3
         };
-        if let Ok(response) = simulate(&cached, &options, &plan, &mut patience) {
+        if let Ok(response) = simulate(&cached, &options, &plan, &mut watch) {
             assert_eq!(response.record.time.len(), 2);
         }
     }
 }
 
-fn answer(text: &str, runs: bool) {
-    *NOW.lock().unwrap() = Some((Instant::now(), text.to_owned()));
+fn check(text: &str, runs: bool) {
+    *CURRENT.lock().unwrap() = Some((Instant::now(), text.to_owned()));
     let mut found = None;
     let info = measure(|| found = Some(scene(text)));
-    assert!(info.bytes_max < MOST, "{} MB for\n{text}", info.bytes_max >> 20);
+    assert!(info.bytes_max < MEMORY_LIMIT, "{} MB for\n{text}", info.bytes_max >> 20);
     match found.unwrap() {
         Err(error) => assert!(!error.path.is_empty() && !error.message.is_empty(), "{error} for\n{text}"),
-        Ok(model) if runs && model.len() <= SMALL => run(model),
+        Ok(model) if runs && model.len() <= MAX_SIMULATED_DOFS => run(model),
         Ok(_) => {}
     }
-    *NOW.lock().unwrap() = None;
+    *CURRENT.lock().unwrap() = None;
 }
 
 proptest! {
     #![proptest_config(crate::common::cases(3000))]
 
     #[test]
-    fn every_text_gets_an_answer(text in texts(), lot in 0..500) {
-        watch();
-        answer(&text, lot == 0);
+    fn every_text_gives_a_scene_or_an_error(text in texts(), lot in 0..500) {
+        start_watchdog();
+        check(&text, lot == 0);
     }
 }
 
@@ -360,7 +360,7 @@ fn the_files_are_valid() {
 }
 
 #[test]
-fn absurd_sizes_are_refused_before_memory_is_asked_for() {
+fn absurd_sizes_are_refused_before_memory_is_allocated() {
     for (what, text) in [
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 1000000000")),
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),

@@ -1,4 +1,4 @@
-//! Descriptions that cannot be are refused, with their place, and quickly.
+//! Invalid scenes are refused quickly, with the path of the wrong entry.
 
 use crate::common::{TRAIN, train};
 use allocation_counter::measure;
@@ -8,19 +8,19 @@ use gearbow::scene::{MAX_ELEMENTS, Scene, SceneDescription, SceneError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// All the way from text to matrices.
+/// Builds a model from a TOML text.
 fn build(text: &str) -> Result<Model, SceneError> {
     Model::new(Scene::new(&SceneDescription::from_toml(text)?)?)
 }
 
-/// An error that tells a user where to look.
+/// Checks that an error has a path and a message.
 fn assert_helpful(error: &SceneError) {
     assert!(!error.path.is_empty() && !error.message.is_empty(), "{error:?}");
     assert!(error.to_string().starts_with(&error.path), "{error}");
 }
 
-/// What may stand in place of a piece of a description.
-const SPOILT: [&str; 20] = [
+/// Values that replace a piece of a description.
+const REPLACEMENTS: [&str; 20] = [
     "",
     "0",
     "-1",
@@ -56,19 +56,19 @@ proptest! {
     }
 
     #[test]
-    fn spoilt_values_never_panic(at in any::<Index>(), with in any::<Index>(), more in any::<Option<(Index, Index)>>()) {
-        // Values stand after = and between commas and brackets.
+    fn replaced_values_never_panic(at in any::<Index>(), with in any::<Index>(), more in any::<Option<(Index, Index)>>()) {
+        // Values follow = or stand between commas and brackets.
         let mut pieces: Vec<&str> = TRAIN.split_inclusive(['=', ',', '{', '}', '[', ']', '\n']).collect();
-        let mut spoil = |at: Index, with: Index| {
+        let mut replace = |at: Index, with: Index| {
             let place = at.index(pieces.len());
             let last = pieces[place].chars().last();
-            // Keeps the punctuation, so that most of them still parse.
-            let replacement = format!("{}{}", with.get(&SPOILT), last.filter(|c| "=,{}[]\n".contains(*c)).map_or(String::new(), String::from));
+            // Keep the punctuation, so that most texts still parse.
+            let replacement = format!("{}{}", with.get(&REPLACEMENTS), last.filter(|c| "=,{}[]\n".contains(*c)).map_or(String::new(), String::from));
             pieces[place] = replacement.leak();
         };
-        spoil(at, with);
+        replace(at, with);
         if let Some((at, with)) = more {
-            spoil(at, with);
+            replace(at, with);
         }
         if let Err(error) = build(&pieces.concat()) {
             assert_helpful(&error);
@@ -119,7 +119,7 @@ fn huge_sizes_are_refused_before_memory_is_allocated() {
         ..system.shafts[2].clone()
     };
     assert_refused(&system, "shafts[2]");
-    // Every position that carries something is a node, whoever asks for it.
+    // Every position of a bearing becomes a node, and nodes count as well.
     let mut system = train();
     let bearing = system.bearings[0].clone();
     let many = 3 * MAX_ELEMENTS;
@@ -129,33 +129,33 @@ fn huge_sizes_are_refused_before_memory_is_allocated() {
 }
 
 #[test]
-fn errors_name_their_place() {
-    let place = |spoil: &dyn Fn(&mut SceneDescription)| {
+fn errors_name_the_wrong_entry() {
+    let path_of = |change: &dyn Fn(&mut SceneDescription)| {
         let mut system = train();
-        spoil(&mut system);
+        change(&mut system);
         let error = Scene::new(&system).and_then(Model::new).err().unwrap();
         assert_helpful(&error);
         error.path
     };
-    assert_eq!(place(&|system| system.shafts.clear()), "shafts");
-    assert_eq!(place(&|system| system.shafts[1].length = Some(f64::NAN)), "shafts[1].length");
+    assert_eq!(path_of(&|system| system.shafts.clear()), "shafts");
+    assert_eq!(path_of(&|system| system.shafts[1].length = Some(f64::NAN)), "shafts[1].length");
     assert_eq!(
-        place(&|system| system.shafts[0].bow.as_mut().unwrap().amplitude = Some(f64::INFINITY)),
+        path_of(&|system| system.shafts[0].bow.as_mut().unwrap().amplitude = Some(f64::INFINITY)),
         "shafts[0].bow.amplitude"
     );
-    assert_eq!(place(&|system| system.gears[3].position = 0.6), "gears[3].position");
-    assert_eq!(place(&|system| system.gears[2].name = "g1".to_owned()), "gears[2].name");
-    assert_eq!(place(&|system| system.meshes[1].driven = "g5".to_owned()), "meshes[1].driven");
-    assert_eq!(place(&|system| system.meshes[0].stiffness = Some(Stiffness::Mean(-1.0))), "meshes[0].stiffness");
-    assert_eq!(place(&|system| system.meshes[0].centre_distance = Some(0.05)), "meshes[0].centre_distance");
+    assert_eq!(path_of(&|system| system.gears[3].position = 0.6), "gears[3].position");
+    assert_eq!(path_of(&|system| system.gears[2].name = "g1".to_owned()), "gears[2].name");
+    assert_eq!(path_of(&|system| system.meshes[1].driven = "g5".to_owned()), "meshes[1].driven");
+    assert_eq!(path_of(&|system| system.meshes[0].stiffness = Some(Stiffness::Mean(-1.0))), "meshes[0].stiffness");
+    assert_eq!(path_of(&|system| system.meshes[0].centre_distance = Some(0.05)), "meshes[0].centre_distance");
     assert_eq!(
-        place(&|system| system.bearings[4].stiffness = Coefficient::Full([[1.0, f64::NAN], [0.0, 1.0]]).into()),
+        path_of(&|system| system.bearings[4].stiffness = Coefficient::Full([[1.0, f64::NAN], [0.0, 1.0]]).into()),
         "bearings[4].stiffness[0][1]"
     );
-    assert_eq!(place(&|system| system.torques[0].balance = true), "torques[0]");
-    assert_eq!(place(&|system| system.reference = Some("none".to_owned())), "reference");
-    assert_eq!(place(&|system| system.gravity = Some(Gravity::Vector([0.0, f64::NAN]))), "gravity[1]");
-    assert_eq!(place(&|system| system.meshes.truncate(1)), "shafts[2]");
+    assert_eq!(path_of(&|system| system.torques[0].balance = true), "torques[0]");
+    assert_eq!(path_of(&|system| system.reference = Some("none".to_owned())), "reference");
+    assert_eq!(path_of(&|system| system.gravity = Some(Gravity::Vector([0.0, f64::NAN]))), "gravity[1]");
+    assert_eq!(path_of(&|system| system.meshes.truncate(1)), "shafts[2]");
     let text = |text: &str| SceneDescription::from_toml(text).unwrap_err().path;
     assert_eq!(text("shafts = 3"), "shafts");
     assert_eq!(text("\"\" = 3"), "system");

@@ -1,4 +1,4 @@
-//! Random valid descriptions: saved and loaded again they are the same, and they build.
+//! Random valid descriptions do not change when they are saved and loaded, and a model can be built from them.
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
@@ -12,7 +12,7 @@ fn maybe<T: std::fmt::Debug + Clone + 'static>(value: impl Strategy<Value = T> +
     prop::option::of(value).boxed()
 }
 
-/// Any size that a user may mean, over the decades.
+/// Positive sizes between 10^least and 10^most, uniform in the exponent.
 fn sizes(least: i32, most: i32) -> BoxedStrategy<f64> {
     (f64::from(least)..f64::from(most)).prop_map(|exponent| 10.0_f64.powf(exponent)).boxed()
 }
@@ -124,7 +124,7 @@ fn coefficients() -> BoxedStrategy<Coefficient> {
     .boxed()
 }
 
-/// A pair of shafts in mesh with everything that may stand on them.
+/// Two shafts in mesh with disks, bearings and torques.
 fn systems() -> impl Strategy<Value = SceneDescription> {
     let gear = || (8_u32..200, maybe(0.01..0.2), maybe(sizes(-3, 3)), maybe(complexes()), 0.0..=1.0_f64, -0.5..0.5);
     let pair = (gear(), gear(), 1e-3..2e-2, maybe(0.2..0.5));
@@ -155,7 +155,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                         face_width: width.or(Some(0.02)),
                         pressure_angle,
                         profile_shift: Some(shift),
-                        // Full-depth teeth of few teeth and much negative shift may end below the base circle.
+                        // With few teeth and a large negative profile shift, the default tip circle may lie inside the base circle.
                         tip_radius: Some(module * (f64::from(teeth) / 2.0 + 1.0)),
                         mass: size,
                         diametral_inertia: size.map(|size| size * 1e-3),
@@ -216,10 +216,10 @@ proptest! {
     #![proptest_config(crate::common::cases(150))]
 
     #[test]
-    fn what_is_valid_loads_saves_and_loads_again(system in systems()) {
+    fn a_valid_description_survives_saving_and_loading(system in systems()) {
         let text = system.to_toml().unwrap();
         let again = SceneDescription::from_toml(&text).unwrap();
-        // Every double is written with all its digits.
+        // All digits of a float are written.
         prop_assert_eq!(&again, &system);
         prop_assert_eq!(again.to_toml().unwrap(), text);
 
@@ -238,7 +238,8 @@ proptest! {
             prop_assert!((x - given.position).abs() <= 1e-9 * scene.shafts[gear.body.node.shaft].length());
         }
         if system.torques[1].balance {
-            // Virtual work of a rolling that leaves the mesh undeflected: radii as the teeth, of one module.
+            // The torques do no work on the rigid-body rotation. Both gears have the same module, so that the ratio of
+            // the radii equals that of the tooth numbers.
             let [a, b] = [0, 1].map(|i| scene.speed_ratios[scene.torques[i].node.shaft] * scene.torques[i].value);
             prop_assert!((a + b).abs() <= 1e-12 * a.abs());
         }

@@ -1,4 +1,4 @@
-//! Where explicit steps stay bounded, and what says so when they do not.
+//! Stability limits of explicit steps, and the errors beyond them.
 
 use crate::common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 fn capped_steps_stay_bounded_on_undamped_stiffness() {
     let energy = |longest: f64| {
         let mut system = Particles::new(&[1e2, 1e8], &[0.0; 2]);
-        // The fast oscillator holds 1e-10 of the energy: far below what the tolerance sees.
+        // The fast oscillator has 1e-10 of the energy, far below the tolerance.
         let mut state = State::new(vec![0.1, 1e-9, 0.0, 0.0]);
         let before = system.energy(&state.y, 1);
         integrate(&mut system, DORMAND_PRINCE, adaptive(1e-3, longest), &mut state, 1.0);
@@ -19,12 +19,12 @@ fn capped_steps_stay_bounded_on_undamped_stiffness() {
     };
     let capped = energy(DORMAND_PRINCE.imaginary_limit / 1e4);
     assert!(capped <= 1.0, "{capped}");
-    // What the cap is for: error control alone reports success while the fast one grows.
+    // Without the limit, error control does not detect that the fast oscillation grows.
     let uncapped = energy(1.0);
     assert!(uncapped > 1e4, "{uncapped}");
 }
 
-/// Amplitude of an undamped oscillator after `steps` of `angle` = hω each, begun at one.
+/// Amplitude of an undamped oscillator after `steps` steps of `angle` = hω, with the initial amplitude one.
 fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64 {
     let mut system = Particles::new(&[1.0], &[0.0]);
     let mut state = State::new(vec![1.0, 0.0]);
@@ -34,16 +34,16 @@ fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64
 }
 
 #[test]
-fn the_stability_limits_are_where_the_tableaux_say() {
-    // |R| − 1 is −9e-4 at 2.828 and +2e-3 at 2.83: thousands of steps tell.
+fn the_stability_limits_of_the_tableaux_are_correct() {
+    // |R| − 1 is −9e-4 at 2.828 and +2e-3 at 2.83, which thousands of steps show.
     assert!(amplitude(RK4, RK4.imaginary_limit, 20_000) <= 1.0);
     assert!(amplitude(RK4, 2.83, 20_000) > 1e3);
     assert!(amplitude(DORMAND_PRINCE, DORMAND_PRINCE.imaginary_limit, 20_000) <= 1.0);
-    // Beyond 0.997 Dormand–Prince grows, by 9e-5 a step at 1.1.
+    // Dormand–Prince is unstable above 0.997; the growth is 9e-5 per step at 1.1.
     assert!(amplitude(DORMAND_PRINCE, 1.1, 100_000) > 100.0);
 }
 
-/// R(z) of a tableau: its end after a step on ẏ = λy, hλ = z.
+/// |R(z)| of a tableau: the result of one step on ẏ = λy with y = 1 and hλ = z.
 fn stability<const S: usize>(tableau: &Tableau<S>, z: Complex64) -> f64 {
     let mut stages = [Complex64::ZERO; S];
     let mut end = Complex64::ONE;
@@ -80,21 +80,21 @@ fn every_decaying_motion_within_both_limits_is_stable() {
 }
 
 #[test]
-fn what_cannot_go_on_says_so() {
+fn a_run_that_cannot_continue_returns_the_reason() {
     let halted = |system: &mut Particles, y: Vec<f64>, witness: &mut Witness| {
         let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
         let mut state = State::new(y);
         let result = run(system, &mut method, &adaptive(1e-6, 0.1), &mut state, 100.0, witness, &mut statistics);
         (result.unwrap_err(), state)
     };
-    // q̈ = +q³ reaches infinity in a finite time, √2/q₀ for this start.
+    // The solution of q̈ = q³ becomes infinite at the time √2/q₀ for these initial values.
     let (Halted { halt, elapsed }, state) =
         halted(&mut Particles::new(&[0.0], &[-1.0]), vec![1.0, 0.5_f64.sqrt()], &mut Witness::default());
     assert_eq!(halt, Halt::Diverged);
     assert!((elapsed - 2.0_f64.sqrt()).abs() < 1e-3, "{elapsed}");
     assert!(state.y.iter().all(|value| value.is_finite()) && state.elapsed == elapsed);
 
-    // A fixed step runs past that instant and finds out when nothing is finite any more.
+    // A run with fixed steps passes this time and stops when the state is not finite.
     let (mut method, mut state) = (RungeKutta::new(RK4, 2), State::new(vec![1.0, 0.5_f64.sqrt()]));
     let mut exploding = Particles::new(&[0.0], &[-1.0]);
     let Halted { halt, elapsed } = run(

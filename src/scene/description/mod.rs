@@ -1,7 +1,7 @@
-//! What a user says, as it stands in a TOML file or a Python dictionary.
+//! The description of a rotor system, as a TOML file or a Python dictionary contains it.
 //!
-//! One type for every way in. Nothing here is checked beyond its type: [`Scene::new`](super::Scene::new) does that,
-//! once, and names the place of what is wrong. SI units and radians throughout.
+//! These types check the types of the entries only; [`Scene::new`](super::Scene::new) checks the values. All units are
+//! SI units and radians.
 
 mod reading;
 mod shaft;
@@ -21,28 +21,28 @@ use reading::whole;
 
 use super::SceneError;
 
-/// A whole rotor system.
+/// Description of a rotor system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
-    /// The shaft that a speed speaks of; the first where none is named.
+    /// Name of the reference shaft, to which speeds refer; the first shaft by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
-    /// Damping ratio of every undamped mode.
+    /// Damping ratio of every undamped mode; zero by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modal_damping: Option<f64>,
-    /// `[α, β]`: damping αM + βK of the shafts themselves, in 1/s and s.
+    /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<[f64; 2]>,
-    /// Gravity in m/s²: a number acts along −z, a pair along y and z.
+    /// Gravity, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
-    /// Which degrees of freedom; what the scene requires where nothing is said.
+    /// Degrees of freedom of a node; by default those that the scene needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionKind>,
-    /// The shafts.
+    /// Shafts.
     pub shafts: Vec<Shaft>,
-    /// The gears.
+    /// Gears.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gears: Vec<Gear>,
     /// Rigid disks.
@@ -59,29 +59,29 @@ pub struct SceneDescription {
     pub torques: Vec<Torque>,
 }
 
-/// Which degrees of freedom a node has.
+/// Degrees of freedom of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionKind {
-    /// Bending alone: v, w, B, Γ.
+    /// Lateral motion only: v, w, B, Γ.
     Lateral,
-    /// Twist alone: θ.
+    /// Twist only: θ.
     Torsion,
-    /// All five.
+    /// All: v, w, B, Γ, θ.
     Coupled,
 }
 
-/// Gravity: along −z, or a vector.
+/// Gravity as a number or as a vector, m/s².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number [m/s²] or a pair [y, z]")]
 pub enum Gravity {
-    /// Magnitude, acting along −z.
+    /// Magnitude along −z, m/s².
     Down(f64),
-    /// Components along y and z.
+    /// Components along y and z, m/s².
     Vector([f64; 2]),
 }
 
-/// A complex number: a real one, or `[re, im]`.
+/// A complex number as a real number or as `[re, im]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number or a pair [re, im]")]
 pub enum Complex {
@@ -104,11 +104,11 @@ impl From<Complex> for Complex64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Disk {
-    /// Name, unlike every other name of the system.
+    /// Name; unique in the system.
     pub name: String,
-    /// Its shaft.
+    /// Name of the shaft.
     pub shaft: String,
-    /// Where on the shaft, m.
+    /// Position on the shaft, m.
     pub position: f64,
     /// Mass, kg.
     pub mass: f64,
@@ -116,20 +116,20 @@ pub struct Disk {
     pub diametral_inertia: f64,
     /// Moment of inertia about the axis, kg m².
     pub polar_inertia: f64,
-    /// Mass times eccentricity, kg m, with its angle in the shaft.
+    /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unbalance: Option<Complex>,
 }
 
-/// A spur gear: `module` or `base_radius`, and what else is known of it.
+/// A spur gear. It needs `module` or `base_radius`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
-    /// Name, unlike every other name of the system.
+    /// Name; unique in the system.
     pub name: String,
-    /// Its shaft.
+    /// Name of the shaft.
     pub shaft: String,
-    /// Where on the shaft, m.
+    /// Position on the shaft, m.
     pub position: f64,
     /// Number of teeth.
     #[serde(deserialize_with = "whole")]
@@ -161,10 +161,10 @@ pub struct Gear {
     /// Moment of inertia about the axis, kg m².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polar_inertia: Option<f64>,
-    /// Mass times eccentricity, kg m, with its angle in the shaft.
+    /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unbalance: Option<Complex>,
-    /// Run-out: how far the base circle stands off the shaft's axis, m, with its angle in the shaft.
+    /// Run-out: offset of the base circle from the axis of the shaft, m, with its angle in the rotating shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_out: Option<Complex>,
 }
@@ -173,26 +173,26 @@ pub struct Gear {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mesh {
-    /// The driving gear.
+    /// Name of the driving gear.
     pub driver: String,
-    /// The driven gear.
+    /// Name of the driven gear.
     pub driven: String,
-    /// Stiffness along the line of action; ISO 6336-1 by default.
+    /// Stiffness along the line of action, N/m, or a stiffness model; ISO 6336-1 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Stiffness>,
-    /// Damping ratio ζ of c = 2ζ√(k mₑ).
+    /// Damping ratio ζ of the mesh, c = 2ζ√(k mₑ).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<f64>,
     /// Damping along the line of action, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
-    /// Angle of the line of centres, driver to driven, from y, rad.
+    /// Angle from y to the line of centres, driver to driven gear, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_line_angle: Option<f64>,
-    /// Distance of the centres at rest, m; the sum of the reference pitch radii by default.
+    /// Centre distance at rest, m; the sum of the pitch radii by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_distance: Option<f64>,
-    /// Clearance of the flanks along the line of action, m; none for a mesh that never parts.
+    /// Backlash along the line of action, m; by default the flanks never separate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backlash: Option<f64>,
     /// Tip relief of both gears.
@@ -203,20 +203,20 @@ pub struct Mesh {
     pub error: Option<TransmissionError>,
 }
 
-/// A 2×2 coefficient over (y, z).
+/// A 2×2 coefficient of a bearing over (y, z).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]]")]
 pub enum Coefficient {
-    /// The same in every direction.
+    /// Isotropic coefficient.
     Isotropic(f64),
-    /// Along y and z.
+    /// Coefficients along y and z.
     Orthotropic([f64; 2]),
     /// The full matrix.
     Full([[f64; 2]; 2]),
 }
 
 impl Coefficient {
-    /// Rows over (y, z).
+    /// The matrix by rows, over (y, z).
     pub fn rows(self) -> [[f64; 2]; 2] {
         match self {
             Self::Isotropic(k) => [[k, 0.0], [0.0, k]],
@@ -226,13 +226,13 @@ impl Coefficient {
     }
 }
 
-/// A bearing between a shaft and the ground.
+/// A linear bearing between a shaft and the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
-    /// Its shaft.
+    /// Name of the shaft.
     pub shaft: String,
-    /// Where on the shaft, m.
+    /// Position on the shaft, m.
     pub position: f64,
     /// Stiffness, N/m.
     pub stiffness: BearingCoefficient,
@@ -241,35 +241,35 @@ pub struct Bearing {
     pub damping: Option<BearingCoefficient>,
 }
 
-/// A place: the name of a gear or disk, or a shaft and a position on it.
+/// A gear or disk by name, or a position on a shaft.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a gear, a disk, or a pair [shaft, position]")]
 pub enum Place {
-    /// A gear or disk.
+    /// Name of a gear or disk.
     Body(String),
-    /// A shaft and a position on it, m.
+    /// Name of a shaft and position on it, m.
     Shaft(String, f64),
 }
 
-/// A torque about +x: a `value`, or what keeps the train in balance.
+/// A torque about +x: a `value`, or the torque that balances all others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Torque {
-    /// Where it acts.
+    /// Place where the torque acts.
     pub at: Place,
     /// Torque, N m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Whether it balances all the others.
+    /// Whether this torque balances all others.
     #[serde(default, skip_serializing_if = "is_no")]
     pub balance: bool,
 }
 
 impl SceneDescription {
-    /// Reads a description from TOML; an entry of the wrong type or name is an error that says where.
+    /// Reads a description from TOML.
     ///
     /// # Errors
-    /// [`SceneError`] for text that is not TOML or does not fit the description.
+    /// [`SceneError`] for invalid TOML, or with the path of an entry of the wrong type or name.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
         let document =
             toml::Deserializer::parse(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
@@ -279,24 +279,24 @@ impl SceneDescription {
     /// Reads a description from any serde source.
     ///
     /// # Errors
-    /// [`SceneError`] with the path of the entry that does not fit.
+    /// [`SceneError`] with the path of an entry of the wrong type or name.
     pub fn deserialize<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
         reading::located(source)
     }
 
-    /// Reads a description from a source that would convert truth values and texts to numbers, as Python's objects do.
+    /// Reads a description from Python objects, which convert booleans to numbers on request.
     ///
     /// # Errors
-    /// [`SceneError`] with the path of the entry that does not fit.
+    /// [`SceneError`] with the path of an entry of the wrong type or name.
     pub fn from_objects<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Self, SceneError> {
-        // Values keep the kind of every entry.
+        // The intermediate `toml::Value` keeps the type of every entry, so that a boolean is not read as a number.
         Self::deserialize(reading::located::<toml::Value, D>(source)?)
     }
 
     /// Writes the description as TOML.
     ///
     /// # Errors
-    /// [`SceneError`] if a value has no TOML form.
+    /// [`SceneError`] if TOML cannot represent a value.
     pub fn to_toml(&self) -> Result<String, SceneError> {
         toml::to_string(self).map_err(|error| SceneError::new("system", error))
     }

@@ -1,4 +1,4 @@
-//! How a description is read: whole numbers, and errors in words that a user knows.
+//! Deserialization of a description: whole numbers, and error messages in words of the description.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Deserializer};
 
 use crate::scene::{SceneError, nearest};
 
-/// The end of all floats that are exact whole numbers, 2⁵³.
+/// Largest value up to which every whole number is a float, 2⁵³.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// Reads anything; an error begins with the path of the entry that does not fit.
+/// Reads a value. An error begins with the path of the wrong entry.
 pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D) -> Result<T, SceneError> {
     serde_path_to_error::deserialize(source).map_err(|error| {
         let path = match error.path().to_string() {
@@ -22,12 +22,12 @@ pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D)
     })
 }
 
-/// Reads a whole number; 25.0 is one, 25.5 is not.
+/// Reads a whole number; accepts 25.0, refuses 25.5.
 pub(super) fn whole<'de, D: Deserializer<'de>, T: TryFrom<i64>>(source: D) -> Result<T, D::Error> {
     source.deserialize_any(Whole(PhantomData))
 }
 
-/// The same where the entry may be missing.
+/// Reads a whole number of an optional entry.
 pub(super) fn some_whole<'de, D: Deserializer<'de>, T: TryFrom<i64>>(source: D) -> Result<Option<T>, D::Error> {
     whole(source).map(Some)
 }
@@ -58,18 +58,18 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
     }
 }
 
-/// Says what serde found wrong in words of the description, and which name was probably meant.
+/// Translates an error message of serde and suggests the name that was probably meant.
 ///
-/// Serde has no other form of its errors than their text: ``unknown field `lenght`, expected one of `name`, `length` ``.
+/// Serde provides its errors as text only: ``unknown field `lenght`, expected one of `name`, `length` ``.
 fn explain(message: &str) -> String {
-    // The path stands before the message already.
+    // Remove the path, which the error already contains.
     let message = message.split("\nin `").next().unwrap_or(message);
     let message = message.replace("expected f64", "expected a number").replace("floating point", "number");
     let known = ["unknown field `", "unknown variant `"];
     let Some(start) = known.iter().find_map(|known| message.find(known).map(|at| at + known.len())) else {
         return message;
     };
-    // Every second piece between the quotes is a name: first the unknown one, then those that are known.
+    // Every second piece between the quotes is a name: first the unknown name, then the known names.
     let mut names = message[start..].split('`').step_by(2);
     let near = names.next().map(|given| nearest(given, names)).unwrap_or_default();
     message + &near

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reading::{some_whole, whole};
 
-/// An isotropic elastic material; one of `poisson_ratio` and `shear_modulus`.
+/// An isotropic elastic material. It needs one of `poisson_ratio` and `shear_modulus`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
@@ -28,7 +28,7 @@ pub const STEEL: Material =
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shaft {
-    /// Name, unlike every other name of the system.
+    /// Name; unique in the system.
     pub name: String,
     /// Length, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,13 +36,13 @@ pub struct Shaft {
     /// Outer diameter, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outer_diameter: Option<f64>,
-    /// Bore, m; none by default.
+    /// Inner diameter, m; zero by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_diameter: Option<f64>,
-    /// The least number of elements.
+    /// Smallest number of elements.
     #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
-    /// Shear deformation; on by default.
+    /// Whether shear deformation is modelled; true by default.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shear: bool,
     /// Material; steel by default.
@@ -51,12 +51,12 @@ pub struct Shaft {
     /// Residual bow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,
-    /// The steps of a stepped shaft, from x = 0.
+    /// Segments of a stepped shaft, from x = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<Segment>>,
 }
 
-/// A part of a shaft of one section.
+/// A part of a shaft with a constant cross-section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -64,50 +64,50 @@ pub struct Segment {
     pub length: f64,
     /// Outer diameter, m.
     pub outer_diameter: f64,
-    /// Bore, m.
+    /// Inner diameter, m; zero by default.
     #[serde(default)]
     pub inner_diameter: f64,
-    /// The least number of elements.
+    /// Smallest number of elements.
     #[serde(default = "one", deserialize_with = "whole")]
     pub elements: usize,
 }
 
-/// The family of a bow's curve.
+/// Shape of a residual bow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BowShape {
-    /// One half wave over the length.
+    /// A sine with one half wave over the length.
     HalfSine,
-    /// The static sag between the bearings.
+    /// The static sag of the shaft between its bearings.
     Sag,
-    /// `number` half waves over the length.
+    /// A sine with `number` half waves over the length.
     Mode,
-    /// Points measured along the shaft.
+    /// A curve through measured points.
     Points,
 }
 
-/// A residual bow: the shape, and the parameters that this shape has.
+/// A residual bow: the shape and its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bow {
-    /// The family of the curve.
+    /// Shape of the curve.
     pub shape: BowShape,
     /// Largest deflection, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<f64>,
-    /// Angle in the shaft, rad.
+    /// Angle in the rotating shaft, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
-    /// Half waves over the length.
+    /// Number of half waves over the length.
     #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub number: Option<u32>,
-    /// Positions of the points, m.
+    /// Positions of the points on the shaft, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<f64>>,
     /// Deflection at each point, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitudes: Option<Vec<f64>>,
-    /// Angle in the shaft at each point, rad.
+    /// Angle in the rotating shaft at each point, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
 }

@@ -1,4 +1,4 @@
-//! The teeth of a mesh, as a user describes them.
+//! Description of the teeth of a mesh: stiffness, engagement, tip relief and transmission error.
 
 use std::fmt;
 
@@ -6,17 +6,17 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// Stiffness of a mesh: a mean, or a model.
+/// Stiffness of a mesh: a number or a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Stiffness {
-    /// Mean, N/m.
+    /// Constant stiffness, N/m.
     Mean(f64),
-    /// A model.
+    /// A stiffness model.
     Model(StiffnessModel),
 }
 
-/// Not derived: an error inside a model names the field, which trying one variant after the other does not.
+/// A derived implementation would not name the field of an error inside a model.
 impl<'de> Deserialize<'de> for Stiffness {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
         struct Reader;
@@ -49,66 +49,66 @@ impl<'de> Deserialize<'de> for Stiffness {
     }
 }
 
-/// The family of a stiffness model.
+/// Kind of a stiffness model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StiffnessKind {
-    /// The same always.
+    /// Constant mesh stiffness.
     Constant,
     /// ISO 6336-1.
     Iso6336,
-    /// Pairs of the same stiffness along the path.
+    /// Tooth pairs of constant stiffness.
     Square,
-    /// Pairs whose stiffness falls towards the ends of the path.
+    /// Tooth pairs whose stiffness is a parabola along the path of contact.
     Parabolic,
-    /// Pairs from their teeth.
+    /// Tooth pairs by the potential-energy method.
     PotentialEnergy,
-    /// Values over the mesh cycle.
+    /// Table over the mesh cycle.
     Table,
     /// Harmonics of the mesh cycle.
     Fourier,
 }
 
-/// A stiffness model: the family, and the parameters that it has.
+/// A stiffness model: its kind and parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StiffnessModel {
-    /// The family.
+    /// Kind of the model.
     pub model: StiffnessKind,
-    /// Mean of the mesh, N/m.
+    /// Mean mesh stiffness, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean: Option<f64>,
-    /// One pair where it is stiffest, N/m.
+    /// Largest stiffness of one tooth pair, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair: Option<f64>,
-    /// Stiffness of a parabolic pair at the ends of the path, as a part of that in the middle.
+    /// Stiffness of a parabolic pair at the ends of the path of contact, relative to its largest stiffness.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_ratio: Option<f64>,
-    /// Values at equal parts of the mesh cycle, N/m.
+    /// Mesh stiffness at equal intervals of the mesh cycle, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<f64>>,
     /// Amplitudes of the harmonics of the mesh cycle, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitudes: Option<Vec<f64>>,
-    /// Their phases, rad.
+    /// Phases of the harmonics, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
-    /// Radii at which the blanks of driver and driven gear are held, m; those of their shafts by default.
+    /// Radii at which the blanks of driver and driven gear are fixed, m; by default the radii of the shafts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bore_radii: Option<[f64; 2]>,
-    /// Whether pairs in contact at once share the compliance of fillet and blank.
+    /// Whether simultaneous pairs share the compliance of fillet and blank.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,
-    /// `"sharp"`, or the part of the base pitch over which a pair comes into contact.
+    /// `"sharp"`, or the fraction of the base pitch over which a pair comes into contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engagement: Option<Engagement>,
-    /// What moves the teeth along the path.
+    /// Motions on which the position of the teeth along the path of contact depends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<Phase>,
 }
 
 impl StiffnessModel {
-    /// A model without parameters.
+    /// Creates a model without parameters.
     pub fn of(model: StiffnessKind) -> Self {
         Self {
             model,
@@ -126,33 +126,33 @@ impl StiffnessModel {
     }
 }
 
-/// Fillet and blank of teeth by potential energy.
+/// Compliance of fillet and blank in the potential-energy model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Foundation {
-    /// Every pair has its own.
+    /// Each pair has its own compliance.
     Separate,
-    /// All pairs in contact have one.
+    /// Simultaneous pairs share one compliance.
     Shared,
 }
 
 /// Engagement of a pair of teeth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected \"sharp\" or a part of the base pitch")]
+#[serde(untagged, expecting = "expected \"sharp\" or a fraction of the base pitch")]
 pub enum Engagement {
-    /// Over this part of the base pitch.
+    /// Fraction of the base pitch over which a pair comes into contact.
     Smooth(f64),
     /// `"sharp"`.
     Named(String),
 }
 
-/// What moves the teeth along the path of contact.
+/// Motions on which the position of the teeth along the path of contact depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// Spin, twist and centres.
+    /// Rotation of the shafts, twist and motion of the gear centres.
     Twist,
-    /// Spin alone.
+    /// Rotation of the shafts and motion of the gear centres.
     Prescribed,
 }
 
@@ -160,29 +160,29 @@ pub enum Phase {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TipRelief {
-    /// At the end of the path, m.
+    /// Relief at the end of the path of contact, m.
     pub amount: f64,
-    /// Along the path from its end, m.
+    /// Length of the relief along the path of contact, from its end, m.
     pub length: f64,
     /// `"linear"` (the default) or `"parabolic"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<String>,
 }
 
-/// Unloaded transmission error: harmonics as `[amplitude m, phase rad]` of the orders 1, 2, …, and a table.
+/// Unloaded transmission error. Harmonic k of a list is `[amplitude, phase]` of order k + 1, in m and rad.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TransmissionError {
-    /// Of the mesh frequency.
+    /// Harmonics of the mesh frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tooth: Option<Vec<[f64; 2]>>,
-    /// Of the driver's shaft.
+    /// Harmonics of the rotation of the driver shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<Vec<[f64; 2]>>,
-    /// Of the driven shaft.
+    /// Harmonics of the rotation of the driven shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven: Option<Vec<[f64; 2]>>,
-    /// Values at equal parts of the mesh cycle, m.
+    /// Values at equal intervals of the mesh cycle, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<Vec<f64>>,
 }
