@@ -1,4 +1,4 @@
-//! The chain of nodes against the same matrix, dense.
+//! Block-tridiagonal matrices compared with dense matrices.
 
 use crate::common::{Noise, largest};
 use gearbow::linalg::{BlockTridiagonal, NotPositiveDefinite, load};
@@ -136,7 +136,7 @@ fn a_matrix_that_is_not_positive_definite_is_reported_with_its_node() {
 }
 
 #[test]
-fn zero_is_zero() {
+fn zero_matrix_has_a_zero_product() {
     let mut chain = BlockTridiagonal::<1>::zeros(3);
     assert!(chain.is_zero());
     assert_eq!(chain.nodes(), 3);

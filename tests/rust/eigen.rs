@@ -61,7 +61,7 @@ fn general_matrices_have_their_known_spectra() {
 }
 
 #[test]
-fn equal_eigenvalues_have_vectors_of_their_own() {
+fn equal_eigenvalues_have_independent_eigenvectors() {
     // Oscillators, three of each kind, damped up to a tenth, turned into each other: y = (x, ẋ/ω) of all of them.
     let mut noise = Noise::new(11);
     let n = 30;
@@ -85,7 +85,7 @@ fn equal_eigenvalues_have_vectors_of_their_own() {
 }
 
 #[test]
-fn defective_empty_and_impossible_matrices_have_an_answer() {
+fn defective_and_empty_matrices_are_solved_and_non_finite_ones_are_errors() {
     // A Jordan block of three spreads its eigenvalue by the cube root of round-off, 6e-6.
     let jordan = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 2.0]);
     let near = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]);
@@ -204,7 +204,7 @@ fn modes_solve_the_quadratic_problem() {
 }
 
 #[test]
-fn a_train_has_exactly_one_null_motion_and_it_rolls() {
+fn a_train_has_one_null_motion_the_rigid_body_rotation() {
     let cached = cached(&train());
     let (model, real) = (&cached.model, cached.real_modes(100.0).unwrap());
     assert_eq!(real.null, 1);

@@ -69,7 +69,7 @@ fn published_mass(section: &Section, l: f64, phi: f64) -> [Matrix4<f64>; 2] {
 }
 
 #[test]
-fn mass_is_the_published_one_and_the_gyroscopic_matrix_twice_its_rotary_part() {
+fn mass_matrix_is_the_published_one_and_gyroscopic_matrix_is_twice_its_rotary_part() {
     for (length, inner_radius, shear) in [(0.1, 0.0, true), (0.02, 0.015, true), (0.3, 0.01, false)] {
         let element = Element { length, outer_radius: 0.025, inner_radius };
         let section = section(&element, &STEEL);
@@ -82,7 +82,7 @@ fn mass_is_the_published_one_and_the_gyroscopic_matrix_twice_its_rotary_part() {
 }
 
 #[test]
-fn stiffness_without_shear_is_that_of_the_textbook() {
+fn stiffness_without_shear_equals_the_textbook_matrix() {
     let element = solid(0.2, 0.01);
     let l = element.length;
     let expected = symmetric(
@@ -148,7 +148,7 @@ fn twist_has_the_stiffness_and_the_inertia_of_a_tube() {
 }
 
 #[test]
-fn shear_coefficient_is_that_of_cowper() {
+fn shear_coefficient_equals_the_formula_of_cowper() {
     let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
     for nu in [0.0, 0.25, 0.3, 0.5] {
         close(shear_coefficient(nu, 0.0), 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu));
@@ -160,7 +160,7 @@ fn shear_coefficient_is_that_of_cowper() {
 }
 
 #[test]
-fn a_tube_is_the_solid_shaft_less_its_core() {
+fn a_tube_equals_the_solid_shaft_minus_its_core() {
     // Without shear everything is linear in A and I; with it κ is not.
     let [tube, whole, core] = [(0.03, 0.02), (0.03, 0.0), (0.02, 0.0)].map(|(outer_radius, inner_radius)| {
         Beam::new(&Element { length: 0.1, outer_radius, inner_radius }, &STEEL, false)

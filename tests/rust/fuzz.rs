@@ -346,7 +346,7 @@ proptest! {
     #![proptest_config(crate::common::cases(3000))]
 
     #[test]
-    fn every_text_gets_an_answer(text in texts(), lot in 0..500) {
+    fn every_text_gives_a_model_or_an_error_with_a_path(text in texts(), lot in 0..500) {
         watch();
         answer(&text, lot == 0);
     }
@@ -360,7 +360,7 @@ fn the_files_are_valid() {
 }
 
 #[test]
-fn absurd_sizes_are_refused_before_memory_is_asked_for() {
+fn huge_sizes_in_files_are_refused_before_memory_is_allocated() {
     for (what, text) in [
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 1000000000")),
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),

@@ -56,7 +56,7 @@ proptest! {
     }
 
     #[test]
-    fn spoilt_values_never_panic(at in any::<Index>(), with in any::<Index>(), more in any::<Option<(Index, Index)>>()) {
+    fn invalid_values_never_panic(at in any::<Index>(), with in any::<Index>(), more in any::<Option<(Index, Index)>>()) {
         // Values stand after = and between commas and brackets.
         let mut pieces: Vec<&str> = TRAIN.split_inclusive(['=', ',', '{', '}', '[', ']', '\n']).collect();
         let mut spoil = |at: Index, with: Index| {

@@ -42,7 +42,7 @@ fn the_angle_is_the_exact_integral() {
 }
 
 #[test]
-fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
+fn shaft_angle_equals_the_speed_integral_for_any_start_time() {
     let cached = cached(&train());
     let n = cached.model.len();
     let pieces = profile(&[0.0, 0.5, 2.0], 40.0, &[[30.0, -20.0, 16.0], [-7.0, 5.0, -1.0]]);
@@ -143,7 +143,7 @@ fn a_speed_that_changes_its_sign_names_the_time() {
 }
 
 #[test]
-fn an_impossible_profile_is_refused() {
+fn an_invalid_speed_profile_is_refused() {
     let [one, two] = [[[1.0, 0.0, 0.0, 0.0]; 1].to_vec(), [[1.0, 0.0, 0.0, 0.0]; 2].to_vec()];
     let jump = vec![[1.0, 0.0, 0.0, 0.0], [1.1, 0.0, 0.0, 0.0]];
     let cases = [

@@ -34,7 +34,7 @@ fn amplitude<const S: usize>(tableau: Tableau<S>, angle: f64, steps: u32) -> f64
 }
 
 #[test]
-fn the_stability_limits_are_where_the_tableaux_say() {
+fn stability_limits_equal_those_of_the_tableaux() {
     // |R| − 1 is −9e-4 at 2.828 and +2e-3 at 2.83: thousands of steps tell.
     assert!(amplitude(RK4, RK4.imaginary_limit, 20_000) <= 1.0);
     assert!(amplitude(RK4, 2.83, 20_000) > 1e3);
@@ -80,7 +80,7 @@ fn every_decaying_motion_within_both_limits_is_stable() {
 }
 
 #[test]
-fn what_cannot_go_on_says_so() {
+fn a_run_that_cannot_continue_returns_an_error() {
     let halted = |system: &mut Particles, y: Vec<f64>, witness: &mut Witness| {
         let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
         let mut state = State::new(y);
