@@ -136,7 +136,7 @@ fn a_matrix_that_is_not_positive_definite_is_reported_with_its_node() {
 }
 
 #[test]
-fn zero_matrix_has_a_zero_product() {
+fn only_the_zero_matrix_is_zero() {
     let mut chain = BlockTridiagonal::<1>::zeros(3);
     assert!(chain.is_zero());
     assert_eq!(chain.nodes(), 3);

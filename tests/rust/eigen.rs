@@ -85,7 +85,7 @@ fn equal_eigenvalues_have_independent_eigenvectors() {
 }
 
 #[test]
-fn defective_and_empty_matrices_are_solved_and_non_finite_ones_are_errors() {
+fn defective_and_empty_matrices_are_solved_and_nan_is_an_error() {
     // A Jordan block of three spreads its eigenvalue by the cube root of round-off, 6e-6.
     let jordan = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 2.0]);
     let near = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]);

@@ -322,7 +322,7 @@ fn tooth_pairs_share_the_path_of_contact() {
 }
 
 #[test]
-fn back_flank_geometry_mirrors_the_drive_flank() {
+fn reversed_rotation_mirrors_the_gear_pair() {
     // Mirrored on the line of centres, a driver that turns the other way is the same gear pair.
     let gear_mesh = Pair { angle: 0.0, ..PLAIN }.gear_mesh();
     let q = Vector6::new(1e-4, -2e-4, -3e-5, 5e-5, 1e-3, 2e-3);

@@ -563,7 +563,7 @@ fn contact_lasts_while_the_force_is_compressive() {
 }
 
 #[test]
-fn steps_end_at_sharp_engagement_and_at_contact_loss() {
+fn a_mesh_reports_whether_it_switches_varies_or_follows_the_twist() {
     let of = |mesh: &str| {
         let gear_mesh = gear_mesh(mesh);
         (gear_mesh.switches(), gear_mesh.varies(), gear_mesh.follows())
