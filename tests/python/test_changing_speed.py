@@ -11,7 +11,7 @@ import pytest
 from scipy.interpolate import CubicSpline, PPoly
 
 import gearbow as gb
-from reference import judge
+from reference import independent_solution
 from reference.bows import HalfSine
 from reference.elements import Section
 from reference.scenes import DENSITY, PAIR, E, G, GearAt, Geared, single_shaft
@@ -47,7 +47,9 @@ def own_rotor() -> Train:
     return Train([ShaftSpec("s", [part], 1.0, *curves)], [wheel], bearings)
 
 
-def ramp(start: float, end: float, duration: float, begin: float = 0.0) -> judge.Turning:
+def ramp(
+    start: float, end: float, duration: float, begin: float = 0.0
+) -> independent_solution.Turning:
     """Angle, speed and acceleration of a ramp, in closed form."""
     slope = (end - start) / duration
 
@@ -66,9 +68,9 @@ KINKS = (0.05, 0.65)
 
 
 @pytest.fixture(scope="module")
-def judged() -> judge.Motion:
+def solution() -> independent_solution.Motion:
     times = np.linspace(0.0, END, 301)
-    return judge.run_up(own_rotor(), ramp(*RAMP), times, rtol=1e-11, kinks=KINKS)
+    return independent_solution.run_up(own_rotor(), ramp(*RAMP), times, rtol=1e-11, kinks=KINKS)
 
 
 def profile() -> gb.SpeedProfile:
@@ -76,34 +78,36 @@ def profile() -> gb.SpeedProfile:
     return gb.SpeedProfile.ramp(start, end, duration, begin=begin)
 
 
-def gap(found: gb.Response, exact: judge.Motion, name: str = "wheel") -> float:
+def gap(found: gb.Response, exact: independent_solution.Motion, name: str = "wheel") -> float:
     expected = exact.displacement(name)
     return float(np.abs(found.displacement(name) - expected).max() / np.abs(expected).max())
 
 
-def test_run_up_through_the_critical_follows_the_judge(judged: judge.Motion):
+def test_run_up_through_the_critical_matches_the_independent_solution(
+    solution: independent_solution.Motion,
+):
     found = rotor().simulate(
-        END, profile(), initial="rest", times=judged.time, record=["wheel"], rtol=1e-9
+        END, profile(), initial="rest", times=solution.time, record=["wheel"], rtol=1e-9
     )
-    # the judge is good to 1e-10
-    assert gap(found, judged) < 1e-8
+    # the error of the independent solution is 1e-10
+    assert gap(found, solution) < 1e-8
     # which a force without the acceleration, or an angle of the present speed, would not be
     angle, speed, acceleration = ramp(*RAMP)(0.4)
     assert abs(UNBALANCE) * acceleration > 1e-3 * abs(UNBALANCE) * speed**2
     assert abs(speed * 0.4 - angle) > 1.0
 
 
-def test_rk4_keeps_its_order_across_the_kinks(judged: judge.Motion):
+def test_rk4_keeps_its_order_across_the_kinks(solution: independent_solution.Motion):
     system = rotor()
     # the kinks lie within steps
     errors = []
     for step in (2e-4, 1e-4):
         found = system.simulate(
-            END, profile(), initial="rest", times=judged.time, record=["wheel"], method="rk4",
+            END, profile(), initial="rest", times=solution.time, record=["wheel"], method="rk4",
             step=step,
         )  # fmt: skip
-        errors.append(gap(found, judged))
-    assert errors[0] > 1e-9  # well above what the judge leaves
+        errors.append(gap(found, solution))
+    assert errors[0] > 1e-9  # well above the error of the independent solution
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
 
 
@@ -141,9 +145,11 @@ SWIFT = (100.0, 900.0, 3e-3, 1e-3)  # 2.7e5 rad/s²: as much of a force as the s
 
 
 @pytest.mark.parametrize("how", [{"rtol": 1e-9}, {"method": "rk4", "step": 1.25e-7}], ids=str)
-def test_a_geared_train_that_runs_up_follows_the_judge(how: dict[str, Any]):
+def test_a_geared_train_that_runs_up_matches_the_independent_solution(how: dict[str, Any]):
     times = np.linspace(0.0, 5e-3, 101)
-    exact = judge.run_up(GEARED.reference(), ramp(*SWIFT), times, rtol=1e-10, kinks=(1e-3, 4e-3))
+    exact = independent_solution.run_up(
+        GEARED.reference(), ramp(*SWIFT), times, rtol=1e-10, kinks=(1e-3, 4e-3)
+    )
     start, end, duration, begin = SWIFT
     run = gb.SpeedProfile.ramp(start, end, duration, begin=begin)
     found = GEARED.package().simulate(5.01e-3, run, initial="rest", times=times, **how)
@@ -334,7 +340,7 @@ class TestProfiles:
             (lambda t: np.nan * t, "^speed: the function gives nan at 0 s"),
             (lambda _: "a", "^speed: the function must give a number"),
         ],
-        ids=str,
+        ids=lambda value: "function" if callable(value) else str(value),
     )
     def test_what_cannot_be_is_named(self, speed, text):
         with pytest.raises(gb.SceneError, match=text):
@@ -403,7 +409,9 @@ class TestContinuation:
 
         times = np.linspace(0.0, 5e-3, 101)
         early, late = times[times < jump], times[times > jump]
-        exact = judge.run_up(GEARED.reference(), turning, times, rtol=1e-10, kinks=(jump,))
+        exact = independent_solution.run_up(
+            GEARED.reference(), turning, times, rtol=1e-10, kinks=(jump,)
+        )
         how: dict[str, Any] = {"rk45": {"rtol": 1e-9}, "rk4": {"step": 1.25e-7}}[method]
         system = GEARED.package()
         how |= {"method": method, "record": ["gears"]}

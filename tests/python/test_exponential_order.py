@@ -127,7 +127,7 @@ def test_the_error_of_a_run_follows_the_tolerance(name: str):
     # the tolerance is that of a step: some hundred steps add to a few of them. A flank that parts carries an error in its
     # instant on, and ends of the ramp of an engagement fall within a step: 20 were seen, 100 of flanks that part and meet
     # again. Corners of relief fall within a step too and are sharper: 160; rk45 leaves 300 of its tolerance there, so it is
-    # no judge below 1e-7.
+    # no independent reference below 1e-7.
     kind, _, _ = name.partition(",")
     factor = {"relief": 300.0, "rattling": 200.0}.get(kind, 40.0)
     tightest = -7 if kind == "relief" else -9

@@ -1,11 +1,11 @@
-"""The independent statement itself: its mesh law, its elements and the accuracy of its judge."""
+"""The independent statement itself: its mesh law, its elements and the accuracy of its solution."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from reference import elements, judge, published
+from reference import elements, independent_solution, published
 from reference.bows import HalfSine
 from reference.mesh_law import MeshLaw
 from reference.scenes import Geared
@@ -87,11 +87,11 @@ def test_published_frequencies():
     assert found == pytest.approx(published.V1_HZ, rel=1e-4)
 
 
-def test_judge_is_ten_times_closer_than_what_it_judges():
+def test_independent_solution_is_ten_times_more_accurate_than_its_tolerance():
     scene = Geared(bows={"input": HalfSine(1.2e-3, -2.0)}, angles=(2.5, 0.9))
     train, times = scene.reference(), np.linspace(0, 2e-3, 21)
-    usual = judge.from_rest(train, 100.0, times)
-    closer = judge.from_rest(train, 100.0, times, rtol=1e-12)
+    usual = independent_solution.from_rest(train, 100.0, times)
+    closer = independent_solution.from_rest(train, 100.0, times, rtol=1e-12)
     for name in ("g1", "g2", "g3", "g4"):
         u = closer.displacement(name)
         assert np.abs(usual.displacement(name) - u).max() < 1e-7 * np.ptp(u, axis=0).max()
@@ -99,7 +99,7 @@ def test_judge_is_ten_times_closer_than_what_it_judges():
     assert np.abs(usual.mesh_force(1, live=True) - force).max() < 1e-7 * np.ptp(force)
 
 
-def test_energy_of_the_judge():
+def test_independent_solution_conserves_energy():
     # undamped, from rest, at zero speed: kinetic and elastic energy stay with the live law alone
     scene = Geared(
         bows={"input": HalfSine(1e-3), "middle": HalfSine(-8e-4, 1.0)},
@@ -112,7 +112,7 @@ def test_energy_of_the_judge():
     bow = sum(train.bow_shape(shaft, 0.0) for shaft in train.shafts)
 
     def energies(live: bool) -> np.ndarray:
-        run = judge.from_rest(train, 0.0, times, live)
+        run = independent_solution.from_rest(train, 0.0, times, live)
         rest = train.grounded - train.elastic
         out = np.einsum("ki,ij,kj->k", run.qd, train.mass, run.qd)
         out += np.einsum("ki,ij,kj->k", run.q - bow, train.elastic, run.q - bow)
@@ -123,6 +123,6 @@ def test_energy_of_the_judge():
     energy = energies(live=True)
     assert np.abs(energy / energy[0] - 1).max() < 1e-8
     # and the scene is one in which the geometry matters
-    frozen = judge.from_rest(train, 0.0, times, live=False).mesh_force(0, live=False)
-    moving = judge.from_rest(train, 0.0, times, live=True).mesh_force(0, live=True)
+    frozen = independent_solution.from_rest(train, 0.0, times, live=False).mesh_force(0, live=False)
+    moving = independent_solution.from_rest(train, 0.0, times, live=True).mesh_force(0, live=True)
     assert np.abs(frozen - moving).max() > 1e-3 * np.ptp(moving)

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gearbow as gb
-from reference.spoilt import KINDS, SCENE, build, numbers, spoil, written
+from reference.planted_faults import KINDS, SCENE, build, numbers, spoil, written
 
 COUNTS = ("elements", "teeth", "number")
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.spoilt import SCENE, build, numbers, spoil, written
+from reference.planted_faults import SCENE, build, numbers, spoil, written
 
 #: What is no real number, though Python or NumPy would convert most of them.
 WRONG = {

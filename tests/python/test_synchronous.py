@@ -191,7 +191,7 @@ class TestBackwards:
         return list(zip(forwards, reversed(backwards), strict=True))
 
     @pytest.mark.parametrize("operating", [(300.0, 400.0), (150.0, 290.0), (100.0, 120.0)])
-    def test_peaks_are_judged_alike(self, operating):
+    def test_backward_rotation_has_the_mirrored_peaks(self, operating):
         (pair,) = self.pairs(self.SPEEDS, operating)
         forwards, backwards = pair
         assert forwards.amplification_factor > 2.5

@@ -190,7 +190,7 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
     if "cycle" not in teeth:
         teeth["pair"] = parabola(scene, PAIR, end)
     law = TeethLaw(scene.law(), **teeth)
-    # corners of the law (separation, relief), which the judge does not locate, cost it more
+    # corners of the law (separation, relief), which the independent solution does not locate, cost it more
     cornered = "backlash" in mesh or "tip_relief" in mesh
     # one or two mesh periods, of 60 teeth as of 25
     duration = (5e-4 if bowed or cornered else 1e-3) * min(1.0, 25 / scene.teeth[0])
@@ -206,7 +206,7 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
         method=method,
         rtol=1e-12,
     )
-    # the judge's tolerance of 1e-10 a step, over a few hundred steps
+    # the tolerance of the independent solution of 1e-10 a step, over a few hundred steps
     tolerance = 1e-6 if cornered else 1e-7
     for gear, shaft in (("ga", "a"), ("gb", "b")):
         at = system.dofs.index((shaft, scene.position, "twist"))

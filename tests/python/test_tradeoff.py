@@ -11,7 +11,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.accuracy import ACCURACIES
-from reference import judge
+from reference import independent_solution
 from reference.bows import HalfSine
 from reference.scenes import PAIR
 
@@ -66,12 +66,12 @@ def test_errors_fall_with_the_tolerance_down_to_what_is_known(study, method):
 
 def test_the_reference_is_what_an_independent_program_finds():
     times = np.linspace(0.0, END, 101)
-    exact = judge.from_rest(SCENE.reference(), SPEED, times).displacement("g1")
+    exact = independent_solution.from_rest(SCENE.reference(), SPEED, times).displacement("g1")
     system = SCENE.package()
     found = system.tradeoff(
         END, SPEED, signals="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
     )
-    # the judge's tolerance of 1e-10 leaves about as much; its own error hides what is below
+    # the tolerance of the independent solution of 1e-10 leaves about as much; its own error hides what is below
     hidden = 1e-7
     for trial in found.trials:
         response = trial.system.simulate(END, SPEED, initial="rest", times=times, **trial.options)
@@ -83,7 +83,7 @@ def test_the_reference_is_what_an_independent_program_finds():
 @pytest.mark.parametrize("wanted", [1e-2, 1e-4, 1e-6])
 def test_a_recommendation_keeps_its_error_against_an_independent_program(wanted):
     times = np.linspace(0.0, END, 101)
-    motion = judge.from_rest(SCENE.reference(), SPEED, times)
+    motion = independent_solution.from_rest(SCENE.reference(), SPEED, times)
     found = SCENE.package().tradeoff(END, SPEED, signals=["g1", FORCE], initial="rest", repeats=1)
     best = found.recommend(error=wanted)
     assert best.error <= wanted
@@ -320,7 +320,7 @@ def test_what_does_not_swing_has_no_error():
         straight.tradeoff(1e-3, SPEED, signals="g1", initial="static")
 
 
-def test_a_train_that_only_twists_is_judged_by_its_meshes():
+def test_tradeoff_of_a_torsional_train_compares_mesh_forces():
     package = replace(PAIR, elements=2).package()
     teeth = [replace(mesh, stiffness=gb.Stiffness.parabolic(1.5e8)) for mesh in package.meshes]
     system = gb.RotorSystem(
@@ -336,13 +336,13 @@ def test_a_train_that_only_twists_is_judged_by_its_meshes():
 @pytest.mark.parametrize("word", list(ACCURACIES))
 def test_a_word_keeps_what_the_response_expects_of_it(word):
     times = np.linspace(0.0, END, 101)
-    motion = judge.from_rest(SCENE.reference(), SPEED, times)
+    motion = independent_solution.from_rest(SCENE.reference(), SPEED, times)
     response = SCENE.package().simulate(END, SPEED, accuracy=word, initial="rest", times=times)
     each = ACCURACIES[word]
     assert response.expected_error == each.error
     assert word in response.accuracy
     assert "make measure" in response.accuracy
-    # the judge itself is no better than this
+    # the independent solution has no smaller error
     allowed = max(each.error, 1e-7)
     assert apart(response.displacement("g1"), motion.displacement("g1")) < allowed
     assert apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True)) < allowed

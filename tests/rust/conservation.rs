@@ -133,7 +133,7 @@ fn the_rolling_momentum_is_conserved() {
 }
 
 #[test]
-fn a_balanced_train_does_not_move_the_rolling_motion_from_rest() {
+fn balanced_torques_do_not_start_the_rigid_body_rotation() {
     let cached = cached(&train());
     let rolling = cached.real_modes(0.0).unwrap().vectors.column(0).into_owned();
     let load = &cached.model.constant_load;
@@ -156,7 +156,7 @@ fn bits(cached: &CachedModel, live: bool) -> Vec<u64> {
 }
 
 #[test]
-fn a_run_gives_the_same_bits_again_and_in_any_thread() {
+fn a_repeated_run_is_bit_identical_in_any_thread() {
     let first = cached(&everything());
     let once = [bits(&first, true), bits(&first, false)];
     assert_ne!(once[0], once[1]);

@@ -95,7 +95,7 @@ fn error<const S: usize>(tableau: Tableau<S>, control: StepControl) -> (f64, Sta
 }
 
 #[test]
-fn a_jump_of_force_does_not_cost_the_order() {
+fn a_force_jump_does_not_reduce_the_order() {
     let at = |k: i32| error(RK4, StepControl::Fixed(2.0_f64.powi(-k)));
     let ((coarse, _), (fine, statistics)) = (at(9), at(10));
     let order = (coarse / fine).log2();
@@ -111,7 +111,7 @@ fn a_jump_of_force_does_not_cost_the_order() {
 }
 
 #[test]
-fn a_change_is_found_to_round_off() {
+fn a_contact_change_is_located_to_round_off() {
     // The witness sees every step: one of them ends at the first touch.
     let mut state = drop_from(0.5);
     let mut witness = Witness { end: Some(1.1), ..Witness::default() };
@@ -153,7 +153,7 @@ impl Observer for Changes {
 }
 
 #[test]
-fn whoever_looks_is_told_where_the_law_changed() {
+fn observers_receive_the_time_of_each_contact_change() {
     let mut changes = Changes::default();
     let mut method = RungeKutta::new(RK4, 2);
     let control = StepControl::Fixed(2.0_f64.powi(-10));
@@ -207,7 +207,7 @@ impl FirstOrderSystem for Marked {
 }
 
 #[test]
-fn a_law_that_holds_within_a_step_alone_is_seen() {
+fn a_contact_within_one_step_is_found() {
     // Thrown up with 1 m/s the ball is above the mark from 0.6 s to 1.4 s: one step goes over all of it.
     let (mut changes, mut method) = (Changes::default(), RungeKutta::new(RK4, 2));
     let mut state = State::new(vec![0.0, 1.0]);
@@ -228,7 +228,7 @@ fn a_law_that_holds_within_a_step_alone_is_seen() {
 }
 
 #[test]
-fn steps_go_on_as_before_a_change() {
+fn the_step_length_is_kept_after_a_contact_change() {
     // What is left of the grid's step comes next, so the grid stays where it was: 700 steps, six of them in two parts.
     let mut state = drop_from(0.6);
     let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 7.005);
@@ -240,7 +240,7 @@ fn steps_go_on_as_before_a_change() {
 }
 
 #[test]
-fn a_ball_that_only_just_touches_does_not_stop_the_run() {
+fn a_grazing_contact_does_not_stop_the_run() {
     // It rests where the law changes, on a spring that pushes as soon as it is touched: there is no end to changes.
     let mut state = State::new(vec![0.0, 0.0]);
     let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 1.005);

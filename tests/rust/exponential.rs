@@ -117,7 +117,7 @@ proptest! {
 }
 
 #[test]
-fn rolling_that_hardly_slows_keeps_its_digits() {
+fn slowly_decaying_rigid_body_rotation_keeps_its_accuracy() {
     // The train rolls freely; mass-proportional damping slows it at its own rate.
     for rate in [1e-9, 1e-6, 1e-3, 0.17, 10.0, 1e3] {
         let cached = cached(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
@@ -130,7 +130,7 @@ fn rolling_that_hardly_slows_keeps_its_digits() {
 }
 
 #[test]
-fn planes_that_do_not_couple_are_no_harder() {
+fn uncoupled_planes_of_bending_have_well_conditioned_modes() {
     // At rest the two planes of a shaft have the same eigenvalues.
     for damping in [0.0, 10.0, 500.0, 501.0, 5e3, 1e5] {
         let mut system = damped([1e8, 1e8, damping, damping], [0.0; 2], [0.0; 2], 0.0);
@@ -201,7 +201,7 @@ fn apart(first: &[f64], second: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_table_without_modes_is_that_of_the_modes() {
+fn dense_propagators_equal_modal_propagators() {
     for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
         let cached = cached(&system);
         let linear = cached.linear(SPEED).unwrap();
@@ -366,7 +366,7 @@ fn sharp() -> SceneDescription {
 }
 
 #[test]
-fn runs_in_any_coordinates_are_the_same() {
+fn modal_and_dense_runs_are_equal() {
     let (mut apart_by_backlash, mut damped) = (sharp(), train());
     apart_by_backlash.meshes.iter_mut().for_each(|mesh| mesh.backlash = Some(1e-5));
     damped.meshes.iter_mut().for_each(|mesh| (mesh.damping, mesh.damping_ratio) = (Some(800.0), None));
@@ -398,7 +398,7 @@ fn runs_in_any_coordinates_are_the_same() {
 }
 
 #[test]
-fn the_motion_within_a_step_meets_its_ends() {
+fn interpolation_within_a_step_matches_both_ends() {
     let cached = cached(&sharp());
     let linear = cached.linear(SPEED).unwrap();
     for (stages, form) in [(2, (*linear).clone()), (3, (*linear).clone()), (4, (*linear).clone()), (3, dense(&linear))]

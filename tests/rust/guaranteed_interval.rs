@@ -87,7 +87,7 @@ proptest! {
 }
 
 #[test]
-fn flanks_that_are_apart_or_both_pressed_do_not_stay() {
+fn separated_or_double_contact_has_no_guaranteed_interval() {
     let cached = cached();
     let (mut motion, interface) = pressed(&cached, false);
     for flank in [Flank::Apart, Flank::Both] {

@@ -144,7 +144,7 @@ impl gearbow::integrate::FirstOrderSystem for Clocked {
 }
 
 #[test]
-fn stages_know_what_time_it_is() {
+fn stages_are_evaluated_at_their_times() {
     fn check<const S: usize>(tableau: Tableau<S>) {
         // A method of order p is a rule that integrates tᵖ⁻¹ exactly.
         let power = tableau.order as i32 - 1;
@@ -166,7 +166,7 @@ fn stages_know_what_time_it_is() {
 }
 
 #[test]
-fn a_step_of_which_nothing_can_be_said_shrinks_tenfold() {
+fn a_step_with_a_non_finite_error_shrinks_tenfold() {
     let mut system = Clocked { power: 1, until: 5e-3, times: Vec::new() };
     let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
     let (mut state, nobody) = (State::new(vec![0.0; 2]), &mut Witness::default());
@@ -197,7 +197,7 @@ impl Observer for Once {
 }
 
 #[test]
-fn an_instant_at_the_end_of_a_step_is_seen_with_that_step() {
+fn an_output_time_at_the_end_of_a_step_belongs_to_that_step() {
     let (mut system, mut state) = pair_and_pendulum();
     let (mut method, mut statistics) = (RungeKutta::new(RK4, system.len()), Statistics::new());
     let mut once = Once { at: 1.0, seen: None };
@@ -239,7 +239,7 @@ fn statistics_are_those_of_the_steps() {
 }
 
 #[test]
-fn the_middle_of_a_step_is_as_good_as_its_end() {
+fn interpolation_at_the_middle_of_a_step_is_as_accurate_as_the_end() {
     let (mut system, mut state) = pair_and_pendulum();
     let mut witness = Witness { end: Some(4.0), ..Witness::default() };
     let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, system.len()), Statistics::new());
@@ -253,7 +253,7 @@ fn the_middle_of_a_step_is_as_good_as_its_end() {
 }
 
 #[test]
-fn the_controller_is_the_one_of_the_books() {
+fn the_step_controller_follows_its_published_formula() {
     let control = Adaptive { rtol: 1e-6, floor: 0.0, longest: 1.0 };
     let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
     close(control.grow(5, 1.0, 1.0), 0.9);
@@ -271,7 +271,7 @@ fn the_controller_is_the_one_of_the_books() {
 }
 
 #[test]
-fn counts_are_pinned() {
+fn step_and_evaluation_counts_are_unchanged() {
     let counts = |statistics: Statistics| (statistics.steps, statistics.rejected, statistics.evaluations);
     let (mut system, mut state) = pair_and_pendulum();
     let fixed = integrate(&mut system, RK4, StepControl::Fixed(1.0 / 128.0), &mut state, 10.0);

@@ -322,7 +322,7 @@ fn tooth_pairs_share_the_path_of_contact() {
 }
 
 #[test]
-fn the_flanks_mirror_each_other() {
+fn reversed_rotation_mirrors_the_gear_pair() {
     // Mirrored on the line of centres, a driver that turns the other way is the same gear pair.
     let gear_mesh = Pair { angle: 0.0, ..PLAIN }.gear_mesh();
     let q = Vector6::new(1e-4, -2e-4, -3e-5, 5e-5, 1e-3, 2e-3);
@@ -335,7 +335,7 @@ fn the_flanks_mirror_each_other() {
 }
 
 #[test]
-fn base_circles_that_overlap_are_an_error() {
+fn overlapping_base_circles_are_an_error() {
     let gear_mesh = PLAIN.gear_mesh();
     let (sin, cos) = PLAIN.angle.sin_cos();
     let sum: f64 = gear_mesh.involute.base_radius.iter().sum();

@@ -170,7 +170,7 @@ proptest! {
 }
 
 #[test]
-fn laws_are_told_by_their_numbers() {
+fn contact_modes_survive_conversion_to_numbers() {
     for flank in FLANKS {
         let contact_mode = ContactMode { flank, engaged: [(-3, 4), (5, 6)] };
         assert_eq!(ContactMode::from_code(&contact_mode.code()), contact_mode);

@@ -143,7 +143,7 @@ fn a_rigid_bow_gives_no_force() {
 }
 
 #[test]
-fn a_turned_bow_follows_its_shaft() {
+fn a_rotated_bow_rotates_with_its_shaft() {
     // The whole load turns with its shaft: at a quarter turn of the input v has become w.
     let mut system = train();
     system.shafts[1].bow = None;
@@ -166,7 +166,7 @@ fn a_turned_bow_follows_its_shaft() {
 }
 
 #[test]
-fn long_runs_keep_their_angle() {
+fn the_shaft_angle_keeps_its_accuracy_in_long_runs() {
     // 1e10 rad: the product alone is wrong by 1e-6 rad. Halves of 26 bits have products that are exact.
     let (spin, time) = (123_456.789_012_345_f64, 98_765.432_109_876_5_f64);
     let halves = |value: f64| {

@@ -110,7 +110,7 @@ fn steps_allocate_nothing() {
 }
 
 #[test]
-fn changes_of_law_allocate_nothing() {
+fn contact_changes_allocate_nothing() {
     // A run that may see some makes room for them once, however long it is.
     let [short, long] = [200, 400].map(|steps| {
         let (rk4, few) = cost(RK4, false, Geometry::Live, &rattling(), steps);

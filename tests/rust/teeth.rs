@@ -125,7 +125,7 @@ proptest! {
 }
 
 #[test]
-fn a_harmonic_swings_about_its_mean() {
+fn a_harmonic_oscillates_about_its_mean() {
     let cycle = Cycle::Fourier(3.0, vec![[1.0, 0.0]]);
     assert_eq!((cycle.mean(), cycle.largest()), (3.0, 4.0));
     assert!((cycle.smallest() - 2.0).abs() < 1e-15);
@@ -352,7 +352,7 @@ fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
 }
 
 #[test]
-fn a_pair_yields_by_both_teeth_and_their_contact() {
+fn pair_compliance_is_the_sum_of_both_teeth_and_their_contact() {
     let bores = [0.012, 0.03];
     let mesh = r#"stiffness = { model = "potential_energy", engagement = 0.2, bore_radii = [0.012, 0.03] }"#;
     let scene = scene("", "", mesh);
@@ -504,7 +504,7 @@ fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
 }
 
 #[test]
-fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
+fn only_pairs_of_the_loaded_flank_are_counted() {
     const PARTS: usize = 2000;
     let gear_mesh = gear_mesh(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
     let ratio = gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
@@ -528,7 +528,7 @@ fn what_is_counted_is_the_pairs_of_the_flank_that_presses() {
 }
 
 #[test]
-fn flanks_press_while_their_force_pushes() {
+fn contact_lasts_while_the_force_is_compressive() {
     let (stiffness, damping, backlash) = (3e8, 2e3, 4e-5);
     let gear_mesh = gear_mesh("stiffness = 3e8, damping = 2e3, backlash = 4e-5");
     let radius = gear_mesh.involute.base_radius[1];
@@ -563,7 +563,7 @@ fn flanks_press_while_their_force_pushes() {
 }
 
 #[test]
-fn a_step_ends_where_pairs_come_in_jumps_or_flanks_part() {
+fn a_mesh_reports_whether_it_switches_varies_or_follows_the_twist() {
     let of = |mesh: &str| {
         let gear_mesh = gear_mesh(mesh);
         (gear_mesh.switches(), gear_mesh.varies(), gear_mesh.follows())

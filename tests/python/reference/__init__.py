@@ -1,4 +1,5 @@
-"""An independent statement of the equations, in NumPy and SciPy alone, that the package is held against.
+"""Independent implementation of the equations in NumPy and SciPy. The tests compare gearbow with it.
 
-Nothing here may import what it judges, save `scenes`, which describes one scene in both languages.
+The equations use nothing of gearbow. `bows`, `scenes` and `teeth` also describe each scene for gearbow. `records` and
+`planted_faults` contain test data.
 """

@@ -1,6 +1,6 @@
 """The whole of it against a second program: own matrices, own mesh law, own bow force, SciPy's integrator.
 
-The judge (see `reference`) assembles the train in NumPy from the design equations and integrates it with
+The independent solution (see `reference`) assembles the train in NumPy from the design equations and integrates it with
 DOP853 at rtol 1e-10, three orders below what is asked for here.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference import judge
+from reference import independent_solution
 from reference.bows import HalfSine, Kinked
 from reference.scenes import CHAIN, PAIR, GearAt, Geared
 
@@ -64,7 +64,7 @@ def ranged(found: np.ndarray, exact: np.ndarray, scale: float | None = None) -> 
 
 def agree(scene: Geared, speed: float, live: bool, runs: dict[str, dict[str, object]]) -> None:
     times = np.linspace(0.0, END, COUNT)
-    exact = judge.from_rest(scene.reference(), speed, times, live)
+    exact = independent_solution.from_rest(scene.reference(), speed, times, live)
     system = scene.package()
     geometry = "live" if live else "frozen"
     for how in runs.values():
@@ -111,14 +111,19 @@ def test_live_and_frozen_are_two_answers():
     # or the tests above could not tell them apart
     times = np.linspace(0.0, END, COUNT)
     train = SCENES["large bow"].reference()
-    live, frozen = (judge.from_rest(train, SPEED, times, live) for live in (True, False))
+    live, frozen = (
+        independent_solution.from_rest(train, SPEED, times, live) for live in (True, False)
+    )
     gap = ranged(frozen.mesh_force(0, False), live.mesh_force(0, True))
     assert gap > 1e3 * TOLERANCE
     # and so are one sense of rotation and the other
     train = replace(DEMO, sigma=-1.0).reference()
-    other = judge.from_rest(train, SPEED, times)
+    other = independent_solution.from_rest(train, SPEED, times)
     train = DEMO.reference()
-    assert ranged(other.twist("g2"), judge.from_rest(train, SPEED, times).twist("g2")) > 0.1
+    assert (
+        ranged(other.twist("g2"), independent_solution.from_rest(train, SPEED, times).twist("g2"))
+        > 0.1
+    )
 
 
 @pytest.mark.parametrize("name", [*SCENES, "pair", "four shafts", "deep and hollow"])
