@@ -11,6 +11,13 @@ FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
+# Tests and wheel have one profile, so that dependencies are compiled once. The setting adds checks of integer overflow
+# to the code of gearbow in the tests; it leaves the wheel and the dependencies unchanged.
+CARGO_TEST := cargo test --release --locked --config profile.release.package.gearbow.overflow-checks=true
+
+# Two or more tests run at the same time; a free process takes tests from a busy one.
+PYTEST_PARALLEL := -n logical --dist worksteal
+
 .PHONY: help demo test check random fuzz faults bench bench-check bench-accept compare fmt wheel readme figures study measure structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -18,8 +25,8 @@ export PYO3_PYTHON := $(abspath $(BIN)/python)
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make random        what holds for every scene, on 2,000 random ones, other ones every time"
-	@echo "make fuzz          a million descriptions that nobody would write: each gets an answer"
+	@echo "make random        check general properties on 2,000 new random scenes"
+	@echo "make fuzz          parse a million randomly changed descriptions"
 	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make bench         what a step costs"
@@ -41,17 +48,17 @@ demo: $(VENV)/.plot
 test: test-rust test-python
 
 test-rust:
-	cargo test --locked --no-fail-fast
+	$(CARGO_TEST) --no-fail-fast
 
 test-python: $(VENV)/.dev
-	$(BIN)/python -m pytest --pyargs gearbow tests/python tests/extremes README.md docs
+	$(BIN)/python -m pytest $(PYTEST_PARALLEL) --pyargs gearbow tests/python tests/extremes README.md docs
 
-# Other cases every time: those of the tests are always the same.
+# New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
 	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py
 
 fuzz: $(VENV)/.dev
-	GEARBOW_CASES=350 cargo test --locked --test fuzz
+	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
 	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py
 
 # Takes minutes; tests/mutation/faults.py lists the faults.

@@ -118,7 +118,7 @@ def study(scene: Scene) -> gb.Tradeoff:
 def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
     """Return the tables: methods, Pareto front and simplified models."""
     yield f"{scene.system()!r}."
-    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {' and '.join(tradeoff.of)}."
+    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {' and '.join(tradeoff.signals)}."
     yield f"Reference: {tradeoff.reference}."
     yield f"Its difference from {tradeoff.check} is {tradeoff.floor:.0e}."
     if tradeoff.discretisation is not None:
@@ -146,8 +146,8 @@ def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
             f"| {trial.steps} | {trial.limited_by} |"
         )
     yield ""
-    yield f"| simplification | {' | '.join(f'error of {signal}' for signal in tradeoff.of)} |"
-    yield "|---|" + "---|" * len(tradeoff.of)
+    yield f"| simplification | {' | '.join(f'error of {signal}' for signal in tradeoff.signals)} |"
+    yield "|---|" + "---|" * len(tradeoff.signals)
     tight = {trial.model: trial for trial in tradeoff.trials if trial.model != "as given"}
     for model, trial in tight.items():
         yield f"| {model} | {' | '.join(f'{error:.1e}' for error in trial.errors.values())} |"

@@ -440,7 +440,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "speed.py",
-        "profiles_and_bow_values",
+        "bow_and_speed_profile",
         (
             "[begin, begin + duration], [number(start",
             "[0.0, duration], [number(start",
@@ -451,7 +451,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "bow.py",
-        "profiles_and_bow_values",
+        "bow_and_speed_profile",
         (
             'cls("half_sine", amplitude=amplitude, phase=phase)',
             'cls("half_sine", amplitude=amplitude)',

@@ -1,6 +1,6 @@
 """Descriptions that nobody would write, as Python gives them: a system or an error, never anything else.
 
-`make fuzz` tries many more, and texts beside them (`tests/fuzz.rs`).
+`make fuzz` tries many more, and texts beside them (`tests/rust/fuzz.rs`).
 """
 
 from __future__ import annotations

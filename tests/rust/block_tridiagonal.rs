@@ -1,9 +1,6 @@
 //! The chain of nodes against the same matrix, dense.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, largest};
+use crate::common::{Noise, largest};
 use gearbow::linalg::{BlockTridiagonal, NotPositiveDefinite, load};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -75,7 +72,7 @@ fn agrees_with_dense<const B: usize, const L: usize>(nodes: usize, seed: u64) ->
 }
 
 proptest! {
-    #![proptest_config(common::cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn bending_agrees_with_dense(nodes in 1_usize..20, seed: u64) {

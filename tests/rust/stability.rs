@@ -1,9 +1,6 @@
 //! Where explicit steps stay bounded, and what says so when they do not.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::particles::{Particles, Witness, adaptive, integrate};
+use crate::common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
     FirstOrderSystem as _, Halt, Halted, RungeKutta, State, Statistics, StepControl, StepLimit, run,

@@ -1,11 +1,8 @@
 //! What the teeth of a mesh do: their curves, stiffnesses, errors and laws, against what defines them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::COORDINATES;
+use crate::common::COORDINATES;
 use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, ContactPath, Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336};
 use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
@@ -21,7 +18,7 @@ fn scene(of_driver: &str, of_driven: &str, mesh: &str) -> Scene {
     let [a, b] = TEETH;
     let gear = |teeth: f64, more: &str| format!("teeth = {teeth}, module = 3e-3{more}");
     let mesh = format!("centre_line_angle = 0.4, {mesh}");
-    common::scene_of_mesh([&gear(a, of_driver), &gear(b, of_driven)], &mesh)
+    crate::common::scene_of_mesh([&gear(a, of_driver), &gear(b, of_driven)], &mesh)
 }
 
 fn gear_mesh(mesh: &str) -> GearMesh {
@@ -75,7 +72,7 @@ fn bends(at: impl Fn(f64) -> (f64, f64), start: f64, spacing: f64) -> (f64, [f64
 }
 
 proptest! {
-    #![proptest_config(common::cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn a_curve_is_the_natural_spline_through_its_values(
@@ -395,7 +392,7 @@ fn opened(path: ContactPath, by: f64) -> ContactPath {
 }
 
 proptest! {
-    #![proptest_config(common::cases(200))]
+    #![proptest_config(crate::common::cases(200))]
 
     #[test]
     fn what_is_stored_has_the_slopes_that_it_says(
@@ -579,7 +576,7 @@ fn a_step_ends_where_pairs_come_in_jumps_or_flanks_part() {
 }
 
 proptest! {
-    #![proptest_config(common::cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn the_mean_mesh_is_the_contact_of_a_constant_stiffness(

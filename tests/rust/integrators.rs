@@ -1,11 +1,8 @@
 //! The integrators on systems small enough to know the answer of: order, interpolation, control, counts.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::rc::Rc;
 
-use common::particles::{Particles, Witness, adaptive, integrate};
+use crate::common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
     Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, Trajectory, run,
@@ -80,7 +77,7 @@ fn interpolation_is_of_sixth_order_in_displacement_and_fifth_in_velocity() {
 }
 
 proptest! {
-    #![proptest_config(common::cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn interpolation_is_exact_for_a_quintic(
@@ -101,7 +98,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(common::cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn the_cubic_goes_through_states_and_their_derivatives(
@@ -333,7 +330,7 @@ fn split<const S: usize>(tableau: Tableau<S>, control: StepControl, stops: &[f64
 }
 
 proptest! {
-    #![proptest_config(common::cases(50))]
+    #![proptest_config(crate::common::cases(50))]
 
     #[test]
     fn a_split_run_is_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {

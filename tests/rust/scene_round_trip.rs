@@ -1,7 +1,4 @@
 //! Random valid descriptions: saved and loaded again they are the same, and they build.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
@@ -196,7 +193,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
 }
 
 proptest! {
-    #![proptest_config(common::cases(150))]
+    #![proptest_config(crate::common::cases(150))]
 
     #[test]
     fn what_is_valid_loads_saves_and_loads_again(system in systems()) {

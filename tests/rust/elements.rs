@@ -1,7 +1,4 @@
 //! Identities of one shaft element, against closed forms that the element does not use.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::f64::consts::PI;
 
@@ -174,7 +171,7 @@ fn a_tube_is_the_solid_shaft_less_its_core() {
 }
 
 proptest! {
-    #![proptest_config(common::cases(200))]
+    #![proptest_config(crate::common::cases(200))]
 
     #[test]
     fn rigid_motion_is_free_and_weighs_what_it_should(

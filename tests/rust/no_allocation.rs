@@ -1,10 +1,7 @@
 //! A step allocates nothing, nor does anything else that is called once a step.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
+use crate::common::{Noise, cached, motion, train};
 use allocation_counter::{AllocationInfo, measure};
-use common::{Noise, cached, motion, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{

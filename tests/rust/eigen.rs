@@ -1,9 +1,6 @@
 //! Eigenvalues: known spectra, the scaled first-order form, and motions without stiffness.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, cached, free_train, largest, train};
+use crate::common::{Noise, cached, free_train, largest, train};
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
 use gearbow::modal::{self, CachedModel, Whirl};
 use gearbow::scene::SceneDescription;
@@ -226,7 +223,7 @@ fn a_train_has_exactly_one_null_motion_and_it_rolls() {
     for (index, bearing) in system.bearings.iter_mut().enumerate() {
         bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 });
     }
-    assert_eq!(common::cached(&system).real_modes(100.0).unwrap().null, 1);
+    assert_eq!(crate::common::cached(&system).real_modes(100.0).unwrap().null, 1);
     let modes = modal::modes(&cached, 100.0).unwrap();
     let still = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
     assert_eq!(still.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);

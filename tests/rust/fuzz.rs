@@ -1,8 +1,5 @@
 //! Descriptions that nobody would write: whatever stands in a file, the answer is a scene or an error that says where,
 //! soon and in little memory. `make fuzz` tries a million of them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -19,11 +16,11 @@ use proptest::sample::Index;
 
 /// Valid files, which the others are made of.
 const FILES: [&str; 5] = [
-    common::TRAIN,
+    crate::common::TRAIN,
     EVERYTHING,
-    include_str!("../examples/rotors/friswell_2010.toml"),
-    include_str!("../examples/rotors/nelson_1976.toml"),
-    include_str!("../examples/rotors/rao_1998.toml"),
+    include_str!("../../examples/rotors/friswell_2010.toml"),
+    include_str!("../../examples/rotors/nelson_1976.toml"),
+    include_str!("../../examples/rotors/rao_1998.toml"),
 ];
 
 /// Everything that the others leave out.
@@ -268,8 +265,8 @@ fn texts() -> impl Strategy<Value = String> {
     ]
 }
 
-/// No answer may take longer; most take less than a millisecond, and machines may be busy.
-const LONGEST: Duration = Duration::from_secs(20);
+/// An answer that takes longer counts as a hang. Most take less than a millisecond; a busy machine is no hang.
+const LONGEST: Duration = Duration::from_secs(120);
 /// No answer may take more memory, bytes; the largest scenes that are allowed take some.
 const MOST: u64 = 200 << 20;
 /// Scenes with more degrees of freedom are not run: it is the description that is tried here.
@@ -346,7 +343,7 @@ fn answer(text: &str, runs: bool) {
 }
 
 proptest! {
-    #![proptest_config(common::cases(3000))]
+    #![proptest_config(crate::common::cases(3000))]
 
     #[test]
     fn every_text_gets_an_answer(text in texts(), lot in 0..500) {
@@ -365,9 +362,9 @@ fn the_files_are_valid() {
 #[test]
 fn absurd_sizes_are_refused_before_memory_is_asked_for() {
     for (what, text) in [
-        ("elements", common::TRAIN.replace("elements = 4", "elements = 1000000000")),
-        ("elements", common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),
-        ("elements", common::TRAIN.replace("elements = 4", "elements = 3334")),
+        ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 1000000000")),
+        ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),
+        ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 3334")),
     ] {
         let mut found = None;
         let info = measure(|| found = Some(scene(&text)));

@@ -1,7 +1,4 @@
 //! The exact mesh deflection: against itself by differences, against its closed forms, and against published numbers.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::f64::consts::PI;
 
@@ -33,7 +30,7 @@ impl Pair {
         let mesh = format!(
             "stiffness = {STIFFNESS:e}, damping = {DAMPING}, centre_line_angle = {angle}, centre_distance = {distance}"
         );
-        common::mesh([&gear(a), &gear(b)], &mesh)
+        crate::common::mesh([&gear(a), &gear(b)], &mesh)
     }
 
     fn centre_distance(self) -> f64 {
@@ -130,7 +127,7 @@ where
 }
 
 proptest! {
-    #![proptest_config(common::cases(300))]
+    #![proptest_config(crate::common::cases(300))]
 
     #[test]
     fn gradient_is_that_of_the_deflection(

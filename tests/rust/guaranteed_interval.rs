@@ -1,7 +1,4 @@
 //! How long flanks are said to stay as they are, against a free swing about the force at rest.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,12 +18,12 @@ const CARRIED: f64 = 3e3;
 fn cached() -> CachedModel {
     let mesh = format!("stiffness = {STIFFNESS:e}, damping = 2e3, backlash = {BACKLASH:e}");
     let gears = ["teeth = 25, module = 3e-3", "teeth = 50, module = 3e-3"];
-    CachedModel::new(Model::new(common::scene_of_mesh(gears, &mesh)).unwrap())
+    CachedModel::new(Model::new(crate::common::scene_of_mesh(gears, &mesh)).unwrap())
 }
 
 /// The motion, and its mesh with the force at rest on the drive flank, or on the back flank.
 fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface) {
-    let motion = common::motion(cached, Geometry::Frozen, 100.0, 0.0);
+    let motion = crate::common::motion(cached, Geometry::Frozen, 100.0, 0.0);
     let mesh = &cached.model.meshes[0];
     let sigma = cached.model.sigma(0, 100.0);
     let deflection = if back { -CARRIED / STIFFNESS - BACKLASH } else { CARRIED / STIFFNESS };
@@ -37,7 +34,7 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
 }
 
 proptest! {
-    #![proptest_config(common::cases(500))]
+    #![proptest_config(crate::common::cases(500))]
 
     #[test]
     fn flanks_stay_at_least_as_long_as_they_are_said_to(

@@ -1,9 +1,6 @@
 //! Changes of law within steps, on a ball that falls onto a spring: flights and strokes have closed forms.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::particles::{Witness, adaptive};
+use crate::common::particles::{Witness, adaptive};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
     FirstOrderSystem, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
@@ -253,7 +250,7 @@ fn a_ball_that_only_just_touches_does_not_stop_the_run() {
 }
 
 proptest! {
-    #![proptest_config(common::cases(60))]
+    #![proptest_config(crate::common::cases(60))]
 
     #[test]
     fn a_split_run_is_the_whole_run(

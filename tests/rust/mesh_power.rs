@@ -8,9 +8,6 @@
 //!
 //! so a wrong sign, a dropped term or a swapped coordinate anywhere in the contact leaves something over. U̇ is a
 //! difference over the motion, taken under the law that holds in its middle.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
-mod common;
 
 use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use nalgebra::Vector6;
@@ -39,7 +36,7 @@ const RUN_OUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
 fn gear_mesh(stiffness: &str, error: &str, run_out: &str, damping: f64) -> GearMesh {
     let gears = TEETH.map(|teeth| format!("teeth = {teeth}, module = 3e-3, run_out = [{run_out}]"));
     let mesh = format!("damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error}");
-    common::mesh([&gears[0], &gears[1]], &mesh)
+    crate::common::mesh([&gears[0], &gears[1]], &mesh)
 }
 
 /// A motion that goes straight on.
@@ -102,7 +99,7 @@ fn courses() -> impl Strategy<Value = ShaftRotation> {
 const FLANKS: [Flank; 4] = [Flank::Drive, Flank::Back, Flank::Apart, Flank::Both];
 
 proptest! {
-    #![proptest_config(common::cases(300))]
+    #![proptest_config(crate::common::cases(300))]
 
     #[test]
     fn energy_is_accounted_for(

@@ -1,9 +1,6 @@
 //! What a motion must conserve: energy to the order of the method, momentum, and its own bits.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, cached, everything, free_train, motion, train};
+use crate::common::{Noise, cached, everything, free_train, motion, train};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{

@@ -1,9 +1,6 @@
 //! A speed that changes: its integral, and the equation of motion that follows it.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, cached, everything, train};
+use crate::common::{Noise, cached, everything, train};
 use gearbow::integrate::FirstOrderSystem as _;
 use gearbow::mesh::Geometry;
 use gearbow::motion::{Anchor, DoubleDouble, EquationOfMotion, Profile, ShaftRotation, Speed};

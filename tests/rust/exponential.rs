@@ -1,9 +1,6 @@
 //! The linear motion in its modes, the tables of its steps, and what is seen within a step.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, cached, everything, largest, motion, train};
+use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
     InterfaceMaps, LevelControl, NonlinearLoads, OutputMap, PropagatorCache, QuadratureRule, Selection, Stepper,
@@ -73,7 +70,7 @@ fn moves_by(
 }
 
 proptest! {
-    #![proptest_config(common::cases(24))]
+    #![proptest_config(crate::common::cases(24))]
 
     #[test]
     fn modes_at_speed_are_the_equation_of_motion(

@@ -1,9 +1,6 @@
 //! The equation of motion against its dense matrices, and the loads that turn.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod common;
-
-use common::{Noise, cached, everything, free_train, largest, motion, points, train};
+use crate::common::{Noise, cached, everything, free_train, largest, motion, points, train};
 use gearbow::integrate::FirstOrderSystem as _;
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::CachedModel;
@@ -78,11 +75,11 @@ fn rayleigh_damping_is_that_of_the_shafts_alone() {
     let mut system = free_train();
     let [alpha, beta] = [20.0, 1e-6];
     system.rayleigh = Some([alpha, beta]);
-    let damping = common::model(&system).damping_matrix(0.0);
+    let damping = crate::common::model(&system).damping_matrix(0.0);
     for gear in &mut system.gears {
         (gear.mass, gear.diametral_inertia, gear.polar_inertia) = (Some(0.0), Some(0.0), Some(0.0));
     }
-    let bare = common::model(&system);
+    let bare = crate::common::model(&system);
     let expected = bare.mass_matrix() * alpha + bare.shaft_stiffness_matrix() * beta;
     // Two products and a sum an entry.
     assert!((damping - &expected).amax() < 1e-14 * expected.amax());
@@ -126,7 +123,7 @@ fn a_rigid_bow_gives_no_force() {
         system.gears[0].unbalance = None;
         system.shafts[1].bow = None;
         system.shafts[0].bow = Some(points(vec![0.0, 0.5], curve));
-        let model = common::model(&system);
+        let model = crate::common::model(&system);
         model
             .shafts
             .iter()
@@ -139,7 +136,7 @@ fn a_rigid_bow_gives_no_force() {
     let tilted = force(&|x| Complex64::new(2e-4 - 1e-3 * x, 3e-4 * x));
     assert!(tilted < 5e8 * 1e-4 * 1e-15 * 10.0, "{tilted:e} N");
     let bent = {
-        let model = common::model(&train());
+        let model = crate::common::model(&train());
         model.shafts[0].excitations.iter().map(|excitation| excitation.bow.norm()).fold(0.0, f64::max)
     };
     assert!(bent > 100.0, "a bent one does: {bent} N");
