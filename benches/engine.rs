@@ -1,15 +1,16 @@
-//! What the engine costs: assembly, modes, one right-hand side, one step, one norm, against the size of a train.
+//! Run time of assembly, modes, right-hand side, step and norm for trains of different size.
 //!
-//! Three shafts of 4 to 41 nodes with five degrees of freedom each, two meshes, six bearings. `cargo bench` prints the
-//! medians; a right-hand side must grow linearly with n, and what a scene leaves out must cost nothing.
-#![allow(missing_docs, clippy::unwrap_used, reason = "criterion's macros, and scenes that are known to be right")]
+//! The train has three shafts with 4 to 41 nodes each, five degrees of freedom per node, two meshes and six bearings.
+//! `cargo bench` prints the medians. The time of a right-hand side is expected to grow linearly with n, and effects
+//! that a scene does not include are expected to take no time.
+#![allow(missing_docs, clippy::unwrap_used, reason = "criterion generates undocumented code, and the scenes are valid")]
 
 mod common;
 
 use std::hint::black_box;
 use std::time::Duration;
 
-use common::{Nobody, SPEED, basis_of, cached, motion, system};
+use common::{NoObserver, SPEED, cached, cached_from, motion, system};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
@@ -21,10 +22,10 @@ use gearbow::motion::EquationOfMotion;
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 
-/// Elements of each shaft: 60, 135, 240 and 615 degrees of freedom.
+/// Elements per shaft, for trains with 60, 135, 240 and 615 degrees of freedom.
 const ELEMENTS: [usize; 4] = [3, 8, 15, 40];
 
-/// Short samples: the whole takes three minutes at most.
+/// Benchmark group with short samples, so that all benchmarks take at most three minutes.
 fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(30).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
@@ -72,8 +73,8 @@ fn right_hand_side(criterion: &mut Criterion) {
     let cases = [
         ("live", Geometry::Live, true, SPEED),
         ("frozen", Geometry::Frozen, true, SPEED),
-        ("live, no bow", Geometry::Live, false, SPEED),
-        ("live, no bow, no spin", Geometry::Live, false, 0.0),
+        ("live, no excitation", Geometry::Live, false, SPEED),
+        ("live, no excitation, at rest", Geometry::Live, false, 0.0),
     ];
     for (name, geometry, excited, speed) in cases {
         for elements in ELEMENTS {
@@ -98,7 +99,7 @@ fn step<const S: usize>(criterion: &mut Criterion, name: &str, tableau: Tableau<
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
             bencher.iter(|| {
                 method.step(&mut motion, (0.0, step), black_box(&y), step).unwrap();
-                // What the controller asks after each step.
+                // The step controller evaluates these norms after each step.
                 if controlled { motion.size(method.end()) + method.error(&mut motion, step) } else { 0.0 }
             });
         });
@@ -121,8 +122,7 @@ fn norm(criterion: &mut Criterion) {
     }
 }
 
-/// A thousand steps of rk4 at 240 degrees of freedom: what live geometry, teeth and separation cost beside a frozen
-/// mesh that never parts.
+/// A thousand steps of rk4 at 240 degrees of freedom, with live or frozen geometry, tooth pairs, and backlash.
 fn meshes(criterion: &mut Criterion) {
     let mut group = group(criterion, "1000 steps of rk4, mesh");
     group.sample_size(10);
@@ -141,7 +141,7 @@ fn meshes(criterion: &mut Criterion) {
         for mesh in &mut system.meshes {
             mesh.backlash = backlash;
         }
-        let cached = basis_of(&system);
+        let cached = cached_from(&system);
         let step = Spectrum::new(&cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
         let equilibrium = gearbow::analysis::equilibrium(&cached, geometry, SPEED).unwrap();
         let y = [equilibrium.as_slice(), vec![0.0; cached.model.len()].as_slice()].concat();
@@ -151,8 +151,16 @@ fn meshes(criterion: &mut Criterion) {
             bencher.iter(|| {
                 let (mut state, mut statistics) = (State::new(y.clone()), Statistics::new());
                 let end = 999.5 * step;
-                run(&mut motion, &mut method, &StepControl::Fixed(step), &mut state, end, &mut Nobody, &mut statistics)
-                    .unwrap();
+                run(
+                    &mut motion,
+                    &mut method,
+                    &StepControl::Fixed(step),
+                    &mut state,
+                    end,
+                    &mut NoObserver,
+                    &mut statistics,
+                )
+                .unwrap();
                 statistics.steps
             });
         });

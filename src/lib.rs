@@ -1,12 +1,15 @@
-//! gearbow: how a geared train moves when its shafts are bent.
+//! gearbow: dynamics of geared shaft trains with residual bow.
 //!
-//! Flexible Timoshenko shafts on bearings, coupled by spur gears whose mesh geometry follows the moving centres, bowed,
-//! unbalanced and loaded. One way through the house, each folder depending only on those before it:
+//! Flexible Timoshenko shafts on bearings are coupled by spur gears. The mesh geometry follows the moving gear centres.
+//! Shafts can have bow and unbalance, and carry torques and weight.
 //!
-//! [`scene`] (what a user says, checked once) → [`model`] (assembled) → [`modal`] (modes, the basis) → [`motion`] (the
-//! equation) → [`integrate`] and [`exponential`] (the methods) → [`analysis`] → results.
+//! Data flow, each folder using only those before it:
 //!
-//! SI units and radians throughout: m, kg, s, N, rad.
+//! [`scene`] (validated description) → [`model`] (assembled matrices) → [`modal`] (modes, state-space models) →
+//! [`motion`] (equation of motion) → [`integrate`] and [`exponential`] (time integration) → [`analysis`] (simulation,
+//! Campbell diagram, equilibrium and others) → results.
+//!
+//! All quantities are in SI units and radians: m, kg, s, N, rad.
 
 pub mod analysis;
 pub mod element;

@@ -1,9 +1,5 @@
-//! The train that is measured: three shafts, two meshes, six bearings, torque in balance.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    reason = "each benchmark uses a part of this; the scenes are known to be right"
-)]
+//! Train of the benchmarks: three shafts, two meshes, six bearings, balanced torques.
+#![allow(dead_code, clippy::unwrap_used, reason = "each benchmark uses a part of this file, and the scenes are valid")]
 
 use gearbow::integrate::{Halt, Observer, Trajectory};
 use gearbow::mesh::Geometry;
@@ -14,12 +10,12 @@ use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
 use gearbow::scene::{Scene, SceneDescription};
 use nalgebra::DVector;
 
-/// Of the reference shaft, rad/s.
+/// Speed of the reference shaft, rad/s.
 pub const SPEED: f64 = 100.0;
 
-/// The train with so many elements a shaft, with bow and unbalance or without.
+/// The train with `elements` per shaft; bow and unbalance if `excited`.
 pub fn system(elements: usize, excited: bool) -> SceneDescription {
-    // Gears stand at nodes that are there anyway, so that none is added.
+    // Gears are placed at existing nodes, so that they add none.
     let at = |part: usize| 0.5 * part as f64 / elements as f64;
     let (middle, third) = (elements / 2, elements / 3);
     let bow = if excited { ", bow = { shape = \"half_sine\", amplitude = 1.5e-4 }" } else { "" };
@@ -57,7 +53,7 @@ pub fn system(elements: usize, excited: bool) -> SceneDescription {
     SceneDescription::from_toml(&text).unwrap()
 }
 
-/// Makes every mesh one of tooth pairs with the same mean stiffness.
+/// Gives every mesh a stiffness model of tooth pairs with the same mean stiffness.
 pub fn set_teeth(system: &mut SceneDescription, kind: StiffnessKind) {
     for mesh in &mut system.meshes {
         let model = StiffnessModel { mean: Some(2e8), ..StiffnessModel::of(kind) };
@@ -65,29 +61,29 @@ pub fn set_teeth(system: &mut SceneDescription, kind: StiffnessKind) {
     }
 }
 
-/// The basis of a description.
-pub fn basis_of(system: &SceneDescription) -> CachedModel {
+/// Model of a description, with nothing cached.
+pub fn cached_from(system: &SceneDescription) -> CachedModel {
     CachedModel::new(Model::new(Scene::new(system).unwrap()).unwrap())
 }
 
-/// The basis of the train.
+/// Model of the train, with nothing cached.
 pub fn cached(elements: usize, excited: bool) -> CachedModel {
-    let cached = basis_of(&system(elements, excited));
+    let cached = cached_from(&system(elements, excited));
     assert_eq!(cached.model.len(), 15 * (elements + 1));
     cached
 }
 
-/// A motion with a state that is small, so that time does not depend on how it goes.
+/// Equation of motion with a small state, so that flanks stay in contact and run time does not depend on the state.
 pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64) -> (EquationOfMotion<'_>, Vec<f64>) {
     let n = cached.model.len();
     let y = (0..2 * n).map(|i| 1e-7 * (0.7 * i as f64).sin()).collect();
     (EquationOfMotion::new(cached, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)
 }
 
-/// Sees nothing, and never stops a run.
-pub struct Nobody;
+/// Observer that ignores all steps and never stops a run.
+pub struct NoObserver;
 
-impl Observer for Nobody {
+impl Observer for NoObserver {
     fn next(&self) -> Option<f64> {
         None
     }

@@ -1,4 +1,6 @@
-//! What is counted. Each function makes everything a kernel needs and returns the kernel; only its second call counts.
+//! Kernels whose instructions are counted.
+//!
+//! Each function prepares the data of a kernel and returns the kernel. Only the second call of the kernel is counted.
 
 use std::hint::black_box;
 
@@ -12,15 +14,15 @@ use gearbow::model::Model;
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 
-use crate::common::{Nobody, SPEED, basis_of, cached, motion, set_teeth, system};
+use crate::common::{NoObserver, SPEED, cached, cached_from, motion, set_teeth, system};
 
-/// A kernel, ready to run.
+/// A prepared kernel.
 pub type Work = Box<dyn FnMut()>;
 
-/// A kernel by its name.
+/// Name of a kernel, and the function that prepares it.
 pub type Kernel = (&'static str, fn() -> Work);
 
-/// Every kernel, in the order of the table: a line here is all that a new one needs beside its function.
+/// All kernels, in the order of the printed table. A new kernel needs a function and a line here.
 pub const KERNELS: &[Kernel] = &[
     ("right-hand side, live, n = 240", || right_hand_side(Geometry::Live)),
     ("right-hand side, frozen, n = 240", || right_hand_side(Geometry::Frozen)),
@@ -38,19 +40,21 @@ pub const KERNELS: &[Kernel] = &[
     ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
 ];
 
-/// Elements a shaft of the trains of 60, 135 and 240 degrees of freedom.
+/// Elements per shaft of the train with 60 degrees of freedom.
 const SMALL: usize = 3;
+/// Elements per shaft of the train with 135 degrees of freedom.
 const MIDDLE: usize = 8;
+/// Elements per shaft of the train with 240 degrees of freedom.
 const LARGE: usize = 15;
 
-/// What a kernel works on stays until the process ends.
-fn keep(cached: CachedModel) -> &'static CachedModel {
+/// Leaks a model, because a kernel borrows it until the process ends.
+fn leak(cached: CachedModel) -> &'static CachedModel {
     Box::leak(Box::new(cached))
 }
 
-/// A hundred evaluations.
+/// A hundred evaluations of the right-hand side.
 fn right_hand_side(geometry: Geometry) -> Work {
-    let (mut motion, y) = motion(keep(cached(LARGE, true)), geometry, SPEED);
+    let (mut motion, y) = motion(leak(cached(LARGE, true)), geometry, SPEED);
     let mut derivative = vec![0.0; y.len()];
     Box::new(move || {
         for i in 0..100 {
@@ -59,47 +63,49 @@ fn right_hand_side(geometry: Geometry) -> Work {
     })
 }
 
-/// 200 of the longest stable steps of Dormand and Prince, from a small motion.
+/// Integration from a small state over the time of 200 of the longest stable steps of `DORMAND_PRINCE`.
 fn steps<const S: usize>(tableau: Tableau<S>, control: fn(f64) -> StepControl) -> Work {
-    let cached = keep(cached(LARGE, true));
+    let cached = leak(cached(LARGE, true));
     let longest = Spectrum::new(cached, SPEED).unwrap().longest_step(&DORMAND_PRINCE);
     let (mut motion, y) = motion(cached, Geometry::Live, SPEED);
     let mut method = RungeKutta::new(tableau, y.len());
     let control = control(longest);
     Box::new(move || {
         let (mut state, mut statistics) = (State::new(y.clone()), Statistics::new());
-        run(&mut motion, &mut method, &control, &mut state, 199.5 * longest, &mut Nobody, &mut statistics).unwrap();
+        run(&mut motion, &mut method, &control, &mut state, 199.5 * longest, &mut NoObserver, &mut statistics).unwrap();
         black_box(state);
     })
 }
 
-/// A basis keeps the modes that it has found, so each call has one of its own.
+/// Undamped modes. A model caches its modes, so each of the two calls has its own model.
 fn real_modes() -> Work {
-    let mut fresh = [cached(MIDDLE, true), cached(MIDDLE, true)].map(keep).into_iter();
+    let mut fresh = [cached(MIDDLE, true), cached(MIDDLE, true)].map(leak).into_iter();
     Box::new(move || {
         black_box(fresh.next().unwrap().real_modes(SPEED).unwrap());
     })
 }
 
+/// Damped modes of a model whose undamped modes are cached after the first call.
 fn damped_modes() -> Work {
-    let cached = keep(cached(SMALL, true));
+    let cached = leak(cached(SMALL, true));
     Box::new(move || {
         black_box(modal::modes(cached, SPEED).unwrap());
     })
 }
 
+/// Static equilibrium with live geometry.
 fn static_equilibrium() -> Work {
-    let cached = keep(cached(MIDDLE, true));
+    let cached = leak(cached(MIDDLE, true));
     Box::new(move || {
         black_box(equilibrium(cached, Geometry::Live, SPEED).unwrap());
     })
 }
 
-/// A thousand places along four mesh cycles, with the engagement that pairs have where nothing is said.
+/// Mesh force at a thousand positions along four mesh cycles, with the default engagement of tooth pairs.
 fn tooth_pairs() -> Work {
     let mut system = system(SMALL, true);
     set_teeth(&mut system, StiffnessKind::Parabolic);
-    let cached = keep(basis_of(&system));
+    let cached = leak(cached_from(&system));
     let rest = equilibrium(cached, Geometry::Live, SPEED).unwrap();
     let zero = vec![0.0; cached.model.len()];
     let (mesh, sigma) = (&cached.model.meshes[0], cached.model.sigma(0, SPEED));
@@ -113,6 +119,7 @@ fn tooth_pairs() -> Work {
     })
 }
 
+/// Validation and assembly of a scene.
 fn assembly() -> Work {
     let system = system(LARGE, true);
     Box::new(move || {
@@ -120,9 +127,9 @@ fn assembly() -> Work {
     })
 }
 
-/// All that can be recorded, at 2000 times within few steps of a small train.
+/// Recording of all channels at 2000 times within ten steps of a small train.
 fn recording() -> Work {
-    let cached = keep(cached(SMALL, true));
+    let cached = leak(cached(SMALL, true));
     let groups = ["nodes", "meshes", "bearings", "energy"];
     let requests = groups.map(|group| Request::Name(group.to_owned()));
     let plan = RecordPlan::new(&cached.model, &requests).unwrap();
@@ -133,11 +140,11 @@ fn recording() -> Work {
     })
 }
 
-/// A run whose modes are known, with its tables; what is recorded is seldom.
+/// A run of the exponential method with few records. The first call caches the modes.
 fn exponential(geometry: Geometry) -> Work {
     let mut description = system(LARGE, true);
     set_teeth(&mut description, StiffnessKind::Square);
-    let cached = keep(basis_of(&description));
+    let cached = leak(cached_from(&description));
     let plan = RecordPlan::new(&cached.model, &[Request::Name("gears".to_owned())]).unwrap();
     let options = Options {
         method: Method::Exponential,
@@ -151,7 +158,7 @@ fn exponential(geometry: Geometry) -> Work {
     })
 }
 
-/// A run of rk4 from rest that records nothing.
+/// Options of a run of rk4 from rest without records; `duration` in s.
 fn options(duration: f64) -> Options {
     Options {
         duration,

@@ -1,12 +1,12 @@
-//! Counts the instructions of fixed kernels under Valgrind and holds them against those stored in `instructions.toml`.
+//! Counts the instructions of fixed kernels with Valgrind and compares them with the counts in `instructions.toml`.
 //!
-//! Instructions do not depend on what else the machine does. Valgrind counts what runs between entry and return of
-//! [`measured`] alone, so set-up is free. On every machine with AVX2 it shows a program the same processor, an
-//! i7-4910MQ without AVX-512: code that chooses by processor, in faer and in the C library, chooses the same
-//! everywhere. Compiler, C library and Valgrind do change counts; they are stored beside them, and counts of others
-//! are shown but not judged.
+//! Instruction counts do not depend on the load of the machine. Valgrind counts only between entry and return of
+//! [`counted`], so preparation is not included. On every machine with AVX2, Valgrind emulates the same processor (an
+//! i7-4910MQ without AVX-512), so faer and the C library select the same code everywhere. Compiler, C library and
+//! Valgrind do change the counts. Their versions are stored; with other versions the comparison is printed but cannot
+//! fail.
 //!
-//! `make bench-check` compares, `make bench-accept` stores.
+//! `make bench-check` compares the counts, `make bench-accept` stores them.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
 #[path = "../common/mod.rs"]
@@ -20,20 +20,20 @@ use std::process::{Command, ExitCode};
 use kernels::{KERNELS, Work};
 use serde::{Deserialize, Serialize};
 
-/// What a kernel may cost more than stored.
+/// Largest accepted increase of a count, relative.
 ///
-/// Noise is far below: the same binary twice, in any environment, and a rebuild after 250 other lines of the engine
-/// had changed, give the same count within 0.02 %; within 0.4 % where a scene is read, for its hash maps draw keys.
+/// Counts of the same code vary much less: by 0.02 % between environments and after unrelated changes of the engine,
+/// and by 0.4 % if a scene is read, because hash maps use random keys.
 const TOLERANCE: f64 = 0.03;
 
-/// The first lines of the file.
+/// First lines of `instructions.toml`.
 const HEAD: &str = "\
-# Instructions of the kernels of benches/instructions, as Valgrind counts them. `make bench-accept` writes this file;
-# the reason for new counts belongs in CHANGELOG.md.
+# Instruction counts of the kernels of benches/instructions, measured by Valgrind. `make bench-accept` writes this file;
+# CHANGELOG.md gives the reason for new counts.
 
 ";
 
-/// What the counts belong to.
+/// Versions of the tools that produced the counts.
 #[derive(Debug, Deserialize, Serialize, PartialEq)]
 struct Tools {
     processor: String,
@@ -42,16 +42,16 @@ struct Tools {
     valgrind: String,
 }
 
-/// The file.
+/// Content of `instructions.toml`.
 #[derive(Debug, Deserialize, Serialize)]
 struct Stored {
     tools: Tools,
     instructions: BTreeMap<String, u64>,
 }
 
-/// Valgrind counts from here until it returns. Twice the same call: the first has met what is done only once.
+/// Runs a kernel. Valgrind counts the instructions of this function only.
 #[inline(never)]
-fn measured(work: &mut Work) {
+fn counted(work: &mut Work) {
     work();
 }
 
@@ -62,18 +62,19 @@ fn main() -> ExitCode {
     {
         let (_, prepare) = KERNELS.iter().find(|(known, _)| known == name).unwrap();
         let mut work = prepare();
+        // The first call includes work that is done only once, such as filling caches.
         work();
-        measured(&mut work);
+        counted(&mut work);
         return ExitCode::SUCCESS;
     }
-    let Some(valgrind) = said_by("valgrind", &["--version"]) else {
-        println!("instructions: not counted, for Valgrind is not here (Debian: apt-get install valgrind)");
+    let Some(valgrind) = output_of("valgrind", &["--version"]) else {
+        println!("instructions: not counted, because Valgrind is not installed (Debian: apt-get install valgrind)");
         return ExitCode::SUCCESS;
     };
     let tools = Tools {
         processor: processor(),
-        compiler: said_by("rustc", &["--version"]).unwrap_or_default(),
-        library: said_by("getconf", &["GNU_LIBC_VERSION"]).unwrap_or_default(),
+        compiler: output_of("rustc", &["--version"]).unwrap_or_default(),
+        library: output_of("getconf", &["GNU_LIBC_VERSION"]).unwrap_or_default(),
         valgrind,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/instructions.toml");
@@ -85,7 +86,7 @@ fn main() -> ExitCode {
     compare(&file, &tools, counts)
 }
 
-/// What Valgrind shows of the processor: beside its family, only whether it has AVX2.
+/// Properties of the processor that change the emulated one: its family, and whether it has AVX2.
 fn processor() -> String {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
@@ -94,70 +95,73 @@ fn processor() -> String {
     std::env::consts::ARCH.to_owned()
 }
 
-/// What a program prints; nothing if it is not there.
-fn said_by(program: &str, arguments: &[&str]) -> Option<String> {
+/// Output of a program; `None` if it is not installed.
+fn output_of(program: &str, arguments: &[&str]) -> Option<String> {
     let done = Command::new(program).args(arguments).output().ok()?;
     Some(String::from_utf8_lossy(&done.stdout).trim().to_owned())
 }
 
-/// The instructions of one kernel.
+/// Instruction count of one kernel.
 fn count(program: &Path, name: &str) -> u64 {
     let done = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--collect-atstart=no"])
-        .arg("--toggle-collect=*instructions*measured*")
+        .arg("--toggle-collect=*instructions*counted*")
         .arg(program)
         .args(["--run", name])
-        // The length of the environment moves the stack.
+        // An empty environment, because its length changes the alignment of the stack.
         .env_clear()
         .env("PATH", std::env::var_os("PATH").unwrap_or_default())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&done.stderr);
-    let collected = said.lines().find_map(|line| line.split_once("Collected :"));
+    let report = String::from_utf8_lossy(&done.stderr);
+    let collected = report.lines().find_map(|line| line.split_once("Collected :"));
     let found = collected.and_then(|(_, number)| number.trim().parse().ok()).filter(|count| *count > 0);
-    found.unwrap_or_else(|| panic!("\"{name}\" was not counted:\n{said}"))
+    found.unwrap_or_else(|| panic!("Valgrind did not count \"{name}\":\n{report}"))
 }
 
-/// Writes the file.
+/// Stores the counts.
 fn accept(file: &Path, tools: Tools, counts: impl Iterator<Item = (&'static str, u64)>) -> ExitCode {
     let instructions = counts.map(|(name, count)| (name.to_owned(), count)).collect();
     let text = toml::to_string(&Stored { tools, instructions }).unwrap();
     std::fs::write(file, HEAD.to_owned() + &text).unwrap();
-    println!("{} is written; say in CHANGELOG.md why the counts changed", file.display());
+    println!("wrote {}; explain in CHANGELOG.md why the counts changed", file.display());
     ExitCode::SUCCESS
 }
 
-/// Prints the table, and what follows from it.
+/// Prints the stored and the new counts; fails if a count is new or has increased by more than [`TOLERANCE`].
 fn compare(file: &Path, tools: &Tools, counts: impl Iterator<Item = (&'static str, u64)>) -> ExitCode {
     let stored: Stored = toml::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
-    let (mut dearer, mut cheaper) = (Vec::new(), Vec::new());
+    let (mut increased, mut decreased) = (Vec::new(), Vec::new());
     println!("| kernel | stored | now | change |\n|---|---|---|---|");
     for (name, now) in counts {
         let Some(before) = stored.instructions.get(name) else {
             println!("| {name} | – | {now} | new |");
-            dearer.push(name);
+            increased.push(name);
             continue;
         };
         let change = now as f64 / *before as f64 - 1.0;
         println!("| {name} | {before} | {now} | {:+.2} % |", 100.0 * change);
         if change > TOLERANCE {
-            dearer.push(name);
+            increased.push(name);
         } else if change < -TOLERANCE {
-            cheaper.push(name);
+            decreased.push(name);
         }
     }
     let percent = 100.0 * TOLERANCE;
     if *tools != stored.tools {
-        println!("\nNot judged: these are counts of {tools:?},\nstored are those of {:?}.", stored.tools);
+        println!("\nNot comparable: the counts were made with {tools:?},\nthe stored counts with {:?}.", stored.tools);
         return ExitCode::SUCCESS;
     }
-    if !cheaper.is_empty() {
-        println!("\nMore than {percent} % cheaper: {}. `make bench-accept` keeps the gain.", cheaper.join("; "));
+    if !decreased.is_empty() {
+        println!(
+            "\nDecreased by more than {percent} %: {}. Run `make bench-accept` to store the lower counts.",
+            decreased.join("; ")
+        );
     }
-    if dearer.is_empty() {
+    if increased.is_empty() {
         return ExitCode::SUCCESS;
     }
-    println!("\nNew, or more than {percent} % dearer: {}.", dearer.join("; "));
-    println!("If it is worth that: make bench-accept, and the reason in CHANGELOG.md.");
+    println!("\nNew, or increased by more than {percent} %: {}.", increased.join("; "));
+    println!("To accept the counts: run `make bench-accept` and give the reason in CHANGELOG.md.");
     ExitCode::FAILURE
 }

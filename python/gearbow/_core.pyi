@@ -1,9 +1,9 @@
-"""The compiled core: everything that computes."""
+"""Types of the compiled core."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, final
 
-from typing_extensions import Self
+from typing_extensions import Self, Unpack
 
 from gearbow._types import (
     Array,
@@ -16,6 +16,7 @@ from gearbow._types import (
     Plain,
     Record,
     RunData,
+    RunOptions,
     StaticData,
     SynchronousData,
 )
@@ -60,19 +61,11 @@ class Model:
     def default_output_step(self, duration: float, speed: Plain, start: float) -> float: ...
     def simulate(
         self,
-        duration: float,
-        speed: Plain,
         *,
-        method: str,
-        step: float | None,
-        rtol: float | None,
-        stages: int | None,
-        modes: int | None,
         initial: str | dict[str, Any],
         times: Array,
         record: list[Record],
-        geometry: str,
-        start: float,
         progress: Callable[[float], object] | None,
         checkpoint: CoreCheckpoint | None,
+        **options: Unpack[RunOptions],
     ) -> RunData: ...

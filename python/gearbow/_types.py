@@ -9,15 +9,16 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
-#: Plain data that crosses into the core: dict, list, str, bool, int, float.
+#: Plain data passed to the core: dict, list, str, bool, int, float.
 Plain: TypeAlias = Any
-#: A gear or disk by its name, or a place as (shaft, position [m]).
+#: Name of a gear or disk, or (shaft, position [m]).
 At: TypeAlias = str | tuple[str, float]
-#: What a response can record: a name, a group, (shaft, position), (driver, driven),
+#: A quantity to record: a name, a group, (shaft, position), (driver, driven),
 #: ("bearing", shaft, position).
 Record: TypeAlias = str | tuple[str, float] | tuple[str, str] | tuple[str, str, float]
 #: One degree of freedom: shaft, position [m], one of "v", "w", "B", "G", "twist".
 Dof: TypeAlias = tuple[str, float, str]
+#: A function called with the completed fraction of a run.
 Progress: TypeAlias = Callable[[float], object]
 
 
@@ -31,7 +32,7 @@ class MatricesData(TypedDict):
 
 
 class ModesData(TypedDict):
-    """Modes in ascending order of frequency; m modes of n degrees of freedom."""
+    """Modes in ascending order of frequency: m modes of n degrees of freedom."""
 
     eigenvalues: ComplexArray
     frequencies_hz: Array
@@ -41,7 +42,7 @@ class ModesData(TypedDict):
 
 
 class CampbellData(TypedDict):
-    """Modes at k speeds, m of them in every row, and where they meet excitation lines."""
+    """Modes at k speeds, (k, m), and their intersections with excitation lines."""
 
     eigenvalues: ComplexArray
     whirl: list[list[str]]
@@ -55,7 +56,7 @@ class CampbellData(TypedDict):
 
 
 class SynchronousData(TypedDict):
-    """Amplitudes by speed, source and degree of freedom; bearing forces as (y, z) pairs."""
+    """Phasors by speed, source shaft and degree of freedom; bearing forces as (y, z) pairs."""
 
     amplitudes: ComplexArray
     bearings: list[tuple[str, float]]
@@ -73,18 +74,32 @@ class StaticData(TypedDict):
     bearing_force: Array
 
 
-#: Where a run was stopped: its final state, and what it had counted and seen.
+class RunOptions(TypedDict):
+    """Options of a run that are numbers and texts; `src/python/options.rs` reads them."""
+
+    duration: float
+    speed: Plain
+    method: str
+    step: float | None
+    rtol: float | None
+    stages: int | None
+    modes: int | None
+    geometry: str
+    start: float
+
+
+#: A checkpoint: the final state of a run, and its counters and recorder state.
 CoreCheckpoint: TypeAlias = tuple[dict[str, Any], dict[str, Plain]]
 
 
 class _Paused(TypedDict, total=False):
-    """What the same run needs beside its final state to go on."""
+    """Entries that a run needs in addition to its final state to continue."""
 
     checkpoint: dict[str, Plain]
 
 
 class RunData(_Paused):
-    """What a simulation recorded at k times."""
+    """The response of a simulation at k times; `src/python/response.rs` writes it."""
 
     time: Array
     points: list[tuple[str, float, list[str]]]

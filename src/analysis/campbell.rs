@@ -12,7 +12,7 @@ use std::rc::Rc;
 use nalgebra::{Complex, DVector};
 
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, CachedModel, OnLine, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
 
 /// A step in which a mode keeps less than this part of its energy in its shape is halved.
@@ -283,7 +283,7 @@ impl<'a> Tracker<'a> {
                 self.interrupt.check()?;
                 let met = self.intersection(order, ends, 0)?;
                 let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
-                let OnLine { speed, eigenvalue, .. } = met;
+                let OrderIntersection { speed, eigenvalue, .. } = met;
                 self.intersections.push(Intersection { mode, line, speed, eigenvalue, whirl });
             }
         }
@@ -291,21 +291,26 @@ impl<'a> Tracker<'a> {
     }
 
     /// The mode on the line ω = `order`·Ω between two speeds at which it is on either side of it.
-    fn intersection(&self, order: f64, ends: [(f64, &State); 2], halved: u32) -> Result<OnLine, AnalysisError> {
+    fn intersection(
+        &self,
+        order: f64,
+        ends: [(f64, &State); 2],
+        halved: u32,
+    ) -> Result<OrderIntersection, AnalysisError> {
         let [low, high] = ends;
         let distance = ends.map(|(speed, state)| (state.eigenvalue.im - order * speed).abs());
         let part = distance[0] / (distance[0] + distance[1]);
         let nearest = if part < 0.5 { low.1 } else { high.1 };
         let start = self.start(low.0 + part * (high.0 - low.0), nearest);
         // Newton finds a mode on the line: whether it is this one, its shape tells.
-        let within = |met: &OnLine| {
+        let within = |met: &OrderIntersection| {
             let slack = 1e-9 * high.0;
             met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
                 let known = self.energy(met);
                 ends.iter().any(|(_, state)| known.dotc(&state.energy).norm_sqr() > KNOWN)
             }
         };
-        if let Some(met) = self.quadratic.on_line(order, &start).filter(within) {
+        if let Some(met) = self.quadratic.intersection(order, &start).filter(within) {
             return Ok(met);
         }
         if halved > 4 * HALVINGS {
@@ -321,14 +326,14 @@ impl<'a> Tracker<'a> {
         self.intersection(order, halves, halved + 1)
     }
 
-    fn start(&self, speed: f64, state: &State) -> OnLine {
+    fn start(&self, speed: f64, state: &State) -> OrderIntersection {
         let n = state.energy.len() / 2;
         let coordinates = state.energy.rows(n, n).into_owned();
         let norm = coordinates.norm();
-        OnLine { speed, eigenvalue: state.eigenvalue, coordinates: coordinates.unscale(norm) }
+        OrderIntersection { speed, eigenvalue: state.eigenvalue, coordinates: coordinates.unscale(norm) }
     }
 
-    fn energy(&self, met: &OnLine) -> DVector<Complex<f64>> {
+    fn energy(&self, met: &OrderIntersection) -> DVector<Complex<f64>> {
         let n = met.coordinates.len();
         let scale = |i: usize| if i < n { Complex::from(self.quadratic.frequency(i)) } else { met.eigenvalue };
         let energy = DVector::from_fn(2 * n, |i, _| met.coordinates[i % n] * scale(i));

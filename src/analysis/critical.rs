@@ -25,7 +25,7 @@ pub fn critical_speeds(
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
     let found = Quadratic::new(cached, 1.0)?.critical(excitation)?;
-    let named = |met: modal::OnLine| {
+    let named = |met: modal::OrderIntersection| {
         interrupt.check()?;
         let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
         Ok(Critical { speed: met.speed, whirl })

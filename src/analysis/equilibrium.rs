@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::AnalysisError;
-use crate::linalg::Factors;
+use crate::linalg::LuFactors;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::CachedModel;
 use crate::model::Model;
@@ -48,7 +48,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
-    let mut factors: Option<Factors> = None;
+    let mut factors: Option<LuFactors> = None;
     for _ in 0..ITERATIONS {
         let (force, tangent) = mesh_forces(model, geometry, speed, &flanks, &q)?;
         // Summed from strains: rigid motion, large beside them in soft bearings, leaves no round-off.
@@ -58,7 +58,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             for (row, column, value) in &tangent {
                 matrix[(*row, *column)] += value;
             }
-            Factors::of(&matrix)
+            LuFactors::new(&matrix)
         });
         let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);

@@ -105,7 +105,7 @@ pub(super) fn synchronous_of(
     let acting = |excitation: &Excitation| match part {
         ExcitationPart::Both => excitation.amplitude(spin, 0.0),
         ExcitationPart::Bow => excitation.bow,
-        ExcitationPart::Unbalance => excitation.of_unbalance(spin, 0.0),
+        ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
         return Ok(DVector::zeros(model.len()));

@@ -1,14 +1,15 @@
-//! Timoshenko beam element of hollow circular section, two nodes (Przemieniecki 1968; Nelson 1980).
+//! Timoshenko beam element with two nodes and a solid or hollow circular section (Przemieniecki 1968; Nelson 1980).
 //!
-//! The shape functions are the static solutions of the beam. A circular shaft bends alike in both planes, so one set
-//! of matrices over (u₁, φ₁, u₂, φ₂) serves them both: (v, Γ) in the xy plane and (w, −B) in the xz plane. As one
-//! complex displacement u = v + iw, φ = Γ − iB the element is
+//! The shape functions are the exact static solutions of the beam. A circular section has the same stiffness in both
+//! planes, so one set of matrices over (u₁, φ₁, u₂, φ₂) applies to the xy plane, (u, φ) = (v, Γ), and to the xz plane,
+//! (u, φ) = (w, −B). With the complex displacements u = v + iw and φ = Γ − iB the element is
 //!
 //! ```text
 //! M ü − iΩ·G u̇ + K u = 0,    G = 2R,
 //! ```
 //!
-//! with R the rotary inertia: the gyroscopic term is skew between the planes, and forward whirl is e^{iωt}, ω > 0.
+//! where R is the rotary part of M and Ω the spin about x. The gyroscopic term couples the two planes. Forward whirl
+//! for Ω > 0 is u ~ e^{iωt} with ω > 0.
 
 use std::f64::consts::PI;
 
@@ -17,33 +18,34 @@ use nalgebra::{Matrix2, Matrix4, Vector4};
 use super::{Bending, Twist};
 use crate::scene::{Element, Material};
 
-/// Matrices of a shaft element.
+/// Matrices of one shaft element. Rows and columns of bending are (u₁, φ₁, u₂, φ₂), those of torsion (θ₁, θ₂).
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
-    /// Mass ρA∫NᵥᵀNᵥ dx, with rotary inertia.
+    /// Mass matrix ρA∫NᵥᵀNᵥ dx + R, kg, kg m, kg m².
     pub mass: Matrix4<f64>,
-    /// Gyroscopic matrix 2R, per unit spin.
+    /// Gyroscopic matrix G = 2R with R = ρI∫N_θᵀN_θ dx, per unit spin.
     pub gyroscopic: Matrix4<f64>,
-    /// Bending and shear stiffness.
+    /// Stiffness matrix of bending and shear, N/m, N, N m.
     pub stiffness: Matrix4<f64>,
-    /// Polar inertia over (θ₁, θ₂).
+    /// Mass matrix of torsion, kg m².
     pub torsional_mass: Matrix2<f64>,
-    /// Torsional stiffness GJ/l.
+    /// Stiffness matrix of torsion, N m/rad.
     pub torsional_stiffness: Matrix2<f64>,
-    /// The bending stiffness as strains.
+    /// Bending stiffness in terms of strains.
     pub bending: Bending,
-    /// The torsional stiffness as strains.
+    /// Torsional stiffness in terms of strains.
     pub twist: Twist,
 }
 
-/// Shear coefficient κ of a hollow circle with radii ratio m = rᵢ/rₒ (Cowper 1966).
+/// Shear coefficient κ of a hollow circular section with the ratio of radii m = rᵢ/rₒ (Cowper 1966).
 pub fn shear_coefficient(poisson_ratio: f64, radii_ratio: f64) -> f64 {
     let square = radii_ratio * radii_ratio;
     let sum = (1.0 + square) * (1.0 + square);
     6.0 * (1.0 + poisson_ratio) * sum / ((7.0 + 6.0 * poisson_ratio) * sum + (20.0 + 12.0 * poisson_ratio) * square)
 }
 
-/// Abscissae on [0, 1] and weights of the four-point Gauss rule, exact for the sixth-degree products below.
+/// Nodes in [0, 1] and weights of the four-point Gauss rule. It is exact for the products of shape functions, whose
+/// degree is at most six.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -52,7 +54,7 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl Beam {
-    /// Matrices of `element`.
+    /// Matrices of `element`; without `shear` the shear deformation is neglected.
     pub fn new(element: &Element, material: &Material, shear: bool) -> Self {
         let Element { length: l, outer_radius, inner_radius } = *element;
         let Material { youngs_modulus: e, shear_modulus: g, poisson_ratio, density } = *material;
@@ -89,7 +91,7 @@ impl Beam {
     }
 }
 
-/// Displacement shape functions Nᵥ at ξ.
+/// Shape functions Nᵥ of the displacement at ξ = x/l; φ = 12EI/(κGAl²) is the shear parameter.
 fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     let (square, cube) = (xi * xi, xi * xi * xi);
     Vector4::new(
@@ -100,7 +102,7 @@ fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     ) / (1.0 + phi)
 }
 
-/// Shape functions N_θ of the section's rotation at ξ.
+/// Shape functions N_θ of the rotation of the section at ξ = x/l.
 fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     let square = xi * xi;
     Vector4::new(
@@ -111,7 +113,7 @@ fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     ) / (1.0 + phi)
 }
 
-/// ∫NᵀN dx over an element of length `l`.
+/// ∫NᵀN dx over an element of length `l`, m, for the shape functions N(ξ) = `shape`.
 fn integral(l: f64, shape: impl Fn(f64) -> Vector4<f64>) -> Matrix4<f64> {
     GAUSS.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
         let shape = shape(xi);

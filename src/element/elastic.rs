@@ -1,37 +1,44 @@
-//! The elastic force of an element from its strains.
+//! Elastic force and energy of an element from its strains.
 //!
-//! K is a sum of squares: with κ = φ₂ − φ₁ and d = u₂ − u₁ − l(φ₁ + φ₂)/2 an element in bending stores
-//! ½(EI/l)κ² + ½·12EI/(l³(1+φ))·d², in twist ½(GJ/l)(θ₂ − θ₁)². Products with K in this form are cheaper than with the
-//! assembled matrix, and rigid motion cancels before it is multiplied by a large stiffness, not after.
+//! With κ = φ₂ − φ₁ and d = u₂ − u₁ − l(φ₁ + φ₂)/2, the elastic energy of an element is
+//!
+//! ```text
+//! ½ (EI/l) κ² + ½ · 12EI/(l³(1 + φ)) · d²   in bending,      ½ (GJ/l) (θ₂ − θ₁)²   in torsion,
+//! ```
+//!
+//! where φ is the shear parameter. This form needs fewer operations than the product with the matrix K. A rigid motion
+//! cancels in the strains, before the multiplication with a large stiffness, which avoids round-off errors. Forces act
+//! on the nodes: f = −K q.
 
-/// Values of `B` unknowns, each in `L` lanes, at one node.
+/// Values of the `B` unknowns, each with `L` lanes, at one node.
 pub type Values<const B: usize, const L: usize> = [[f64; L]; B];
 
-/// An elastic element between two nodes of `B` unknowns.
+/// Elastic element between two nodes with `B` unknowns each.
 pub trait Elastic<const B: usize>: Copy {
-    /// Forces of the element on its two nodes.
+    /// Forces −K q of the element on its two nodes, N or N m.
     fn forces<const L: usize>(&self, first: &Values<B, L>, second: &Values<B, L>) -> [Values<B, L>; 2];
 
-    /// Twice the elastic energy.
-    fn form<const L: usize>(&self, first: &Values<B, L>, second: &Values<B, L>) -> f64;
+    /// qᵀKq, twice the elastic energy, J, summed over the lanes.
+    fn quadratic_form<const L: usize>(&self, first: &Values<B, L>, second: &Values<B, L>) -> f64;
 }
 
-/// Bending of an element, over (u, φ).
+/// Bending stiffness of an element, over (u, φ).
 #[derive(Clone, Copy, Debug)]
 pub struct Bending {
-    /// l/2, m.
+    /// Half length l/2, m.
     pub half_length: f64,
-    /// EI/l, N m.
+    /// Flexural stiffness EI/l, N m.
     pub flexural: f64,
-    /// 12EI/(l³(1+φ)), N/m.
+    /// Transverse stiffness 12EI/(l³(1 + φ)), N/m.
     pub transverse: f64,
 }
 
 impl Bending {
+    /// d, m, and κ, rad.
     #[inline(always)]
     fn strains(&self, first: [f64; 2], second: [f64; 2]) -> (f64, f64) {
-        let deflected = (second[0] - first[0]) - self.half_length * (first[1] + second[1]);
-        (deflected, second[1] - first[1])
+        let deflection = (second[0] - first[0]) - self.half_length * (first[1] + second[1]);
+        (deflection, second[1] - first[1])
     }
 }
 
@@ -40,34 +47,34 @@ impl Elastic<2> for Bending {
     fn forces<const L: usize>(&self, first: &Values<2, L>, second: &Values<2, L>) -> [Values<2, L>; 2] {
         let mut forces = [[[0.0; L]; 2]; 2];
         for lane in 0..L {
-            let (deflected, curved) =
+            let (deflection, curvature) =
                 self.strains([first[0][lane], first[1][lane]], [second[0][lane], second[1][lane]]);
-            let shear = self.transverse * deflected;
-            let moment = self.flexural * curved;
-            let lever = self.half_length * shear;
+            let shear = self.transverse * deflection;
+            let moment = self.flexural * curvature;
+            let shear_moment = self.half_length * shear;
             forces[0][0][lane] = shear;
-            forces[0][1][lane] = lever + moment;
+            forces[0][1][lane] = shear_moment + moment;
             forces[1][0][lane] = -shear;
-            forces[1][1][lane] = lever - moment;
+            forces[1][1][lane] = shear_moment - moment;
         }
         forces
     }
 
-    fn form<const L: usize>(&self, first: &Values<2, L>, second: &Values<2, L>) -> f64 {
+    fn quadratic_form<const L: usize>(&self, first: &Values<2, L>, second: &Values<2, L>) -> f64 {
         (0..L)
             .map(|lane| {
-                let (deflected, curved) =
+                let (deflection, curvature) =
                     self.strains([first[0][lane], first[1][lane]], [second[0][lane], second[1][lane]]);
-                self.transverse * deflected * deflected + self.flexural * curved * curved
+                self.transverse * deflection * deflection + self.flexural * curvature * curvature
             })
             .sum()
     }
 }
 
-/// Twist of an element, over θ.
+/// Torsional stiffness of an element, over θ.
 #[derive(Clone, Copy, Debug)]
 pub struct Twist {
-    /// GJ/l, N m.
+    /// Torsional stiffness GJ/l, N m/rad.
     pub stiffness: f64,
 }
 
@@ -83,7 +90,7 @@ impl Elastic<1> for Twist {
         forces
     }
 
-    fn form<const L: usize>(&self, first: &Values<1, L>, second: &Values<1, L>) -> f64 {
+    fn quadratic_form<const L: usize>(&self, first: &Values<1, L>, second: &Values<1, L>) -> f64 {
         (0..L).map(|lane| self.stiffness * (second[0][lane] - first[0][lane]).powi(2)).sum()
     }
 }

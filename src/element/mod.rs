@@ -1,4 +1,4 @@
-//! Matrices of one element each, in one bending plane or in twist.
+//! Shaft elements: matrices, and elastic forces from strains, in bending and torsion.
 
 mod beam;
 mod elastic;

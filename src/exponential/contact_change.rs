@@ -1,328 +1,391 @@
-//! Changes of law: found on the motion within a step, and adopted at the instant at which they happen.
+//! Contact changes within a step: location of the instant, and the jump of the loads.
+//!
+//! This locator differs from `integrate::RungeKuttaEventLocator`, which bisects on the polynomial through both ends of a short step and
+//! repeats the step up to the change. Steps of the exponential method are long and end at units of the time grid only:
+//! the search starts from the margins of the flanks, the polynomial is corrected by its difference to the motion, and
+//! the new contact mode acts from the change on through a jump of the loads.
 
-use super::contact_monitor::CandidateEvent;
-use super::driver::Driver;
+use super::contact_monitor::{CandidateEvent, ContactMonitor};
 use super::jump::POINTS;
 use super::step::Stepper;
+use super::substep::SubstepSampler;
+use super::trajectory::CompletedStep;
 use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
 
-/// A change of law is found to this part of its step.
+/// The instant is located to this fraction of the step.
 const RESOLUTION: f64 = 1e-12;
-/// How much wider it is looked for around where it was foretold, after that has missed.
-const WIDER: f64 = 64.0;
-/// It has been found where the motion itself moves it by no more than this part.
-const SAME: f64 = 1e-9;
-/// It is moved by no more than this part.
-const NEAR: f64 = 0.05;
-/// Where the law of the motion itself is evaluated after the last change, as parts of the rest of the step.
-const AFTER: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.5];
-/// How often it is looked for.
-const REFINEMENTS: usize = 6;
+/// Factor by which the bracket around a predicted instant widens after it has missed the change.
+const WIDENING: f64 = 64.0;
+/// Half width of the bracket, as a fraction of the step, above which bisection takes over.
+const MAX_BRACKET: f64 = 0.05;
+/// A correction of the polynomial may move the instant by this fraction of the step.
+const MAX_SHIFT: f64 = 0.05;
+/// The instant is final if a correction moves it by no more than this fraction of the step.
+const FINAL_SHIFT: f64 = 1e-9;
+/// Points, as fractions of the rest of the step, at which the motion after the previous change is evaluated.
+const POINTS_AFTER_CHANGE: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.5];
+/// Largest number of corrections of the polynomial.
+const MAX_CORRECTIONS: usize = 6;
 
-/// Where the law changes within a step: after so many whole ticks, at which elapsed time.
+/// A contact change within a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactChange {
-    pub ticks: u64,
+    /// Whole units from the beginning of the step to the last unit before the change.
+    pub units: u64,
+    /// Elapsed time of the change, s.
     pub at: f64,
 }
 
-impl Driver {
-    /// The first change of law within the step just taken; the new laws are left in `found`.
-    pub(super) fn locate(
+/// Locates contact changes within a completed step.
+pub(super) struct ExponentialEventLocator {
+    /// Contact modes at the fraction of the step that was evaluated last, as integer codes.
+    pub new_contact_modes: Vec<i64>,
+    /// Contact modes after the change that was located last.
+    modes_after_change: Vec<i64>,
+    /// For each mesh whether its flank contact is unchanged over the step; empty if no flanks can separate.
+    pub unchanged: Vec<bool>,
+    /// Interface state minus its polynomial, near the change.
+    interpolation_error: Vec<f64>,
+    monitor: ContactMonitor,
+    /// Scratch: an interface state and loads.
+    interface_state: Vec<f64>,
+    loads: Vec<f64>,
+    /// Scratch: positions of the ends of the paths of contact, in tooth pairs, with the first or last pair in contact, at
+    /// both ends of the bracket.
+    path_ends: [Vec<(f64, i64)>; 2],
+    /// Scratch: old loads minus new loads over the time from the unit to the change.
+    jumps: [Vec<f64>; POINTS],
+}
+
+impl ExponentialEventLocator {
+    /// Allocates the locator.
+    pub fn new(stepper: &Stepper<'_>) -> Self {
+        let (loads, len) = (stepper.nonlinear_loads().load_count(), stepper.nonlinear_loads().interface_len());
+        Self {
+            new_contact_modes: Vec::new(),
+            modes_after_change: Vec::new(),
+            unchanged: Vec::new(),
+            interpolation_error: vec![0.0; len],
+            monitor: ContactMonitor::new(&stepper.context.cache.rule, stepper.nonlinear_loads().mesh_count()),
+            interface_state: vec![0.0; len],
+            loads: vec![0.0; loads],
+            path_ends: [Vec::new(), Vec::new()],
+            jumps: std::array::from_fn(|_| vec![0.0; loads]),
+        }
+    }
+
+    /// Scratch for [`Stepper::defect_at`]: an interface state and two vectors of loads.
+    pub fn scratch(&mut self) -> (&mut [f64], [&mut [f64]; 2]) {
+        (&mut self.interface_state, [&mut self.loads, &mut self.jumps[0]])
+    }
+
+    /// Whether a contact change is possible within the last step: not if flank contact is unchanged and tooth pairs
+    /// engage smoothly.
+    pub fn is_possible(&self, stepper: &Stepper<'_>) -> bool {
+        stepper.sharp || self.unchanged.is_empty() || self.unchanged.contains(&false)
+    }
+
+    /// Finds the first contact change within the last step, from `pending` seconds after its beginning on. Up to there
+    /// the previous contact mode held. The new modes are left in [`Self::new_contact_modes`].
+    pub fn locate(
         &mut self,
-        stepper: &mut Stepper<'_>,
-        level: usize,
-        state: &State,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        pending: f64,
     ) -> Result<Option<ContactChange>, Halt> {
-        // Flanks that stay as they are change no law, and teeth that come and go smoothly none either.
-        if !stepper.sharp && !self.unchanged.is_empty() && !self.unchanged.contains(&false) {
+        let bracket = self.bracket(step, sampler, pending)?;
+        self.interpolation_error.fill(0.0);
+        let Some((begin, high)) = bracket else {
             return Ok(None);
-        }
-        if stepper.field.motion.motion_changes_contact_modes() {
-            stepper.refresh(level);
-        }
-        let step = stepper.cache.time_grid.step(level);
-        // Up to the change that was adopted last, the old law held.
-        let since = state.elapsed + state.carry;
-        self.contact_monitor.search(stepper, &self.unchanged);
-        let (mut low, mut high): (f64, _) = ((state.carry / step).min(1.0), None);
-        for index in 0..=self.contact_monitor.candidates.len() {
-            // What comes and goes without a suspect has at the end.
-            let candidate = self
-                .contact_monitor
-                .candidates
-                .get(index)
-                .copied()
-                .unwrap_or(CandidateEvent { at: 1.0, phasors: false });
-            if state.elapsed + candidate.at * step <= since {
+        };
+        let change = match self.correct(step, sampler, (begin, high))? {
+            Some(change) => Some(change),
+            // The polynomial differs from the motion by more than the motion near the change.
+            None => self.bisect(step, sampler, pending, (begin, high))?,
+        };
+        self.interpolation_error.fill(0.0);
+        let Some(change) = change else {
+            return Ok(None);
+        };
+        self.new_contact_modes.clone_from(&self.modes_after_change);
+        let time_grid = &step.stepper.context.cache.time_grid;
+        let substep = time_grid.units(time_grid.substep_level(step.level));
+        let substeps = time_grid.units(step.level) / substep;
+        let whole = ((change * substeps as f64).floor() as u64).min(substeps);
+        Ok(Some(ContactChange { units: whole * substep, at: step.time(change) }))
+    }
+
+    /// Finds two fractions of the step with the old and with a new contact mode, at the candidates and at the end.
+    fn bracket(
+        &mut self,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        pending: f64,
+    ) -> Result<Option<(f64, f64)>, Halt> {
+        let since = step.begin + pending;
+        self.monitor.search(step.stepper, &self.unchanged);
+        let mut low = (pending / step.length()).min(1.0);
+        for index in 0..=self.monitor.candidates.len() {
+            let end = CandidateEvent { at: 1.0, is_minimum: false };
+            let candidate = self.monitor.candidates.get(index).copied().unwrap_or(end);
+            if step.time(candidate.at) <= since {
                 continue;
             }
-            let changed = if candidate.phasors {
-                self.changed_truly(stepper, level, state, candidate.at)?
+            let differs = if candidate.is_minimum {
+                self.differs_on_motion(step, sampler, candidate.at)?
             } else {
-                self.changed(stepper, state, step, candidate.at)?
+                self.differs(step, candidate.at)?
             };
-            if changed {
-                high = Some(candidate.at);
-                break;
+            if differs {
+                return Ok(Some((low, candidate.at)));
             }
             low = low.max(candidate.at);
         }
-        self.off.fill(0.0);
-        let Some(high) = high else {
-            return Ok(None);
-        };
-        let begin = low;
-        // Between the nodes the scalars are a polynomial that may be off; by how much, the motion itself tells, and the
-        // change is looked for again, near by, on what is then right at the change.
-        let mut change = self.narrow(stepper, state, step, (low, high))?;
-        self.keep_contact_modes(stepper, state, step, change)?;
-        let mut is_found = false;
-        for _ in 0..REFINEMENTS {
-            is_found = !stepper.field.motion.motion_changes_contact_modes() || change - begin <= SAME;
-            if is_found {
-                break;
-            }
-            let z = self.sample.within(stepper, level, &state.y, change * step);
-            stepper.measure_off(change, state.elapsed + change * step, z, &mut self.point, &mut self.off);
-            let near = ((change - NEAR).max(begin), (change + NEAR).min(1.0));
-            if self.changed(stepper, state, step, near.0)? || !self.changed(stepper, state, step, near.1)? {
-                break;
-            }
-            let again = self.narrow(stepper, state, step, near)?;
-            if again + RESOLUTION >= near.1 {
-                break;
-            }
-            let moved = again - change;
-            change = again;
-            self.keep_contact_modes(stepper, state, step, change)?;
-            is_found = moved.abs() <= SAME;
-            if is_found {
-                break;
-            }
-        }
-        if !is_found {
-            // The polynomial is off by more than the scalars move near the change: only the motion itself tells.
-            let Some(found) = self.bisect(stepper, level, state, (begin, high))? else {
-                self.off.fill(0.0);
-                return Ok(None);
-            };
-            change = found;
-        }
-        self.off.fill(0.0);
-        self.found.clone_from(&self.after);
-        // The last tick before it, of those that events use unless the step itself is shorter.
-        let unit = self.time_grid.ticks(self.time_grid.part(level));
-        let units = self.time_grid.ticks(level) / unit;
-        let whole = ((change * units as f64).floor() as u64).min(units);
-        Ok(Some(ContactChange { ticks: whole * unit, at: state.elapsed + change * step }))
+        Ok(None)
     }
 
-    /// The part of a step at which the law changes between two parts of it, or before, on the motion itself; the laws
-    /// after it are left in `after`, and the polynomial meets the motion there. None if the motion keeps the law.
-    ///
-    /// At the beginning, touching flanks have a deflection of round-off, which shows any law. There the law counts on
-    /// which two instants soon after agree; it holds from the beginning on.
+    /// Locates the change on the polynomial of the interface state, corrects the polynomial by its difference to the
+    /// motion at the change, and repeats until the instant is final. Returns the fraction of the step, or none if the
+    /// corrections do not converge.
+    fn correct(
+        &mut self,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        (begin, high): (f64, f64),
+    ) -> Result<Option<f64>, Halt> {
+        let mut change = self.narrow(step, (begin, high))?;
+        self.keep_modes(step, change)?;
+        for _ in 0..MAX_CORRECTIONS {
+            let is_exact = !step.stepper.nonlinear_loads().motion.motion_changes_contact_modes();
+            if is_exact || change - begin <= FINAL_SHIFT {
+                return Ok(Some(change));
+            }
+            self.measure_error(step, sampler, change);
+            let near = ((change - MAX_SHIFT).max(begin), (change + MAX_SHIFT).min(1.0));
+            if self.differs(step, near.0)? || !self.differs(step, near.1)? {
+                return Ok(None);
+            }
+            let corrected = self.narrow(step, near)?;
+            if corrected + RESOLUTION >= near.1 {
+                return Ok(None);
+            }
+            let shift = corrected - change;
+            change = corrected;
+            self.keep_modes(step, change)?;
+            if shift.abs() <= FINAL_SHIFT {
+                return Ok(Some(change));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Bisects on the motion itself between two fractions of the step. The modes after the change are left in
+    /// `modes_after_change`, and the corrected polynomial meets the motion there. None if the motion has no change.
     fn bisect(
         &mut self,
-        stepper: &Stepper<'_>,
-        level: usize,
-        state: &State,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        pending: f64,
         (mut low, mut high): (f64, f64),
     ) -> Result<Option<f64>, Halt> {
-        let step = stepper.cache.time_grid.step(level);
-        if !self.changed_truly(stepper, level, state, high)? {
+        if !self.differs_on_motion(step, sampler, high)? {
             high = 1.0;
-            if !self.changed_truly(stepper, level, state, high)? {
+            if !self.differs_on_motion(step, sampler, high)? {
                 return Ok(None);
             }
         }
-        if self.changed_truly(stepper, level, state, low)? {
-            let begin = (state.carry / step).min(1.0);
-            let (mut unchanged, mut seen) = (None, false);
-            for part in AFTER {
-                let at = begin + part * (high - begin);
-                if !self.changed_truly(stepper, level, state, at)? {
-                    unchanged = Some(at);
-                } else if unchanged.is_some() {
-                    high = at;
-                    break;
-                } else if seen && self.found == self.after {
-                    return Ok(Some(begin));
-                } else {
-                    seen = true;
-                    self.after.clone_from(&self.found);
-                }
+        if self.differs_on_motion(step, sampler, low)? {
+            let begin = (pending / step.length()).min(1.0);
+            match self.first_unchanged(step, sampler, (begin, &mut high))? {
+                Some(unchanged) => low = unchanged,
+                None => return Ok(Some(begin)),
             }
-            let Some(at) = unchanged else {
-                return Ok(Some(begin));
-            };
-            low = at;
         }
         while high - low > RESOLUTION {
             let middle = (low + high) / 2.0;
-            if self.changed_truly(stepper, level, state, middle)? { high = middle } else { low = middle }
+            if self.differs_on_motion(step, sampler, middle)? { high = middle } else { low = middle }
         }
-        self.changed_truly(stepper, level, state, high)?;
-        self.after.clone_from(&self.found);
+        self.differs_on_motion(step, sampler, high)?;
+        self.modes_after_change.clone_from(&self.new_contact_modes);
         Ok(Some(high))
     }
 
-    /// Keeps the laws that hold after a part of a step, on the scalars on which it was found.
-    fn keep_contact_modes(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<(), Halt> {
-        self.changed(stepper, state, step, part)?;
-        self.after.clone_from(&self.found);
+    /// Finds a fraction of the step after `begin` with the old contact modes, and moves `high` to a change after it.
+    ///
+    /// At the previous change, touching flanks have a deflection of round-off, and any contact mode can result. There the
+    /// modes on which two instants soon after agree hold from the beginning on, and the result is none.
+    fn first_unchanged(
+        &mut self,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        (begin, high): (f64, &mut f64),
+    ) -> Result<Option<f64>, Halt> {
+        let (mut unchanged, mut has_differed) = (None, false);
+        let end = *high;
+        for fraction in POINTS_AFTER_CHANGE {
+            let at = begin + fraction * (end - begin);
+            if !self.differs_on_motion(step, sampler, at)? {
+                unchanged = Some(at);
+            } else if unchanged.is_some() {
+                *high = at;
+                break;
+            } else if has_differed && self.new_contact_modes == self.modes_after_change {
+                return Ok(None);
+            } else {
+                has_differed = true;
+                self.modes_after_change.clone_from(&self.new_contact_modes);
+            }
+        }
+        Ok(unchanged)
+    }
+
+    /// Stores the contact modes at a fraction of the step as those after the change.
+    fn keep_modes(&mut self, step: &CompletedStep<'_, '_>, part: f64) -> Result<(), Halt> {
+        self.differs(step, part)?;
+        self.modes_after_change.clone_from(&self.new_contact_modes);
         Ok(())
     }
 
-    /// The part of a step at which the law changes between two parts of it, which hold the old and the new one.
-    fn narrow(
-        &mut self,
-        stepper: &Stepper<'_>,
-        state: &State,
-        step: f64,
-        (mut low, mut high): (f64, f64),
-    ) -> Result<f64, Halt> {
-        // Teeth travel at nearly even pace, so where the next one comes or goes is nearly foretold; closely around it the
-        // law is asked for, less closely where that has missed. Whether flanks press is not foretold.
-        let (mut apart, mut foretold) = (RESOLUTION / 2.0, true);
+    /// Narrows a bracket with the old contact mode at its lower and a new one at its upper end. Returns the upper end.
+    fn narrow(&mut self, step: &CompletedStep<'_, '_>, (mut low, mut high): (f64, f64)) -> Result<f64, Halt> {
+        // The ends of the path of contact move almost uniformly, so that an engagement can be predicted. The contact mode
+        // is evaluated close to both sides of the prediction, further away after each miss. A change of the flanks is not
+        // predicted.
+        let (mut half_width, mut predicts) = (RESOLUTION / 2.0, true);
         while high - low > RESOLUTION {
-            let at = if foretold { self.foretell(stepper, state, step, (low, high))? } else { None };
-            let Some(at) = at else {
-                foretold = false;
+            let predicted = if predicts { self.predict_engagement(step, (low, high))? } else { None };
+            let Some(at) = predicted else {
+                predicts = false;
                 let middle = (low + high) / 2.0;
-                if self.changed(stepper, state, step, middle)? {
+                if self.differs(step, middle)? {
                     high = middle
                 } else {
                     low = middle
                 }
                 continue;
             };
-            for probe in [at - apart, at + apart] {
+            for probe in [at - half_width, at + half_width] {
                 if low < probe && probe < high {
-                    if self.changed(stepper, state, step, probe)? { high = probe } else { low = probe }
+                    if self.differs(step, probe)? { high = probe } else { low = probe }
                 }
             }
-            apart *= WIDER;
-            foretold = apart < NEAR;
+            half_width *= WIDENING;
+            predicts = half_width < MAX_BRACKET;
         }
         Ok(high)
     }
 
-    /// The part of a step at which the first pair of teeth comes or goes between two parts of it, at even pace.
-    fn foretell(
+    /// Predicts the fraction of the step at which the first tooth pair enters or leaves contact in a bracket, if the ends
+    /// of the path of contact move uniformly.
+    fn predict_engagement(
         &mut self,
-        stepper: &Stepper<'_>,
-        state: &State,
-        step: f64,
+        step: &CompletedStep<'_, '_>,
         (low, high): (f64, f64),
     ) -> Result<Option<f64>, Halt> {
-        for (which, part) in [low, high].into_iter().enumerate() {
-            self.move_to(stepper, part);
-            stepper.field.ends(state.elapsed + part * step, &self.point, &mut self.ends[which])?;
+        for (end, part) in [low, high].into_iter().enumerate() {
+            self.move_to(step.stepper, part);
+            let nonlinear_loads = step.stepper.nonlinear_loads();
+            nonlinear_loads.path_ends(step.time(part), &self.interface_state, &mut self.path_ends[end])?;
         }
-        let [from, to] = &self.ends;
+        let [from, to] = &self.path_ends;
         let mut first: Option<f64> = None;
-        for (which, ((from, _), (to, pair))) in from.iter().zip(to).enumerate() {
-            // The first pair is the least whole number not below where the path begins; the last the greatest not above
-            // where it ends.
-            let (found, beyond) = match (which % 2 == 0, to > from) {
+        for (index, ((from, _), (to, pair))) in from.iter().zip(to).enumerate() {
+            // The first pair in contact is the smallest integer not below the begin of the path, the last pair the largest
+            // integer not above its end.
+            let (new_pair, crossed) = match (index % 2 == 0, to > from) {
                 (true, true) => (to.ceil(), 0.0),
                 (true, false) => (to.ceil(), -1.0),
                 (false, true) => (to.floor(), 1.0),
                 (false, false) => (to.floor(), 0.0),
             };
             let pair = *pair as f64;
-            if found != pair {
-                let at = low + (high - low) * ((pair + beyond - from) / (to - from)).clamp(0.0, 1.0);
+            if new_pair != pair {
+                let at = low + (high - low) * ((pair + crossed - from) / (to - from)).clamp(0.0, 1.0);
                 first = Some(first.map_or(at, |first| first.min(at)));
             }
         }
         Ok(first)
     }
 
-    /// Scalars and rates at a part of a step, where the laws depend on the motion.
+    /// Interpolates the interface state at a fraction of the step, if contact modes depend on the motion.
     fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
-        // Where teeth are that come and go with time alone, the motion need not be asked.
-        if stepper.field.motion.motion_changes_contact_modes() {
-            self.place(stepper, part);
+        if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+            self.interpolate(stepper, part);
         }
     }
 
-    /// Scalars and rates at a part of a step: the polynomial, with what it is off by near a change of law.
-    fn place(&mut self, stepper: &Stepper<'_>, part: f64) {
-        stepper.interpolate(part, &mut self.point);
-        for (point, off) in self.point.iter_mut().zip(&self.off) {
-            *point += off;
+    /// Interpolates the interface state at a fraction of the step by the corrected polynomial.
+    fn interpolate(&mut self, stepper: &Stepper<'_>, part: f64) {
+        stepper.interpolate(part, &mut self.interface_state);
+        for (value, error) in self.interface_state.iter_mut().zip(&self.interpolation_error) {
+            *value += error;
         }
     }
 
-    /// Whether other laws hold after a part of a step; they are left in `found`.
-    fn changed(&mut self, stepper: &Stepper<'_>, state: &State, step: f64, part: f64) -> Result<bool, Halt> {
-        self.move_to(stepper, part);
-        stepper.field.contact_modes(state.elapsed + part * step, &self.point, &self.unchanged, &mut self.found)?;
-        Ok(self.found != state.contact_modes)
+    /// Measures the difference between the motion and the polynomial at a fraction of the step.
+    fn measure_error(&mut self, step: &CompletedStep<'_, '_>, sampler: &mut SubstepSampler, part: f64) {
+        let z = step.state_at(sampler, part * step.length());
+        let at = (part, step.time(part));
+        step.stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
     }
 
-    /// The same on the motion itself; what the polynomial is off by there is kept.
-    fn changed_truly(&mut self, stepper: &Stepper<'_>, level: usize, state: &State, part: f64) -> Result<bool, Halt> {
-        let step = stepper.cache.time_grid.step(level);
-        let z = self.sample.within(stepper, level, &state.y, part * step);
-        stepper.measure_off(part, state.elapsed + part * step, z, &mut self.point, &mut self.off);
-        self.changed(stepper, state, step, part)
+    /// Whether the contact modes at a fraction of the step differ from those during the step.
+    fn differs(&mut self, step: &CompletedStep<'_, '_>, part: f64) -> Result<bool, Halt> {
+        self.move_to(step.stepper, part);
+        let (nonlinear_loads, time) = (step.stepper.nonlinear_loads(), step.time(part));
+        nonlinear_loads.contact_modes(time, &self.interface_state, &self.unchanged, &mut self.new_contact_modes)?;
+        Ok(self.new_contact_modes != step.contact_modes)
     }
 
-    /// Goes on to the last tick before a change of law, and lets the new law act from the change itself on.
-    pub(super) fn switch(
+    /// Whether the contact modes of the motion itself differ. The polynomial is corrected there.
+    fn differs_on_motion(
+        &mut self,
+        step: &CompletedStep<'_, '_>,
+        sampler: &mut SubstepSampler,
+        part: f64,
+    ) -> Result<bool, Halt> {
+        self.measure_error(step, sampler, part);
+        self.differs(step, part)
+    }
+
+    /// Moves the state to the last unit before a change, at the elapsed time `unit_time`, and adopts the new contact
+    /// modes. They act from the change on: the state gets the effect of the old loads until then.
+    pub fn apply(
         &mut self,
         stepper: &mut Stepper<'_>,
-        level: usize,
+        sampler: &mut SubstepSampler,
+        (level, unit_time, within): (usize, f64, f64),
         state: &mut State,
         change: ContactChange,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        stepper.refresh(level);
-        let within = self.time_grid.time(change.ticks);
-        let step = stepper.cache.time_grid.step(level);
-        let reached = self.at(state.count + change.ticks);
-        let since = change.at - reached;
-        let at_tick = self.sample.within(stepper, level, &state.y, within);
-        stepper.after.copy_from_slice(at_tick);
-        // What the polynomial of the scalars is off by there.
-        stepper.measure_off(within / step, reached, &stepper.after, &mut self.point, &mut self.off);
-        // What the loads change by, from the tick to the change: under the law before,
-        let part = |point: usize| (within + since * point as f64 / (POINTS - 1) as f64) / step;
+        let step = stepper.step_length(level);
+        let delay = change.at - unit_time;
+        let z = sampler.state_at(stepper, level, &state.y, within);
+        stepper.end_state.copy_from_slice(z);
+        let (z, at) = (&stepper.end_state, (within / step, unit_time));
+        stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
+        let part = |point: usize| (within + delay * point as f64 / (POINTS - 1) as f64) / step;
         for (point, jump) in self.jumps.iter_mut().enumerate() {
-            stepper.loads_at(part(point), jump);
+            stepper.interpolate_loads(part(point), jump);
         }
         state.contact_modes.clear();
-        state.contact_modes.extend_from_slice(&self.found);
-        stepper.field.motion.set_contact_modes(&state.contact_modes);
-        // and under the one after it.
+        state.contact_modes.extend_from_slice(&self.new_contact_modes);
+        stepper.context.nonlinear_loads.motion.set_contact_modes(&state.contact_modes);
         for point in (0..POINTS).rev() {
-            self.place(stepper, part(point));
-            // Under it, the motion that meets the other at the change has come another way.
-            let ahead = change.at - (state.elapsed + part(point) * step);
-            stepper.path_correction(&self.jumps[POINTS - 1], ahead, &mut self.point);
-            stepper.load_at(state.elapsed + part(point) * step, &self.point, &mut self.loads)?;
+            self.interpolate(stepper, part(point));
+            // Under the new loads, another path leads to the same motion at the change.
+            let time = state.elapsed + part(point) * step;
+            stepper.jumps.correct_path(&self.jumps[POINTS - 1], change.at - time, &mut self.interface_state);
+            stepper.evaluate_at(time, &self.interface_state, &mut self.loads)?;
             statistics.evaluations += 1;
             for (jump, new) in self.jumps[point].iter_mut().zip(&self.loads) {
                 *jump -= new;
             }
         }
-        self.off.fill(0.0);
-        std::mem::swap(&mut state.y, &mut stepper.after);
-        stepper.apply_jump(since, &self.jumps, &mut state.y);
-        state.count += change.ticks;
-        state.elapsed = reached;
-        state.carry = since;
-        // What the step that was cut short has shown of its error holds for those to come.
-        state.next_step = self.next_step();
-        state.memory.truncate(1);
-        statistics.events += 1;
-        self.at_once = if change.ticks == 0 { self.at_once + 1 } else { 0 };
-        stepper.look(state.elapsed, &state.y, statistics)?;
-        self.size = stepper.size(&state.y);
+        self.interpolation_error.fill(0.0);
+        std::mem::swap(&mut state.y, &mut stepper.end_state);
+        stepper.jumps.apply(&stepper.context, delay, &self.jumps, &mut state.y);
         Ok(())
     }
 }

@@ -1,128 +1,132 @@
-//! Where within a step flanks may part or meet: how far each is from it, as a polynomial through what its nodes saw.
+//! Candidates for contact changes within a step, from the margin of each flank to the next contact change.
 
-use super::quadrature::{MOST, QuadratureRule};
+use super::quadrature::{PointValues, QuadratureRule};
 use super::step::Stepper;
 
-/// Parts of a step between which flanks are followed; a step is at most a third of a swing.
-const PARTS: usize = 8;
-/// A flank that comes nearer than this part of its way over the step and turns back may have touched.
-const NEAR: f64 = 0.1;
-/// How much closer the turning point is looked for around where it was foretold.
-const CLOSER: f64 = 16.0;
+/// Number of intervals in which the margins are followed. A step is at most a third of a period on the mesh stiffness.
+const INTERVALS: usize = 8;
+/// A minimum of the margin below this fraction of its range may be a contact change.
+const NEAR_FRACTION: f64 = 0.1;
+/// A minimum is refined on points that are closer together than the intervals by this factor.
+const REFINEMENT: f64 = 16.0;
 
-/// An instant at which another law may hold.
+/// An instant at which another contact mode may hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CandidateEvent {
-    /// As a part of the step.
+    /// Fraction of the step.
     pub at: f64,
-    /// Whether a flank turns back there: however little the polynomial is off, that decides.
-    pub phasors: bool,
+    /// Whether the margin has a minimum there. The sign of a minimum decides, so that the motion itself is evaluated.
+    pub is_minimum: bool,
 }
 
-/// Weights of what is known at the beginning, at the nodes and at the end of a step.
-type Weights = [f64; MOST + 2];
-
 pub(super) struct ContactMonitor {
-    /// Of the value at each of the parts, from the one before the beginning of the step to the one after its end.
-    weights: [Weights; PARTS + 3],
-    /// Of the last step, in order.
+    /// Interpolation weights at the ends of all intervals, including one before and one after the step.
+    weights: [PointValues; INTERVALS + 3],
+    /// Candidates of the last step in the order of time.
     pub candidates: Vec<CandidateEvent>,
 }
 
 impl ContactMonitor {
-    /// A watch over so many meshes.
+    /// Allocates the candidates of a number of meshes.
     pub fn new(rule: &QuadratureRule, meshes: usize) -> Self {
-        let weights = std::array::from_fn(|part| rule.through((part as f64 - 1.0) / PARTS as f64));
-        // Of either flank: every part but the beginning, and a turning point between any two of them.
-        Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * PARTS) }
+        let weights = std::array::from_fn(|point| rule.through((point as f64 - 1.0) / INTERVALS as f64));
+        // Each of the two flanks has at most one candidate at the end of an interval and one minimum in it.
+        Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * INTERVALS) }
     }
 
-    /// Finds where the flanks of meshes that are not `unchanged` may part or meet within the last step.
+    /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`.
     pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool]) {
         self.candidates.clear();
         for (mesh, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
-            for values in stepper.margins(mesh) {
-                self.follow(&stepper.cache.rule, &values);
+            for margins in stepper.margins(mesh) {
+                self.follow(&stepper.context.cache.rule, &margins);
             }
         }
         self.candidates.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
     }
 
-    /// Adds the suspects of one flank, which was so far from a change at the beginning, at the nodes and at the end.
-    fn follow(&mut self, rule: &QuadratureRule, values: &Weights) {
-        let known = &values[..rule.stages() + 2];
+    /// Adds the candidates of one flank with these margins.
+    fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues) {
+        let known = &margins[..rule.stages() + 2];
         let (least, most) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-        let near = NEAR * (most - least);
-        // No polynomial of these goes so far beyond the values it goes through.
+        let near = NEAR_FRACTION * (most - least);
+        // The polynomial falls below its smallest known value by less than the range of the values.
         if least > most - least {
             return;
         }
-        let value = |weights: &Weights| weights.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>();
+        let value =
+            |weights: &PointValues| weights.iter().zip(margins).map(|(weight, value)| weight * value).sum::<f64>();
         let values = self.weights.map(|weights| value(&weights));
-        for (part, around) in values.windows(3).enumerate() {
-            let at = part as f64 / PARTS as f64;
+        for (interval, around) in values.windows(3).enumerate() {
+            let at = interval as f64 / INTERVALS as f64;
             let &[before, here, after] = around else { continue };
-            if part > 0 && here <= 0.0 {
-                self.candidates.push(CandidateEvent { at, phasors: false });
+            if interval > 0 && here <= 0.0 {
+                self.candidates.push(CandidateEvent { at, is_minimum: false });
             }
             if here > before || here >= after {
                 continue;
             }
-            let apart = 1.0 / (PARTS as f64 * CLOSER);
-            let middle = at + vertex([before, here, after]) / PARTS as f64;
-            let around = [middle - apart, middle, middle + apart].map(|at| value(&rule.through(at)));
-            let turn = middle + apart * vertex(around).clamp(-1.0, 1.0);
-            if around[1] <= near && (0.0..=1.0).contains(&turn) {
-                self.candidates.push(CandidateEvent { at: turn, phasors: true });
+            let spacing = 1.0 / (INTERVALS as f64 * REFINEMENT);
+            let middle = at + vertex([before, here, after]) / INTERVALS as f64;
+            let around = [middle - spacing, middle, middle + spacing].map(|at| value(&rule.through(at)));
+            let minimum = middle + spacing * vertex(around).clamp(-1.0, 1.0);
+            if around[1] <= near && (0.0..=1.0).contains(&minimum) {
+                self.candidates.push(CandidateEvent { at: minimum, is_minimum: true });
             }
         }
     }
 }
 
-/// Where the parabola through three values at −1, 0 and 1 turns.
+/// Abscissa of the vertex of the parabola through three values at −1, 0 and 1.
 fn vertex([before, middle, after]: [f64; 3]) -> f64 {
-    let bend = before - 2.0 * middle + after;
-    if bend == 0.0 { 0.0 } else { (before - after) / (2.0 * bend) }
+    let curvature = before - 2.0 * middle + after;
+    if curvature == 0.0 { 0.0 } else { (before - after) / (2.0 * curvature) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exponential::quadrature::MAX_STAGES;
 
-    /// What a flank leaves that comes by with `depth` at `bottom`, as a parabola over the step.
+    /// Candidates of a flank whose margin over the step is a parabola with the minimum −`depth` at `bottom`.
     fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
         let rule = QuadratureRule::gauss(stages);
         let mut contact_monitor = ContactMonitor::new(&rule, 1);
-        let mut values = [0.0; MOST + 2];
+        let mut margins = [0.0; MAX_STAGES + 2];
         let instants = [&[0.0], &rule.nodes[..], &[1.0]].concat();
-        for (value, at) in values.iter_mut().zip(instants) {
-            *value = (at - bottom).powi(2) - depth;
+        for (margin, at) in margins.iter_mut().zip(instants) {
+            *margin = (at - bottom).powi(2) - depth;
         }
-        contact_monitor.follow(&rule, &values);
+        contact_monitor.follow(&rule, &margins);
         contact_monitor.candidates
     }
 
     #[test]
-    fn a_flank_that_turns_back_is_met_where_it_does() {
+    fn a_minimum_near_zero_is_a_candidate() {
         for stages in 1..=4 {
             for (bottom, depth) in [(0.3, 0.0), (0.55, 1e-9), (0.97, -1e-9), (0.02, 1e-6), (0.5, 0.01)] {
                 let found = candidates(stages, bottom, depth);
-                let turn = found.iter().find(|candidate| candidate.phasors).map(|candidate| candidate.at);
-                assert!(turn.is_some_and(|turn| (turn - bottom).abs() < 1e-9), "{stages} {bottom} {found:?}");
+                let minimum = found.iter().find(|candidate| candidate.is_minimum).map(|candidate| candidate.at);
+                assert!(minimum.is_some_and(|minimum| (minimum - bottom).abs() < 1e-9), "{stages} {bottom} {found:?}");
             }
         }
     }
 
     #[test]
-    fn a_flank_that_stays_away_or_goes_on_is_left_alone() {
+    fn a_flank_with_a_positive_margin_is_no_candidate() {
         for stages in 1..=4 {
-            // It turns back too soon to have touched; it has turned before the step.
+            // The minimum is too far from zero, or lies before or after the step.
             for (bottom, depth) in [(0.5, -0.1), (-0.3, 0.05), (1.5, -2.0)] {
                 assert_eq!(candidates(stages, bottom, depth), [], "{stages} {bottom}");
             }
-            // It parts for good: from there on all is suspect.
+        }
+    }
+
+    #[test]
+    fn a_margin_that_stays_negative_gives_a_candidate_in_every_interval() {
+        for stages in 1..=4 {
             let found = candidates(stages, 1.4, 0.8);
-            assert!(found.iter().all(|candidate| !candidate.phasors && candidate.at > 0.5), "{found:?}");
+            assert!(found.iter().all(|candidate| !candidate.is_minimum && candidate.at > 0.5), "{found:?}");
             assert_eq!(found.len(), 4);
         }
     }

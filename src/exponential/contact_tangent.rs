@@ -1,157 +1,160 @@
-//! How loads follow the motion that they cause: what the meshes make of each other within a step, for the stiffness and
-//! the damping that their contacts have.
+//! Correction of the stage loads by the stiffness and the damping of the contacts.
 //!
-//! A force f of a mesh acts as −g f on its scalars u. Where g·u and g·u̇ change by ℓ and ℓ̇, the forces of all nodes and
-//! meshes are those of
+//! A force f of a mesh acts on its scalars u as the load −g f. If the other loads change g·u by ℓ and g·u̇ by ℓ̇, the
+//! forces of all stages and meshes follow from
 //!
 //! ```text
 //! f = K(ℓ − G f) + C(ℓ̇ − Ġ f),
 //! ```
 //!
-//! G and Ġ what their own forces make of g·u and g·u̇, K and C what the linear motion does not contain of stiffness and
-//! damping.
+//! where −G f and −Ġ f are the changes of g·u and g·u̇ that the forces cause themselves. K and C are the stiffness and the
+//! damping of the contacts beyond those that the linear motion contains.
 
 use pulp::Arch;
 
-use super::cache::LinearizedContact;
-use super::kernel;
+use super::context::StepContext;
+use super::interface_maps::LinearizedContact;
 use super::nonlinear_loads::NonlinearLoads;
 use super::packed::Panel;
+use super::panel_kernel;
 use super::small_lu::SmallLu;
-use super::step::Stepper;
+use super::stages::Stages;
 use crate::mesh::Contact;
 
-/// The system of all nodes and meshes.
+/// The linear system of all stages and meshes. One unknown is the force of one mesh at one stage.
 #[derive(Clone, Debug)]
 pub(super) struct ContactTangentSolver {
-    /// K of all nodes and meshes and, where rates matter, C, for which the system is factored.
+    /// K (N/m) of all stages and meshes and, where rates matter, C (N·s/m), for which the matrix is factorised.
     pub residual_tangent: Vec<f64>,
-    sought: Vec<f64>,
-    /// The level of the step for which it is; whether it has a solution.
+    /// K and C that the next solution needs.
+    next_tangent: Vec<f64>,
+    /// Step level for which the matrix is factorised.
     level: usize,
+    /// Whether the matrix is regular.
     solvable: bool,
-    /// Whether the linear motion contains all that there is.
+    /// Whether K and C vanish, so that there is nothing to correct.
     idle: bool,
     system: SmallLu,
-    /// What the forces add to the loads of all nodes, −g.
-    push: Panel,
-    /// ℓ of all nodes and meshes and, where rates matter, ℓ̇.
-    felt: Vec<f64>,
+    /// Loads of all stages for a unit force: −g.
+    force_loads: Panel,
+    /// ℓ (m) of all stages and meshes and, where rates matter, ℓ̇ (m/s).
+    deflection_change: Vec<f64>,
 }
 
 impl ContactTangentSolver {
-    /// A system of so many nodes.
-    pub fn new(field: &NonlinearLoads<'_>, tangents: &[LinearizedContact], nodes: usize) -> Self {
-        let (size, loads) = (nodes * field.meshes(), nodes * field.loads());
-        let mut push = vec![0.0; size * loads];
-        for (unit, column) in push.chunks_exact_mut(loads.max(1)).enumerate() {
-            let LinearizedContact { scalars, gradient, .. } = &tangents[unit % field.meshes()];
-            let own = scalars.clone().map(|scalar| unit / field.meshes() * field.loads() + scalar);
+    /// Allocates the system of a number of stages.
+    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, tangents: &[LinearizedContact], stages: usize) -> Self {
+        let (meshes, load_count) = (nonlinear_loads.mesh_count(), nonlinear_loads.load_count());
+        let (size, loads) = (stages * meshes, stages * load_count);
+        let mut force_loads = vec![0.0; size * loads];
+        for (unknown, column) in force_loads.chunks_exact_mut(loads.max(1)).enumerate() {
+            let LinearizedContact { scalars, gradient, .. } = &tangents[unknown % meshes];
+            let own = scalars.clone().map(|scalar| unknown / meshes * load_count + scalar);
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
-        let both = size * field.seen() / field.mesh_loads().max(1);
+        let len = size * nonlinear_loads.interface_len() / nonlinear_loads.mesh_load_count().max(1);
         Self {
-            residual_tangent: vec![f64::NAN; both],
-            sought: vec![0.0; both],
+            residual_tangent: vec![f64::NAN; len],
+            next_tangent: vec![0.0; len],
             level: usize::MAX,
             solvable: false,
             idle: false,
             system: SmallLu::new(size),
-            push: Panel::new(&push, loads),
-            felt: vec![0.0; both],
+            force_loads: Panel::new(&force_loads, loads),
+            deflection_change: vec![0.0; len],
         }
     }
 
-    /// Seeks the forces for K and C of the contacts of node after node; the first ones are those of all nodes that have
-    /// none of their own.
-    fn seek(&mut self, field: &NonlinearLoads<'_>, contacts: &[Contact]) {
-        let meshes = field.meshes();
-        let (stiffness, damping) = self.sought.split_at_mut(self.system.right.len());
-        for (unit, (stands, contact)) in stiffness.iter_mut().zip(contacts.iter().cycle()).enumerate() {
-            let [k, c] = field.residual_tangent(unit % meshes, contact);
-            *stands = k;
-            if let Some(stands) = damping.get_mut(unit) {
-                *stands = c;
+    /// Takes K and C from contacts, stage after stage. The contacts of one instant apply to all stages.
+    pub fn set_contacts(&mut self, nonlinear_loads: &NonlinearLoads<'_>, contacts: &[Contact]) {
+        let meshes = nonlinear_loads.mesh_count();
+        let (stiffness, damping) = self.next_tangent.split_at_mut(self.system.right.len());
+        for (unknown, (stiffness, contact)) in stiffness.iter_mut().zip(contacts.iter().cycle()).enumerate() {
+            let [k, c] = nonlinear_loads.residual_tangent(unknown % meshes, contact);
+            *stiffness = k;
+            if let Some(damping) = damping.get_mut(unknown) {
+                *damping = c;
             }
         }
     }
 
-    /// Seeks them for contacts like those at the beginning of a step, or as rigid as at the nodes of the one before it.
-    pub fn guess(&mut self, field: &NonlinearLoads<'_>, at_begin: &[Contact], before: Option<&[f64]>) {
-        match before {
-            Some(before) => self.sought.copy_from_slice(before),
-            None => self.seek(field, at_begin),
-        }
+    /// Takes K and C of the stages of the previous step.
+    pub fn set_tangent(&mut self, previous: &[f64]) {
+        self.next_tangent.copy_from_slice(previous);
     }
 
-    /// Takes what is sought, for a step of a level. Whether there is a solution.
-    fn take(&mut self, level: usize, own: &[f64]) -> bool {
-        // Teeth that neither come nor go are as stiff as at the node before, and in the step before.
-        if self.level != level || self.residual_tangent != self.sought {
+    /// Factorises the matrix for a step of a level, where K, C or the level have changed. `own_response` holds G and Ġ.
+    /// Returns whether the matrix is regular.
+    fn factorize(&mut self, level: usize, own_response: &[f64]) -> bool {
+        // K and C change only if tooth pairs enter or leave contact, so that most steps reuse the factors.
+        if self.level != level || self.residual_tangent != self.next_tangent {
             self.level = level;
-            self.residual_tangent.copy_from_slice(&self.sought);
+            self.residual_tangent.copy_from_slice(&self.next_tangent);
             self.idle = self.residual_tangent.iter().all(|value| *value == 0.0);
             self.solvable = self.idle || {
-                self.system.fill(own, &self.residual_tangent);
+                self.system.fill(own_response, &self.residual_tangent);
                 self.system.factor()
             };
         }
         self.solvable
     }
 
-    /// Adds to the loads of the nodes what follows from what is felt.
-    fn add(&mut self, arch: Arch, loads: &mut [f64]) {
+    /// Solves for the forces under `deflection_change` and adds their loads −g f.
+    fn add_forces(&mut self, arch: Arch, loads: &mut [f64]) {
         let size = self.system.right.len();
         self.system.right.fill(0.0);
-        for (felt, residual_tangent) in self.felt.chunks_exact(size).zip(self.residual_tangent.chunks_exact(size)) {
-            for ((force, felt), residual_tangent) in self.system.right.iter_mut().zip(felt).zip(residual_tangent) {
-                *force += residual_tangent * felt;
+        let factors = self.deflection_change.chunks_exact(size).zip(self.residual_tangent.chunks_exact(size));
+        for (change, tangent) in factors {
+            for ((force, change), tangent) in self.system.right.iter_mut().zip(change).zip(tangent) {
+                *force += tangent * change;
             }
         }
         self.system.substitute();
-        kernel::accumulate_panel(arch, &self.push, &self.system.right, loads);
+        panel_kernel::accumulate_panel(arch, &self.force_loads, &self.system.right, loads);
     }
-}
 
-impl Stepper<'_> {
-    /// Lets the loads that were guessed follow the motion that they cause, where it is not the one that was guessed with
-    /// them. Whether that can be solved.
-    pub(super) fn predict(&mut self, level: usize) -> bool {
-        let (seen, rates) = (self.field.seen(), self.field.mesh_loads());
-        let (stage_response, tangents) = (self.cache.stage_response(level), &self.cache.maps.tangents);
-        let tangent_solver = &mut self.tangent_solver;
-        if !tangent_solver.take(level, &stage_response.own) || tangent_solver.idle {
-            return tangent_solver.solvable;
+    /// Corrects predicted stage loads for the difference between the motion that they cause and the predicted interface
+    /// states. Returns whether the correction exists. The interface states are scratch afterwards.
+    pub fn predict(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
+        let nonlinear_loads = &context.nonlinear_loads;
+        let (len, rates) = (nonlinear_loads.interface_len(), nonlinear_loads.mesh_load_count());
+        let (stage_response, tangents) = (context.cache.stage_response(level), &context.cache.maps.tangents);
+        if !self.factorize(level, &stage_response.own) || self.idle {
+            return self.solvable;
         }
-        // What is guessed is taken off what is caused.
-        for (node, homogeneous_response) in self.nodes.iter_mut().zip(&self.homogeneous_response) {
-            *node = homogeneous_response - *node;
+        for (state, homogeneous) in stages.interface_states.iter_mut().zip(&stages.homogeneous_response) {
+            *state = homogeneous - *state;
         }
-        let size = tangent_solver.system.right.len();
-        for (from, felt) in [0, rates].into_iter().zip(tangent_solver.felt.chunks_exact_mut(size)) {
-            for (node, felt) in self.nodes.chunks_exact(seen).zip(felt.chunks_exact_mut(tangents.len())) {
-                for (felt, tangent) in felt.iter_mut().zip(tangents) {
-                    *felt = tangent.along(node, from);
+        let size = self.system.right.len();
+        for (from, changes) in [0, rates].into_iter().zip(self.deflection_change.chunks_exact_mut(size)) {
+            let of_stages = stages.interface_states.chunks_exact(len).zip(changes.chunks_exact_mut(tangents.len()));
+            for (state, changes) in of_stages {
+                for (change, tangent) in changes.iter_mut().zip(tangents) {
+                    *change = tangent.along(state, from);
                 }
             }
         }
-        kernel::accumulate_panel(self.arch, &stage_response.along, &self.loads, &mut tangent_solver.felt);
-        tangent_solver.add(self.arch, &mut self.loads);
+        panel_kernel::accumulate_panel(context.arch, &stage_response.along, &stages.loads, &mut self.deflection_change);
+        self.add_forces(context.arch, &mut stages.loads);
         true
     }
 
-    /// Adds to the loads what follows from the changes in `residual` that they have just seen; contacts are those at the
-    /// nodes. Whether that can be solved.
-    pub(super) fn correct(&mut self, level: usize) -> bool {
-        let stage_response = self.cache.stage_response(level);
-        let tangent_solver = &mut self.tangent_solver;
-        tangent_solver.seek(&self.field, &self.contacts);
-        if !tangent_solver.take(level, &stage_response.own) || tangent_solver.idle {
-            return tangent_solver.solvable;
+    /// Corrects the stage loads for the motion that their last change, the residual, causes at the contacts of the
+    /// stages. Returns whether the correction exists.
+    pub fn correct(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
+        let stage_response = context.cache.stage_response(level);
+        self.set_contacts(&context.nonlinear_loads, &stages.contacts);
+        if !self.factorize(level, &stage_response.own) || self.idle {
+            return self.solvable;
         }
-        tangent_solver.felt.fill(0.0);
-        kernel::accumulate_panel(self.arch, &stage_response.along, &self.residual, &mut tangent_solver.felt);
-        tangent_solver.add(self.arch, &mut self.loads);
+        self.deflection_change.fill(0.0);
+        panel_kernel::accumulate_panel(
+            context.arch,
+            &stage_response.along,
+            &stages.residual,
+            &mut self.deflection_change,
+        );
+        self.add_forces(context.arch, &mut stages.loads);
         true
     }
 }

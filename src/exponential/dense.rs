@@ -1,29 +1,30 @@
-//! The table of a motion that its modes cannot carry: matrix exponentials, without eigenvectors.
+//! Propagators from matrix exponentials, for a motion with ill-conditioned modes.
 //!
-//! The shortest step is short enough for a Taylor series; each longer one follows by doubling,
+//! The shortest step is short enough for a Taylor series. Doubling gives each longer step:
 //!
 //! ```text
 //! e^{2z} − 1 = 2(e^z − 1) + (e^z − 1)²,        φ_m(2z) = 2⁻ᵐ [ e^z φ_m(z) + Σ_{j=1}^m φ_j(z)/(m − j)! ]
 //! ```
 //!
-//! of which the exponential less one is kept, as round-off beside one would double with every step, and φ_m is only
-//! ever needed times a load. What the interface sees at the nodes within a step is put together
-//! from the shorter ones.
+//! e^z − 1 is stored, because round-off relative to 1 would double with every step. φ_m is stored as its product with each
+//! load. Shorter steps give the interface states at the stages.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 use num_complex::Complex64;
 
-use super::cache::{InterfaceMaps, PropagatorCache, gram};
+use super::interface_maps::{InterfaceMaps, gram};
 use super::packed::Columns;
 use super::phi::factorial;
 use super::propagator::{StageResponse, StepPropagator, Transition};
 use super::quadrature::QuadratureRule;
+use super::time_grid::TimeGrid;
 
-/// Terms of the series; with |A h| below 1/20 the last is below round-off.
+/// Terms of the series. With |A h| below 1/20 the last one is below round-off.
 const TERMS: usize = 14;
 
-/// One rung of the ladder.
-struct Rung {
+/// The exponential of one step length.
+struct DenseStep {
+    /// Length h, s.
     step: f64,
     /// e^{Ah} − 1.
     change: DMatrix<f64>,
@@ -31,24 +32,31 @@ struct Rung {
     phi: Vec<Vec<DVector<f64>>>,
 }
 
-/// The steps of the clock of a table.
-pub fn levels(matrix: &DMatrix<f64>, cache: &PropagatorCache<'_>) -> Vec<(StepPropagator, StageResponse)> {
-    let (rule, maps, time_grid) = (&cache.rule, &cache.maps, &cache.time_grid);
+/// Computes the propagators and stage responses of all step levels of a time grid. `phasors` gives the stage phasors of a
+/// level.
+pub fn levels(
+    matrix: &DMatrix<f64>,
+    rule: &QuadratureRule,
+    maps: &InterfaceMaps,
+    time_grid: &TimeGrid,
+    phasors: impl Fn(usize) -> Vec<Complex64>,
+) -> Vec<(StepPropagator, StageResponse)> {
     let finest = time_grid.finest;
     let orders = rule.stages() + 1;
     let loads: Vec<DVector<f64>> = maps.columns.iter().map(|column| DVector::from_column_slice(column)).collect();
-    let mut rungs = vec![first(matrix, time_grid.step(finest), &loads, orders)];
-    let mut levels = vec![level(matrix, &rungs, rule, maps, cache.phasors(finest))];
+    let mut steps = vec![shortest(matrix, time_grid.step(finest), &loads, orders)];
+    let mut levels = vec![level(matrix, &steps, rule, maps, phasors(finest))];
     for at in (0..finest).rev() {
-        let rung = doubled(&rungs[rungs.len() - 1]);
-        rungs.push(rung);
-        levels.push(level(matrix, &rungs, rule, maps, cache.phasors(at)));
+        let longer = doubled(&steps[steps.len() - 1]);
+        steps.push(longer);
+        levels.push(level(matrix, &steps, rule, maps, phasors(at)));
     }
     levels.reverse();
     levels
 }
 
-fn first(matrix: &DMatrix<f64>, step: f64, loads: &[DVector<f64>], orders: usize) -> Rung {
+/// The shortest step, by Taylor series.
+fn shortest(matrix: &DMatrix<f64>, step: f64, loads: &[DVector<f64>], orders: usize) -> DenseStep {
     let scaled = matrix * step;
     let identity = DMatrix::<f64>::identity(matrix.nrows(), matrix.nrows());
     let mut series = identity.clone();
@@ -65,10 +73,11 @@ fn first(matrix: &DMatrix<f64>, step: f64, loads: &[DVector<f64>], orders: usize
         sum
     };
     let phi = loads.iter().map(|load| (1..=orders).map(|m| series(load, m)).collect()).collect();
-    Rung { step, change, phi }
+    DenseStep { step, change, phi }
 }
 
-fn doubled(half: &Rung) -> Rung {
+/// A step of twice the length.
+fn doubled(half: &DenseStep) -> DenseStep {
     let of_load = |phi: &Vec<DVector<f64>>| {
         let of_order = |m: usize| {
             let mut sum = &phi[m - 1] + &half.change * &phi[m - 1];
@@ -79,7 +88,7 @@ fn doubled(half: &Rung) -> Rung {
         };
         (1..=phi.len()).map(of_order).collect()
     };
-    Rung {
+    DenseStep {
         step: 2.0 * half.step,
         change: &half.change * 2.0 + &half.change * &half.change,
         phi: half.phi.iter().map(of_load).collect(),
@@ -87,43 +96,43 @@ fn doubled(half: &Rung) -> Rung {
 }
 
 /// h Σ a_m m! φ_{m+1} b of a polynomial Σ a_m τᵐ.
-fn weighted(rung: &Rung, polynomial: &[f64], load: usize) -> DVector<f64> {
-    let terms = polynomial.iter().enumerate().map(|(m, a)| &rung.phi[load][m] * (a * factorial(m)));
-    terms.sum::<DVector<f64>>() * rung.step
+fn weighted(step: &DenseStep, polynomial: &[f64], load: usize) -> DVector<f64> {
+    let terms = polynomial.iter().enumerate().map(|(m, a)| &step.phi[load][m] * (a * factorial(m)));
+    terms.sum::<DVector<f64>>() * step.step
 }
 
-/// The level of the last rung; those before it are the shorter ones.
+/// Propagator and stage response of the last of `steps`; those before it are the shorter ones.
 fn level(
     matrix: &DMatrix<f64>,
-    rungs: &[Rung],
+    steps: &[DenseStep],
     rule: &QuadratureRule,
     maps: &InterfaceMaps,
     phasors: Vec<Complex64>,
 ) -> (StepPropagator, StageResponse) {
-    let rung = &rungs[rungs.len() - 1];
+    let step = &steps[steps.len() - 1];
     let (stages, loads, scalars) = (rule.stages(), maps.columns.len(), maps.rows.len());
     let columns: Vec<Vec<f64>> = (0..stages)
         .flat_map(|j| (0..loads).map(move |k| (j, k)))
-        .map(|(j, k)| weighted(rung, &rule.lagrange[j], k).as_slice().to_vec())
+        .map(|(j, k)| weighted(step, &rule.lagrange[j], k).as_slice().to_vec())
         .collect();
-    let defect: Vec<f64> = (0..maps.meshes).flat_map(|k| weighted(rung, &rule.defect, k).as_slice().to_vec()).collect();
+    let defect: Vec<f64> = (0..maps.meshes).flat_map(|k| weighted(step, &rule.defect, k).as_slice().to_vec()).collect();
 
     let mut rows = Vec::new();
     let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
     for (i, node) in rule.nodes.iter().enumerate() {
-        rows.extend(maps.rows.iter().map(|row| row_after(matrix, rungs, row, *node).as_slice().to_vec()));
+        rows.extend(maps.rows.iter().map(|row| row_after(matrix, steps, row, *node).as_slice().to_vec()));
         for j in 0..stages {
             for k in 0..loads {
-                let state = loaded(matrix, rungs, rule, &maps.columns[k], (j, k), *node);
+                let state = loaded(matrix, steps, rule, &maps.columns[k], (j, k), *node);
                 for (scalar, row) in maps.rows.iter().enumerate() {
-                    let seen = row.iter().zip(state.iter()).map(|(w, z)| w * z).sum();
-                    response[i][(j * loads + k) * scalars + scalar] = seen;
+                    let value = row.iter().zip(state.iter()).map(|(w, z)| w * z).sum();
+                    response[i][(j * loads + k) * scalars + scalar] = value;
                 }
             }
         }
     }
-    // Row after row: the transpose of how it is stored.
-    let transition = Transition::Dense(rung.change.transpose().as_slice().to_vec());
+    // The kernel reads rows; nalgebra stores columns.
+    let transition = Transition::Dense(step.change.transpose().as_slice().to_vec());
     let columns = Columns::new(&columns, &maps.parts);
     (
         StepPropagator { transition, columns, gram: gram(&defect, maps.meshes) },
@@ -131,58 +140,58 @@ fn level(
     )
 }
 
-/// The rungs that make up a part of the last one, longest first, and what is left of it, both in parts of its length.
-fn pieces(rungs: &[Rung], part: f64) -> (Vec<usize>, f64) {
+/// Decomposes a fraction of the last step: indices of shorter steps, longest first, and the remaining fraction.
+fn pieces(steps: &[DenseStep], part: f64) -> (Vec<usize>, f64) {
     let (mut left, mut pieces) = (part, Vec::new());
-    for shorter in 1..rungs.len() {
+    for shorter in 1..steps.len() {
         let length = 0.5_f64.powi(shorter as i32);
         if left >= length {
             left -= length;
-            pieces.push(rungs.len() - 1 - shorter);
+            pieces.push(steps.len() - 1 - shorter);
         }
     }
     (pieces, left)
 }
 
-/// w e^{A·part·h}.
-fn row_after(matrix: &DMatrix<f64>, rungs: &[Rung], row: &[f64], part: f64) -> RowDVector<f64> {
-    let (pieces, left) = pieces(rungs, part);
-    let mut seen = RowDVector::from_row_slice(row);
+/// w e^{A·part·h}, with h the length of the last step.
+fn row_after(matrix: &DMatrix<f64>, steps: &[DenseStep], row: &[f64], part: f64) -> RowDVector<f64> {
+    let (pieces, left) = pieces(steps, part);
+    let mut moved = RowDVector::from_row_slice(row);
     for piece in pieces {
-        seen += &seen * &rungs[piece].change;
+        moved += &moved * &steps[piece].change;
     }
-    let rest = left * rungs[rungs.len() - 1].step;
-    let mut term = seen.clone();
+    let rest = left * steps[steps.len() - 1].step;
+    let mut term = moved.clone();
     for order in 1..TERMS {
         term = &term * matrix * (rest / order as f64);
-        seen += &term;
+        moved += &term;
     }
-    seen
+    moved
 }
 
-/// The state that the load l_j b_k leaves after a part of the step that began at rest.
+/// The state after a fraction of the last step under the load l_j b_k, from zero.
 fn loaded(
     matrix: &DMatrix<f64>,
-    rungs: &[Rung],
+    steps: &[DenseStep],
     rule: &QuadratureRule,
     load: &[f64],
     (j, k): (usize, usize),
     part: f64,
 ) -> DVector<f64> {
-    let whole = rungs[rungs.len() - 1].step;
-    let (pieces, left) = pieces(rungs, part);
+    let whole = steps[steps.len() - 1].step;
+    let (pieces, left) = pieces(steps, part);
     let mut state = DVector::zeros(matrix.nrows());
     let mut begun = 0.0;
     for piece in pieces {
-        let rung = &rungs[piece];
-        let length = rung.step / whole;
-        state += &rung.change * &state;
+        let step = &steps[piece];
+        let length = step.step / whole;
+        state += &step.change * &state;
         for (node, lagrange) in rule.nodes.iter().zip(&rule.lagrange) {
-            state += weighted(rung, lagrange, k) * rule.weight(j, begun + node * length);
+            state += weighted(step, lagrange, k) * rule.weight(j, begun + node * length);
         }
         begun += length;
     }
-    // ż = A z + b l(t): every derivative follows from the one before it.
+    // Differentiating ż = A z + b l(t) gives the terms of the Taylor series.
     let load = DVector::from_column_slice(load);
     let mut polynomial = rule.lagrange[j].clone();
     let value = |polynomial: &[f64]| polynomial.iter().rev().fold(0.0, |sum, a| sum * begun + a);

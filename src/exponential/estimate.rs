@@ -1,79 +1,92 @@
-//! The error of a step, from what the polynomial of its loads misses.
+//! Error estimate of a step, from the defect of the polynomial of its loads.
 
-use super::kernel;
-use super::step::Stepper;
-use crate::integrate::Halt;
+use super::context::StepContext;
+use super::stages::Stages;
+use super::step_point::StepPoint;
 
-/// Of a load that is not resolved, this part counts: the mean of |π|, and some more.
-const UNRESOLVED: f64 = 0.5;
+/// Fraction of an unresolved load that counts as error: the mean of |π| is below it.
+const UNRESOLVED_FRACTION: f64 = 0.5;
 
-impl Stepper<'_> {
-    /// Energy norm of the error of the last step. What the polynomial of its loads misses at either end tells the size
-    /// and, by how much they differ, the pace of what it misses within.
-    pub(super) fn error(&mut self, level: usize) -> f64 {
-        if self.field.mesh_loads() == 0 {
+/// The defect of the last step.
+#[derive(Clone, Debug)]
+pub(super) struct ErrorEstimator {
+    /// Defect d of the mesh loads, N.
+    defect: Vec<f64>,
+    /// Change d′ of the defect over the step, N.
+    defect_change: Vec<f64>,
+    /// ‖b d′‖/‖b d‖.
+    defect_ratio: f64,
+    /// Energy norm that an unresolved load adds to a state per second.
+    unresolved_error: f64,
+}
+
+impl ErrorEstimator {
+    /// Allocates the estimator of a number of mesh loads.
+    pub fn new(mesh_loads: usize) -> Self {
+        Self {
+            defect: vec![0.0; mesh_loads],
+            defect_change: vec![0.0; mesh_loads],
+            defect_ratio: 0.0,
+            unresolved_error: 0.0,
+        }
+    }
+
+    /// Energy norm of the error of the last step, which led from the first point to the second. The defects at both
+    /// points give the size of the defect within the step, and their difference tells how fast it changes.
+    pub fn estimate(
+        &mut self,
+        context: &StepContext<'_>,
+        level: usize,
+        [begin_point, end_point]: [&StepPoint; 2],
+        stages: &Stages,
+    ) -> f64 {
+        if self.defect.is_empty() {
             return 0.0;
         }
-        let (loads, rule) = (self.field.loads(), &self.cache.rule);
-        // π is odd or even about the middle.
-        let even = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
-        let (begin, end) = (&mut self.defect, &mut self.changed);
+        let (loads, rule) = (context.nonlinear_loads.load_count(), &context.cache.rule);
+        // π is odd or even about the middle of the step.
+        let parity = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
+        let (begin, end) = (&mut self.defect, &mut self.defect_change);
         let meshes = begin.len();
-        begin.copy_from_slice(&self.begin_load[..meshes]);
-        end.copy_from_slice(&self.end_load[..meshes]);
+        begin.copy_from_slice(&begin_point.load[..meshes]);
+        end.copy_from_slice(&end_point.load[..meshes]);
         let [at_begin, at_end] = &rule.at_ends;
-        for (load, (at_begin, at_end)) in self.loads.chunks_exact(loads).zip(at_begin.iter().zip(at_end)) {
+        for (load, (at_begin, at_end)) in stages.loads.chunks_exact(loads).zip(at_begin.iter().zip(at_end)) {
             for ((begin, end), load) in begin.iter_mut().zip(end.iter_mut()).zip(load) {
                 *begin -= at_begin * load;
                 *end -= at_end * load;
             }
         }
         for (begin, end) in begin.iter_mut().zip(end) {
-            (*begin, *end) = ((*end + even * *begin) / 2.0, *end - even * *begin);
+            (*begin, *end) = ((*end + parity * *begin) / 2.0, *end - parity * *begin);
         }
-        let (size, change) = (self.bare(&self.defect), self.bare(&self.changed));
+        let (size, change) = (context.load_norm(&self.defect), context.load_norm(&self.defect_change));
         self.defect_ratio = if change > 0.0 { change / size } else { 0.0 };
-        self.unresolved_error = UNRESOLVED * size.max(change / 2.0);
-        self.predicted_error(level, 1.0)
+        self.unresolved_error = UNRESOLVED_FRACTION * size.max(change / 2.0);
+        self.predicted_error(context, level, 1.0)
     }
 
-    /// The error that the last one foretells for a step twice as long.
-    pub(super) fn error_of_longer(&self, level: usize) -> f64 {
-        self.predicted_error(level - 1, 2.0)
+    /// Predicted error of a step of twice the length of the last one, which has this level.
+    pub fn error_of_doubled_step(&self, context: &StepContext<'_>, level: usize) -> f64 {
+        self.predicted_error(context, level - 1, 2.0)
     }
 
-    /// The error of a step of `level` that is so many times as long as the last one.
+    /// Predicted error of a step of this level, which is `ratio` times as long as the last one.
     ///
-    /// Of a load that the modes do not outpace, the nodes miss what is orthogonal to all polynomials below s: next to
-    /// nothing. One that changes faster than the step resolves, as at a kink, is missed by its whole size.
-    fn predicted_error(&self, level: usize, longer: f64) -> f64 {
-        let (step, stages) = (self.cache.time_grid.step(level), self.cache.rule.stages() as i32);
-        let unresolved_error = (longer * self.defect_ratio).min(1.0).powi(stages);
-        (self.cache.propagator(level).error(self.arch, &self.defect) + step * unresolved_error * self.unresolved_error)
-            * longer.powi(stages)
+    /// Slow modes hardly respond to the defect of a resolved load, because π is orthogonal to all polynomials of degree
+    /// below s. A load that changes within the step, as at a kink, contributes with its full size.
+    fn predicted_error(&self, context: &StepContext<'_>, level: usize, ratio: f64) -> f64 {
+        let (step, stages) = (context.step(level), context.stages() as i32);
+        let unresolved = (ratio * self.defect_ratio).min(1.0).powi(stages);
+        let resolved_error = context.cache.propagator(level).error(context.arch, &self.defect);
+        (resolved_error + step * unresolved * self.unresolved_error) * ratio.powi(stages)
     }
 
-    /// Energy norm that what the polynomial of the loads misses at a part of the last step adds to a state in a second;
-    /// the state there is `z`; `point` is room for what it sees, the others for its loads and those of the polynomial.
-    pub(super) fn defect_at(
-        &mut self,
-        part: f64,
-        elapsed: f64,
-        z: &[f64],
-        point: &mut [f64],
-        [loads, polynomial]: [&mut [f64]; 2],
-    ) -> Result<f64, Halt> {
-        self.see(elapsed, z, point);
-        self.load_at(elapsed, point, loads)?;
-        self.loads_at(part, polynomial);
-        for ((defect, load), polynomial) in self.changed.iter_mut().zip(loads).zip(polynomial) {
+    /// Energy norm that the difference between loads and interpolated loads adds to a state per second.
+    pub fn defect_of(&mut self, context: &StepContext<'_>, loads: &[f64], interpolated: &[f64]) -> f64 {
+        for ((defect, load), polynomial) in self.defect_change.iter_mut().zip(loads).zip(interpolated) {
             *defect = *load - *polynomial;
         }
-        Ok(UNRESOLVED * self.bare(&self.changed))
-    }
-
-    /// Energy norm that loads add to a state in a second.
-    fn bare(&self, loads: &[f64]) -> f64 {
-        kernel::form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
+        UNRESOLVED_FRACTION * context.load_norm(&self.defect_change)
     }
 }

@@ -1,12 +1,11 @@
-//! The same motion for Runge–Kutta methods, in the coordinates of the modes.
+//! The motion ż = A z + Σ b p(t, w z) in modal coordinates, for Runge–Kutta methods.
 //!
-//! Damping that is a ratio of every mode is dense over the displacements, and diagonal here: ż = A z + Σ b p(t, w z)
-//! costs a few numbers for each mode.
+//! Modal damping is a dense matrix over the displacements, but block-diagonal in these coordinates.
 
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::cache::InterfaceMaps;
+use super::interface_maps::InterfaceMaps;
 use super::kernel;
 use super::nonlinear_loads::NonlinearLoads;
 use super::output::OutputMap;
@@ -14,51 +13,58 @@ use crate::integrate::{FirstOrderSystem, Halt, Span, Trajectory};
 use crate::mesh::Contact;
 use crate::modal::ModalStateSpace;
 
-/// A field on its modes, as a system to integrate.
+/// The loads on the linear motion, as a first-order system in z.
 #[derive(Clone, Debug)]
 pub struct InModes<'m> {
-    field: NonlinearLoads<'m>,
+    nonlinear_loads: NonlinearLoads<'m>,
     linear: &'m ModalStateSpace,
     maps: InterfaceMaps,
     output: OutputMap,
-    /// Everything, where the coordinates of an instant are asked for as a whole.
+    /// Rows w, one after the other.
     rows: Vec<f64>,
     arch: Arch,
-    every: Vec<usize>,
-    u: Vec<f64>,
+    /// Indices of all slots: contact modes depend on every mode.
+    every_slot: Vec<usize>,
+    /// Scratch: interface state, loads, contacts and phasors of an evaluation.
+    interface_state: Vec<f64>,
     loads: Vec<f64>,
     contacts: Vec<Contact>,
     phasors: Vec<Complex64>,
 }
 
 impl<'m> InModes<'m> {
-    /// The system of a field; `output` is what will be looked at.
-    pub fn new(field: NonlinearLoads<'m>, linear: &'m ModalStateSpace, maps: InterfaceMaps, output: OutputMap) -> Self {
+    /// Creates the system; `output` maps z to the coordinates that observers read.
+    pub fn new(
+        nonlinear_loads: NonlinearLoads<'m>,
+        linear: &'m ModalStateSpace,
+        maps: InterfaceMaps,
+        output: OutputMap,
+    ) -> Self {
         Self {
             rows: maps.rows.concat(),
             arch: Arch::new(),
-            every: (0..linear.slots).collect(),
-            u: vec![0.0; field.seen()],
-            loads: vec![0.0; field.loads()],
-            contacts: vec![Contact::default(); field.meshes()],
-            phasors: vec![Complex64::ZERO; field.sources()],
-            field,
+            every_slot: (0..linear.slots).collect(),
+            interface_state: vec![0.0; nonlinear_loads.interface_len()],
+            loads: vec![0.0; nonlinear_loads.load_count()],
+            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
+            phasors: vec![Complex64::ZERO; nonlinear_loads.source_count()],
+            nonlinear_loads,
             linear,
             maps,
             output,
         }
     }
 
-    /// Scalars and rates of a state.
-    fn look(&mut self, elapsed: f64, z: &[f64]) {
-        kernel::scalars(self.arch, &self.rows, z, &mut self.u);
-        self.field.phasors(elapsed, &mut self.phasors);
-        self.field.add_synchronous(&self.phasors, &mut self.u);
+    /// Computes the interface state of a state z.
+    fn observe(&mut self, elapsed: f64, z: &[f64]) {
+        kernel::scalars(self.arch, &self.rows, z, &mut self.interface_state);
+        self.nonlinear_loads.phasors(elapsed, &mut self.phasors);
+        self.nonlinear_loads.add_synchronous(&self.phasors, &mut self.interface_state);
     }
 
-    /// What acts.
-    pub fn field(&self) -> &NonlinearLoads<'m> {
-        &self.field
+    /// The loads on the linear motion.
+    pub fn nonlinear_loads(&self) -> &NonlinearLoads<'m> {
+        &self.nonlinear_loads
     }
 }
 
@@ -68,8 +74,14 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
-        self.look(elapsed, z);
-        self.field.load(elapsed, &self.phasors, &self.u, &mut self.loads, &mut self.contacts)?;
+        self.observe(elapsed, z);
+        self.nonlinear_loads.load(
+            elapsed,
+            &self.phasors,
+            &self.interface_state,
+            &mut self.loads,
+            &mut self.contacts,
+        )?;
         self.linear.multiply(z, derivative);
         for (p, column) in self.loads.iter().zip(&self.maps.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {
@@ -80,11 +92,11 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn switching(&self) -> Option<&[usize]> {
-        self.field.motion.switching().map(|_| self.every.as_slice())
+        self.nonlinear_loads.motion.switching().map(|_| self.every_slot.as_slice())
     }
 
     fn within(&self, span: &Span<'_>, elapsed: f64, z: &mut [f64]) {
-        // Every mode is resolved by the step.
+        // The step resolves every mode, so that the cubic is accurate for all of them.
         let weights = span.cubic(elapsed);
         let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
         for (at, z) in z.iter_mut().enumerate() {
@@ -93,20 +105,20 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
-        InStep { span, system: self }
+        ModalTrajectory { span, system: self }
     }
 
     fn physical(&mut self, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
-        self.output.read(&self.field, elapsed, z, q, v);
+        self.output.read(&self.nonlinear_loads, elapsed, z, q, v);
     }
 
     fn contact_modes_at(&mut self, elapsed: f64, z: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
-        self.look(elapsed, z);
-        self.field.contact_modes(elapsed, &self.u, &[], contact_modes)
+        self.observe(elapsed, z);
+        self.nonlinear_loads.contact_modes(elapsed, &self.interface_state, &[], contact_modes)
     }
 
     fn set_contact_modes(&mut self, contact_modes: &[i64]) {
-        self.field.motion.set_contact_modes(contact_modes);
+        self.nonlinear_loads.motion.set_contact_modes(contact_modes);
     }
 
     fn norm(&mut self, difference: &[f64]) -> f64 {
@@ -116,17 +128,17 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn size(&mut self, z: &[f64]) -> f64 {
-        self.norm(z).hypot(self.field.synchronous_size)
+        self.norm(z).hypot(self.nonlinear_loads.synchronous_size)
     }
 }
 
-/// A step, for those who look at it.
-struct InStep<'a, 'm> {
+/// The motion over a step, for observers.
+struct ModalTrajectory<'a, 'm> {
     span: Span<'a>,
     system: &'a mut InModes<'m>,
 }
 
-impl Trajectory for InStep<'_, '_> {
+impl Trajectory for ModalTrajectory<'_, '_> {
     fn begin(&self) -> f64 {
         self.span.start
     }
@@ -137,7 +149,7 @@ impl Trajectory for InStep<'_, '_> {
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let system = &mut *self.system;
-        system.output.interpolate(&system.field, &self.span, instants, q, v);
+        system.output.interpolate(&system.nonlinear_loads, &self.span, instants, q, v);
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {

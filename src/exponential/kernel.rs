@@ -1,34 +1,17 @@
-//! The two loops over all modes: scalars from a state, and a state from scalars.
+//! The two loops over all modes: interface scalars from a state, and a state from loads.
 //!
-//! Sums go over fixed lanes in plain arithmetic, so their bits are the same whatever instructions a machine has; the
-//! compiler makes of them what that machine is best at (`pulp` chooses at run time).
+//! Sums run over fixed lanes in plain arithmetic, so that results do not depend on the instruction set. `pulp` selects
+//! the instruction set at run time, and the compiler vectorises the loops for it.
 
 use std::ops::Range;
 
-use aligned_vec::{AVec, ConstAlign};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::packed::{BLOCK, Columns, Group, Panel, Rows};
-use crate::modal::LANES;
+use super::packed::{Aligned, BLOCK, Columns, Group, Rows, WIDTH};
 
-/// The most terms of a series over less than the shortest step that events use, in which no mode turns by a radian.
+/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian.
 pub const TERMS: usize = 16;
-/// Two registers of AVX2.
-pub(super) const WIDTH: usize = LANES;
-/// One of them.
-const NARROW: usize = WIDTH / 2;
-
-/// What is read at every step begins at a cache line: half of all vector loads would cross one otherwise.
-pub type Aligned = AVec<f64, ConstAlign<LINE>>;
-/// Bytes of a cache line.
-const LINE: usize = 64;
-
-/// Numbers that begin at a cache line.
-pub fn aligned(values: &[f64]) -> Aligned {
-    Aligned::from_slice(LINE, values)
-}
-
-/// `out[i] = rows[i]·z`, rows one after the other.
+/// `out[i] = rows[i]·z`, with the rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Scalars { rows, z, out });
 }
@@ -47,7 +30,7 @@ impl WithSimd for Scalars<'_> {
         let (z, len) = (self.z, self.z.len());
         let whole = 0..len / WIDTH;
         let whole = std::slice::from_ref(&whole);
-        // Four rows at a time read the state once.
+        // Four rows share one pass over the state.
         let (fours, rest) = self.out.as_chunks_mut::<4>();
         let (head, tail) = self.rows.split_at(4 * len * fours.len());
         for (out, rows) in fours.iter_mut().zip(head.chunks_exact(4 * len.max(1))) {
@@ -64,7 +47,7 @@ pub fn seen(arch: Arch, rows: &Rows, z: &[f64], out: &mut [f64]) {
     seen_of(arch, rows, 1, z, out);
 }
 
-/// The same of so many states, state after state: rows that no cache holds are read once for all.
+/// The same for several states, one after the other. Each row is read from memory once for all states.
 pub fn seen_of(arch: Arch, rows: &Rows, states: usize, z: &[f64], out: &mut [f64]) {
     arch.dispatch(Seen { rows, states, z, out });
 }
@@ -103,7 +86,7 @@ impl WithSimd for Seen<'_> {
     }
 }
 
-/// Products of `N` rows with what they see of a state: `spans` of it, in chunks of [`WIDTH`].
+/// Products of `N` rows with the `spans` of a state, which count chunks of [`WIDTH`].
 #[inline(always)]
 fn products<S: Simd, const N: usize>(simd: S, rows: &[f64], spans: &[Range<usize>], z: &[f64]) -> [f64; N] {
     match WIDTH / S::F64_LANES {
@@ -114,8 +97,8 @@ fn products<S: Simd, const N: usize>(simd: S, rows: &[f64], spans: &[Range<usize
     }
 }
 
-/// The same where `R` registers hold a chunk. They are named: the compiler would lay the lanes of different rows side by
-/// side, to sum them, and pay for it at every step of the loop.
+/// The same with `R` registers for a chunk. Explicit registers keep the compiler from interleaving the lanes of different
+/// rows, which costs a shuffle in every iteration.
 #[inline(always)]
 fn in_registers<S: Simd, const R: usize, const N: usize>(
     simd: S,
@@ -147,7 +130,7 @@ fn in_registers<S: Simd, const R: usize, const N: usize>(
     })
 }
 
-/// `out = transition·z + Σ columns[k] p[k]` for a transition of 2×2 blocks [[a, b], [c, d]], given as four lists.
+/// `out = transition·z + Σ columns[k] p[k]`. The transition consists of 2×2 blocks [[a, b], [c, d]], given as four lists.
 pub fn advance(arch: Arch, transition: &[Aligned; 4], columns: &Columns, p: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Advance { transition, columns, p, z, out });
 }
@@ -181,7 +164,7 @@ impl WithSimd for Advance<'_> {
 }
 
 impl Advance<'_> {
-    /// `LANES` slots of both coordinates; `columns` touch them with `values`, column after column.
+    /// Computes `LANES` slots of both coordinates from `columns` with the entries `values`, column after column.
     #[inline(always)]
     fn over<const LANES: usize>(&mut self, from: usize, columns: &[usize], values: &[f64]) {
         let (x, y) = self.z.split_at(self.z.len() / 2);
@@ -205,8 +188,8 @@ impl Advance<'_> {
     }
 }
 
-/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, where `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`; `derivatives` are those of
-/// the loads p, order after order, as many of them as are not zero.
+/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, with `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`. `derivatives` holds the
+/// time derivatives of the loads p, order after order; further ones are zero.
 pub fn taylor_step(
     arch: Arch,
     blocks: &[Vec<f64>; 4],
@@ -265,155 +248,6 @@ impl WithSimd for TaylorStep<'_> {
                     y[lane] += second[lane];
                 }
             }
-        }
-    }
-}
-
-/// Polynomials through the values at the end of a step and at its nodes, node after node, at the nodes of the next; for
-/// each of them `weights` holds that of the end and those of the nodes.
-pub fn extrapolate(arch: Arch, end: &[f64], nodes: &[f64], weights: &[f64], out: &mut [f64]) {
-    arch.dispatch(Extrapolate { end, nodes, weights, out });
-}
-
-struct Extrapolate<'a> {
-    end: &'a [f64],
-    nodes: &'a [f64],
-    weights: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Extrapolate<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let each = self.end.len().max(1);
-        let known = self.nodes.len() / each + 1;
-        for (out, weights) in self.out.chunks_exact_mut(each).zip(self.weights.chunks_exact(known)) {
-            out.iter_mut().zip(self.end).for_each(|(out, end)| *out = weights[0] * end);
-            Accumulate { columns: self.nodes, p: &weights[1..], out }.with_simd(simd);
-        }
-    }
-}
-
-/// `out += Σ columns[k] p[k]`, columns one after the other.
-pub fn accumulate(arch: Arch, columns: &[f64], p: &[f64], out: &mut [f64]) {
-    arch.dispatch(Accumulate { columns, p, out });
-}
-
-struct Accumulate<'a> {
-    columns: &'a [f64],
-    p: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Accumulate<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
-        let len = self.out.len();
-        let wide = len / WIDTH * WIDTH;
-        let narrow = len / NARROW * NARROW;
-        self.over::<WIDTH>(0, wide);
-        self.over::<NARROW>(wide, narrow);
-        self.over::<1>(narrow, len);
-    }
-}
-
-impl Accumulate<'_> {
-    #[inline(always)]
-    fn over<const LANES: usize>(&mut self, from: usize, to: usize) {
-        let len = self.out.len();
-        for (i, out) in self.out[from..to].as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            let at = from + i * LANES;
-            let mut sum = *out;
-            for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len)) {
-                let column = &column[at..at + LANES];
-                for lane in 0..LANES {
-                    sum[lane] += column[lane] * p;
-                }
-            }
-            *out = sum;
-        }
-    }
-}
-
-/// `out += Σ p[k]` times column k of a panel.
-pub fn accumulate_panel(arch: Arch, panel: &Panel, p: &[f64], out: &mut [f64]) {
-    arch.dispatch(AccumulatePanel { panel, p, out });
-}
-
-struct AccumulatePanel<'a> {
-    panel: &'a Panel,
-    p: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for AccumulatePanel<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let values = self.panel.values.as_chunks::<WIDTH>().0;
-        let (whole, rest) = self.out.as_chunks_mut::<WIDTH>();
-        let mut columns = values.chunks_exact(self.p.len().max(1));
-        for (out, columns) in whole.iter_mut().zip(&mut columns) {
-            let mut sum = *out;
-            add_columns(&mut sum, self.p, columns);
-            *out = sum;
-        }
-        // The rest is at most as long as one of these.
-        if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
-            if rest.len() <= NARROW {
-                add_rest::<NARROW>(rest, self.p, columns)
-            } else {
-                add_rest::<WIDTH>(rest, self.p, columns)
-            }
-        }
-    }
-}
-
-/// xᵀ P x of a panel that is square and symmetric.
-pub fn form(arch: Arch, panel: &Panel, x: &[f64]) -> f64 {
-    arch.dispatch(Form { panel, x })
-}
-
-struct Form<'a> {
-    panel: &'a Panel,
-    x: &'a [f64],
-}
-
-impl WithSimd for Form<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let chunks = self.panel.values.as_chunks::<WIDTH>().0.chunks_exact(self.x.len().max(1));
-        let mut form = 0.0;
-        for (columns, own) in chunks.zip(self.x.chunks(WIDTH)) {
-            let mut sum = [0.0; WIDTH];
-            add_columns(&mut sum, self.x, columns);
-            form += own.iter().zip(sum).map(|(x, sum)| x * sum).sum::<f64>();
-        }
-        form
-    }
-}
-
-#[inline(always)]
-fn add_rest<const LANES: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; WIDTH]]) {
-    let mut sum = [0.0; LANES];
-    add_columns(&mut sum, p, columns);
-    for (out, sum) in out.iter_mut().zip(sum) {
-        *out += sum;
-    }
-}
-
-#[inline(always)]
-fn add_columns<const LANES: usize>(sum: &mut [f64; LANES], p: &[f64], columns: &[[f64; WIDTH]]) {
-    for (p, column) in p.iter().zip(columns) {
-        for lane in 0..LANES {
-            sum[lane] += column[lane] * p;
         }
     }
 }

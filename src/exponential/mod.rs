@@ -1,51 +1,70 @@
-//! The exponential method: exact where the motion is linear, Gauss collocation where it is not.
+//! The exponential method: exact for the linear motion, Gauss collocation for the loads.
 //!
-//! ż = A z + Σ b p(t, w z): everything but the meshes is linear and is carried exactly, in the modes at speed; the
-//! meshes are a few scalar loads p that depend on a few scalars of the motion. Over a step the loads are a polynomial
-//! through Gauss nodes (Hochbruck and Ostermann 2005), so the step is set by the meshes, not by the shortest element.
+//! The equation is ż = A z + Σ b p(t, w z). The linear part contains everything except the meshes, or their mean stiffness
+//! too, and is propagated exactly in the modes at speed. The meshes are a few scalar loads p, which depend on a few
+//! interface scalars w z. Over a step, the loads are the polynomial through Gauss nodes (Hochbruck and Ostermann 2005), so
+//! that the meshes set the step length and not the shortest element.
 //!
-//! Where flanks may part the linear motion is that of the shafts alone, in parts that nothing couples; otherwise it
-//! contains the meshes at rest, and the loads are what is left.
+//! If flanks can separate, the linear part contains the shafts alone and consists of independent parts.
 //!
-//! Time counts in ticks, the shortest step, and a step is a power of two of them that divides the time it begins at.
-//! Coefficients are tabulated for each: a step that ends at a tooth event or at a time asked for rebuilds nothing.
+//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length, so that
+//! the propagators of a few lengths serve all steps.
+//!
+//! - Loads: `nonlinear_loads`, `rotating_source`, `interface_maps`.
+//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
+//! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
+//! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
+//! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
+//! - The motion within a step: `substep`, `trajectory`, `output`.
+//! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod cache;
 mod contact_change;
 mod contact_monitor;
 mod contact_tangent;
+mod context;
 mod dense;
 mod driver;
 mod estimate;
 mod in_modes;
+mod interface_maps;
 mod jump;
 mod kernel;
+mod level_control;
 mod nonlinear_loads;
 mod output;
 mod packed;
+mod panel_kernel;
 mod phi;
 mod propagator;
 mod quadrature;
+mod rotating_source;
 mod small_lu;
 mod solve;
+mod stages;
 mod step;
+mod step_point;
 mod substep;
 mod time_grid;
+mod trajectory;
 
-pub use cache::{InterfaceMaps, PropagatorCache};
-pub use driver::{LevelControl, run};
+pub use cache::PropagatorCache;
+pub use driver::run;
 pub use in_modes::InModes;
-pub use nonlinear_loads::{NonlinearLoads, is_resonant};
+pub use interface_maps::InterfaceMaps;
+pub use level_control::LevelControl;
+pub use nonlinear_loads::NonlinearLoads;
 pub use output::{OutputMap, Selection};
-pub use quadrature::{MOST as MOST_STAGES, QuadratureRule};
+pub use quadrature::{MAX_STAGES, QuadratureRule};
+pub use rotating_source::is_resonant;
 pub use step::Stepper;
 pub use time_grid::TimeGrid;
 
-/// What became of a step.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
-    /// Its loads were found.
+    /// The stage equations are solved.
     Solved,
-    /// They were not: it is too long.
+    /// The stage equations are not solved: the step is too long.
     Unsolved,
 }

@@ -1,27 +1,31 @@
-//! What acts on the linear motion: the meshes through their interfaces, and what is prescribed.
+//! Loads on the linear motion: mesh forces through the interfaces, and prescribed loads.
 //!
-//! EquationOfMotion is counted from a reference, the static equilibrium where there is one, and from the synchronous motion that
-//! bow and unbalance make of the linear motion alone, which is exact. At a critical speed without damping there is no
-//! such motion; bow and unbalance of that shaft then act as loads, like the meshes.
+//! The integrated motion is the deviation from a reference and from the synchronous motion. The reference is the static
+//! equilibrium, if it exists. The synchronous motion is the response of the linear motion to bow and unbalance. It does not
+//! exist at a critical speed without damping. There, bow and unbalance of the shaft act as prescribed loads.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::cache::{InterfaceMaps, LinearizedContact};
+use super::interface_maps::{InterfaceMaps, LinearizedContact};
+use super::rotating_source::{
+    RotatingSource, add_rotated, interface_amplitudes, is_resonant, rotating_sources, synchronous_amplitudes,
+};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, Overlap};
 use crate::modal::ModalStateSpace;
 use crate::motion::{EquationOfMotion, GuaranteedInterval, Interface};
 
-/// Digits that a synchronous motion near resonance may lose against what is left: five.
-const RESONANT: f64 = 1e-5;
-/// A load at the reference below this part of what acts there is round-off.
-const BALANCED: f64 = 1e-11;
+/// A residual load below this fraction of the loads at the reference is round-off.
+const BALANCE_TOLERANCE: f64 = 1e-11;
+
+/// An interface scalar as entries (index, coefficient) over the displacements.
+type ScalarEntries = Vec<(usize, f64)>;
 
 /// A load that does not depend on the motion.
 #[derive(Clone, Copy, Debug)]
 enum Prescribed {
-    /// Always one.
+    /// The value 1; its column holds the load.
     Constant,
     /// cos ϑ of a source.
     Cosine(usize),
@@ -29,177 +33,138 @@ enum Prescribed {
     Sine(usize),
 }
 
-/// A shaft that excites.
-#[derive(Clone, Copy, Debug)]
-struct RotatingSource {
-    shaft: usize,
-    spin: f64,
-    at_origin: Complex64,
-}
-
-impl RotatingSource {
-    /// e^{iϑ}.
-    fn turn(&self, elapsed: f64) -> Complex64 {
-        self.at_origin * Complex64::from_polar(1.0, self.spin * elapsed)
-    }
-}
-
-/// What acts on the linear motion.
+/// Loads on the linear motion.
 #[derive(Clone, Debug)]
 pub struct NonlinearLoads<'m> {
-    /// The motion of which it is the non-linear part.
+    /// The equation of motion.
     pub motion: EquationOfMotion<'m>,
-    /// The displacements that motion is counted from.
+    /// Displacements of the reference, m or rad.
     pub reference: DVector<f64>,
+    /// Interfaces of all meshes.
     interfaces: Vec<Interface>,
-    /// Scalars of all meshes.
+    /// Number of interface scalars of all meshes.
     scalars: usize,
-    /// Whether the rates of the scalars follow them.
-    rates: bool,
+    /// Whether the interface state also contains the rates of the scalars.
+    has_rates: bool,
     sources: Vec<RotatingSource>,
-    /// Synchronous amplitudes of all displacements, a column for each source.
+    /// Complex synchronous amplitudes of all displacements, m or rad, one column for each source.
     amplitudes: DMatrix<Complex<f64>>,
-    /// The same of the scalars and rates, source after source.
-    seen: Vec<Complex64>,
+    /// Complex synchronous amplitudes of the scalars and rates, source after source.
+    interface_amplitudes: Vec<Complex64>,
     prescribed: Vec<Prescribed>,
-    /// Energy norm of the synchronous motion.
+    /// Energy norm of the synchronous motion, averaged over the angles of the sources.
     pub synchronous_size: f64,
 }
 
 impl<'m> NonlinearLoads<'m> {
-    /// The field of a motion counted from `reference`, with the rows and columns through which it acts on `linear`;
-    /// `synchronous` holds amplitudes of the displacements for shaft after shaft as the source, which are not looked at
-    /// for a shaft that [`is_resonant`].
+    /// Collects the loads of a motion about `reference`, and the maps between them and `linear`. `synchronous` holds the
+    /// complex amplitudes of all displacements, one column for each shaft as the source. Columns of shafts that are
+    /// resonant, see [`is_resonant`], are not read.
     ///
     /// # Errors
-    /// [`Overlap`] of the base circles of the mesh named, at the reference.
+    /// [`Overlap`] of the base circles at the reference, with the index of the mesh.
     pub fn new(
         motion: EquationOfMotion<'m>,
         linear: &ModalStateSpace,
         reference: DVector<f64>,
         synchronous: &DMatrix<Complex<f64>>,
     ) -> Result<(Self, InterfaceMaps), (usize, Overlap)> {
-        let model = motion.model();
+        let meshes = 0..motion.model().meshes.len();
         let interface =
             |mesh| Interface::new(&motion, mesh, &reference, linear.meshed).map_err(|overlap| (mesh, overlap));
-        let interfaces = (0..model.meshes.len()).map(interface).collect::<Result<Vec<_>, _>>()?;
+        let interfaces = meshes.map(interface).collect::<Result<Vec<_>, _>>()?;
         let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(Interface::rows).collect();
-        let rates = interfaces.iter().any(Interface::has_rates);
-        let kinds: &[bool] = if rates { &[false, true] } else { &[false] };
+        let has_rates = interfaces.iter().any(Interface::has_rates);
+        let kinds: &[bool] = if has_rates { &[false, true] } else { &[false] };
         let rows: Vec<Vec<f64>> =
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
-        let mut columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
-        let meshes = columns.len();
+        let mesh_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
         let tangents = tangents(&interfaces, linear.meshed);
-
-        let mut prescribed = Vec::new();
-        let constant = constant_load(&motion, &interfaces, &entries, &reference);
-        if !constant.is_empty() {
-            prescribed.push(Prescribed::Constant);
-            columns.push(linear.column(&constant));
-        }
-        let sources: Vec<RotatingSource> = motion
-            .sources()
-            .map(|shaft| RotatingSource { shaft, spin: motion.spin(shaft), at_origin: motion.turn(shaft, 0.0) })
-            .collect();
-        let mut amplitudes = DMatrix::zeros(model.len(), sources.len());
-        for (index, source) in sources.iter().enumerate() {
-            if is_resonant(linear, source.spin) {
-                prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
-                let [cosine, sine] = motion.turning_forces(source.shaft);
-                columns.extend([linear.column(&cosine), linear.column(&sine)]);
-            } else {
-                amplitudes.set_column(index, &synchronous.column(source.shaft));
-            }
-        }
-        let mut seen = Vec::new();
-        for (index, source) in sources.iter().enumerate() {
-            for rate in kinds {
-                seen.extend(entries.iter().map(|entry| {
-                    let value: Complex64 = entry.iter().map(|(i, factor)| amplitudes[(*i, index)] * *factor).sum();
-                    if *rate { value * Complex64::new(0.0, source.spin) } else { value }
-                }));
-            }
-        }
-        let mut field = Self {
+        let sources = rotating_sources(&motion);
+        let (prescribed, prescribed_columns) =
+            prescribed_loads(&motion, linear, (&interfaces, &entries), &sources, &reference);
+        let amplitudes = synchronous_amplitudes(&motion, linear, &sources, synchronous);
+        let interface_amplitudes = interface_amplitudes(&sources, kinds, &entries, &amplitudes);
+        let mut nonlinear_loads = Self {
             scalars: entries.len(),
             motion,
             reference,
             interfaces,
-            rates,
+            has_rates,
             sources,
             amplitudes,
-            seen,
+            interface_amplitudes,
             prescribed,
             synchronous_size: 0.0,
         };
-        field.synchronous_size = field.size_of_synchronous(linear.meshed);
-        let (parts, synchronous) = (linear.parts.clone(), field.seen.clone());
-        Ok((field, InterfaceMaps { rows, columns, meshes, parts, tangents, synchronous }))
+        nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.meshed);
+        let (parts, synchronous) = (linear.parts.clone(), nonlinear_loads.interface_amplitudes.clone());
+        let (meshes, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
+        Ok((nonlinear_loads, InterfaceMaps { rows, columns, meshes, parts, tangents, synchronous }))
     }
 
-    /// Number of scalars and rates that it sees.
-    pub fn seen(&self) -> usize {
-        self.scalars * if self.rates { 2 } else { 1 }
+    /// Length of the interface state: number of scalars and rates.
+    pub fn interface_len(&self) -> usize {
+        self.scalars * if self.has_rates { 2 } else { 1 }
     }
 
     /// Number of loads.
-    pub fn loads(&self) -> usize {
+    pub fn load_count(&self) -> usize {
         self.scalars + self.prescribed.len()
     }
 
     /// Number of meshes.
-    pub fn meshes(&self) -> usize {
+    pub fn mesh_count(&self) -> usize {
         self.interfaces.len()
     }
 
-    /// Number of loads of the meshes.
-    pub fn mesh_loads(&self) -> usize {
+    /// Number of mesh loads, one for each interface scalar.
+    pub fn mesh_load_count(&self) -> usize {
         self.scalars
     }
 
-    /// Spins of what turns, rad/s.
+    /// Angular velocities of the sources, rad/s.
     pub fn spins(&self) -> Vec<f64> {
         self.sources.iter().map(|source| source.spin).collect()
     }
 
-    /// Whether a shaft's bow and unbalance act as loads.
+    /// Whether bow and unbalance of a shaft act as prescribed loads.
     pub fn is_resonant(&self) -> bool {
         self.prescribed.iter().any(|load| !matches!(load, Prescribed::Constant))
     }
 
-    /// e^{iϑ} of every source.
+    /// Writes e^{iϑ} of every source.
     pub fn phasors(&self, elapsed: f64, phasors: &mut [Complex64]) {
-        for (turn, source) in phasors.iter_mut().zip(&self.sources) {
-            *turn = source.turn(elapsed);
+        for (phasor, source) in phasors.iter_mut().zip(&self.sources) {
+            *phasor = source.phasor(elapsed);
         }
     }
 
-    /// Adds what the synchronous motion contributes to the scalars and rates `u`.
+    /// Adds the synchronous motion to the interface state `u`.
     pub fn add_synchronous(&self, phasors: &[Complex64], u: &mut [f64]) {
-        for (index, turn) in phasors.iter().enumerate() {
-            self.add_source(index, *turn, u);
+        for (index, phasor) in phasors.iter().enumerate() {
+            self.add_source(index, *phasor, u);
         }
     }
 
-    /// Whether the loads of every mesh are a straight line over its one scalar.
+    /// Whether every mesh has one scalar and its load is an affine function of it.
     pub fn is_affine(&self) -> bool {
         self.interfaces.iter().all(Interface::is_affine)
     }
 
-    /// The same at an instant whose turns are not at hand.
+    /// Adds the synchronous motion at a time for which no phasors are stored.
     pub fn add_synchronous_at(&self, elapsed: f64, u: &mut [f64]) {
         for (index, source) in self.sources.iter().enumerate() {
-            self.add_source(index, source.turn(elapsed), u);
+            self.add_source(index, source.phasor(elapsed), u);
         }
     }
 
-    /// Adds what one source contributes to the scalars and rates `u`.
-    fn add_source(&self, index: usize, turn: Complex64, u: &mut [f64]) {
-        add_turned(&self.seen[index * self.seen()..], turn, u);
+    /// Adds the synchronous motion of one source to the interface state `u`.
+    fn add_source(&self, index: usize, phasor: Complex64, u: &mut [f64]) {
+        add_rotated(&self.interface_amplitudes[index * self.interface_len()..], phasor, u);
     }
 
-    /// The loads at scalars and rates `u`, of which each mesh takes its own, and the contacts of the meshes.
+    /// Evaluates the loads and the contacts of all meshes at the interface state `u`.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
@@ -230,34 +195,38 @@ impl<'m> NonlinearLoads<'m> {
         Ok(())
     }
 
-    /// Stiffness and damping of a contact of a mesh that the linear motion does not contain, N/m and N·s/m.
+    /// Stiffness (N/m) and damping (N·s/m) of a contact minus those that the linear motion contains.
     pub fn residual_tangent(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
         self.interfaces[mesh].residual_tangent(&self.motion, contact)
     }
 
-    /// How long the flanks of the meshes stay as they are in their contacts.
-    pub fn holds<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = GuaranteedInterval> + 'a {
+    /// Lower bounds on the time to the next contact change of each mesh.
+    pub fn guaranteed_intervals<'a>(
+        &'a self,
+        contacts: &'a [Contact],
+    ) -> impl Iterator<Item = GuaranteedInterval> + 'a {
         self.interfaces.iter().zip(contacts).map(|(interface, contact)| interface.hold(&self.motion, contact))
     }
 
-    /// How far each flank of a mesh is from a change of law in a contact, m.
+    /// Margin of both flanks of a mesh to the next contact change, m.
     pub fn margins(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
         self.interfaces[mesh].margins(&self.motion, contact)
     }
 
-    /// Every interface with its scalars and rates (empty where they do not matter) of `u`.
+    /// Iterates over the interfaces with their scalars and rates in `u`; rates are empty if loads do not depend on them.
     fn each<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = (&'a Interface, &'a [f64], &'a [f64])> {
         let (scalars, rates) = u.split_at(self.scalars);
         let mut from = 0;
         self.interfaces.iter().map(move |interface| {
             let to = from + interface.scalars();
-            let seen = (interface, &scalars[from..to], rates.get(from..to).unwrap_or_default());
+            let own = (interface, &scalars[from..to], rates.get(from..to).unwrap_or_default());
             from = to;
-            seen
+            own
         })
     }
 
-    /// Writes the laws that hold at scalars and rates `u`; the flanks of meshes that are `unchanged` stay as they are.
+    /// Writes the contact modes at the interface state `u` as integer codes. The flank contact of meshes that are
+    /// `unchanged` is not evaluated.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
@@ -276,12 +245,12 @@ impl<'m> NonlinearLoads<'m> {
         Ok(())
     }
 
-    /// Where the ends of the paths of contact stand among the pairs of teeth that come and go at once, each with the pair
-    /// that is the first or the last between them under the law that holds, into `ends`.
+    /// Writes the positions of the ends of the paths of contact, in tooth pairs, for meshes with sharp engagement, each with
+    /// the first or last pair in contact in the current contact mode.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
-    pub fn ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
+    pub fn path_ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         ends.clear();
         for (interface, scalars, _) in self.each(u) {
             interface.ends(&self.motion, elapsed, scalars, ends)?;
@@ -289,33 +258,33 @@ impl<'m> NonlinearLoads<'m> {
         Ok(())
     }
 
-    /// Displacements and velocities of the reference and the synchronous motion.
-    pub fn carried(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
+    /// Displacements and velocities of the reference plus the synchronous motion.
+    pub fn reference_motion(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
         let mut phasors = vec![Complex64::ZERO; self.sources.len()];
         self.phasors(elapsed, &mut phasors);
-        for (index, (source, turn)) in self.sources.iter().zip(&phasors).enumerate() {
+        for (index, (source, phasor)) in self.sources.iter().zip(&phasors).enumerate() {
             for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
-                let turned = amplitude * turn;
-                q[i] += turned.re;
-                v[i] -= source.spin * turned.im;
+                let rotated = amplitude * phasor;
+                q[i] += rotated.re;
+                v[i] -= source.spin * rotated.im;
             }
         }
         (q, v)
     }
 
-    /// Synchronous amplitude that a source makes of one displacement, or of its rate.
+    /// Complex synchronous amplitude of one displacement, or of its rate, for one source.
     pub fn amplitude(&self, source: usize, index: usize, rate: bool) -> Complex64 {
         let amplitude = self.amplitudes[(index, source)];
         if rate { amplitude * Complex64::new(0.0, self.sources[source].spin) } else { amplitude }
     }
 
-    /// Number of sources.
-    pub fn sources(&self) -> usize {
+    /// Number of rotating sources.
+    pub fn source_count(&self) -> usize {
         self.sources.len()
     }
 
-    /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root of the mean square over their angles.
+    /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root mean square over their angles.
     fn size_of_synchronous(&self, meshed: bool) -> f64 {
         let model = self.motion.model();
         let elastic_form = |vector: &[f64]| match meshed {
@@ -333,20 +302,30 @@ impl<'m> NonlinearLoads<'m> {
     }
 }
 
-/// Adds the real parts of amplitudes that have turned by `turn` to `values`.
-#[inline]
-pub(super) fn add_turned(amplitudes: &[Complex64], turn: Complex64, values: &mut [f64]) {
-    for (value, amplitude) in values.iter_mut().zip(amplitudes) {
-        *value += amplitude.re * turn.re - amplitude.im * turn.im;
+/// Loads that do not depend on the motion, with their columns b: the unbalanced constant load, and the excitation of
+/// every shaft that has no synchronous motion.
+fn prescribed_loads(
+    motion: &EquationOfMotion,
+    linear: &ModalStateSpace,
+    (interfaces, entries): (&[Interface], &[ScalarEntries]),
+    sources: &[RotatingSource],
+    reference: &DVector<f64>,
+) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
+    let (mut prescribed, mut columns) = (Vec::new(), Vec::new());
+    let constant = constant_load(motion, interfaces, entries, reference);
+    if !constant.is_empty() {
+        prescribed.push(Prescribed::Constant);
+        columns.push(linear.column(&constant));
     }
+    for (index, source) in sources.iter().enumerate().filter(|(_, source)| is_resonant(linear, source.spin)) {
+        prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
+        let [cosine, sine] = motion.turning_forces(source.shaft);
+        columns.extend([linear.column(&cosine), linear.column(&sine)]);
+    }
+    (prescribed, columns)
 }
 
-/// Whether a shaft of this spin runs at a critical speed that nothing damps: it has no synchronous motion.
-pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
-    linear.nearest(spin) < RESONANT * spin.abs()
-}
-
-/// The laws of the meshes at rest.
+/// Linearises the meshes at rest.
 fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
     let mut from = 0;
     let tangent = |interface: &Interface| {
@@ -359,7 +338,7 @@ fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
     interfaces.iter().map(tangent).collect()
 }
 
-/// What acts at the reference and is not held there, as entries (index, value).
+/// Constant load that the forces at the reference do not balance, as entries (index, value); empty if they balance it.
 fn constant_load(
     motion: &EquationOfMotion,
     interfaces: &[Interface],
@@ -383,7 +362,7 @@ fn constant_load(
             add(*index, factor * reference_force);
         }
     }
-    // Coordinates are of two kinds, forces and moments; each is measured against all of its kind.
+    // Forces and moments have different units. Each is compared with the largest of its kind.
     let largest = |lateral: bool| {
         let dofs = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral() == lateral);
         dofs.map(|dof| scale[dof.index]).fold(0.0, f64::max)
@@ -393,6 +372,6 @@ fn constant_load(
         .numbering
         .dofs()
         .iter()
-        .any(|dof| residual[dof.index].abs() > BALANCED * sizes[usize::from(dof.kind.is_lateral())]);
+        .any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[usize::from(dof.kind.is_lateral())]);
     if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }
 }

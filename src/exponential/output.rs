@@ -1,59 +1,60 @@
-//! Displacements and velocities of the coordinates asked for, from a state.
+//! Displacements and velocities of selected coordinates, from modal states.
 
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::driver::Reached;
 use super::kernel;
-use super::nonlinear_loads::{NonlinearLoads, add_turned};
+use super::nonlinear_loads::NonlinearLoads;
 use super::packed::Rows;
-use super::substep::SubstepSampler;
-use crate::integrate::{Span, Trajectory, at_each};
+use super::rotating_source::add_rotated;
+use crate::integrate::{Span, at_each};
 use crate::modal::ModalStateSpace;
 
-/// Coordinates that are looked at.
+/// Coordinates that a run reads.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// Those whose displacement is wanted.
+    /// Indices of the displacements.
     pub displacements: Vec<usize>,
-    /// Those whose velocity is.
+    /// Indices of the velocities.
     pub velocities: Vec<usize>,
 }
 
-/// The rows of a selection.
+/// Rows that map a state z to the selected displacements and velocities.
 #[derive(Clone, Debug)]
 pub struct OutputMap {
     selection: Selection,
     rows: Rows,
+    /// Values at the reference, m or rad; zero for velocities.
     reference: Vec<f64>,
-    /// Of the synchronous motion, source after source.
+    /// Complex amplitudes of the synchronous motion, source after source.
     amplitudes: Vec<Complex64>,
-    /// States side by side, and what is seen of them.
+    /// Scratch: gathered states, one after the other, and their values.
     states: Vec<f64>,
     values: Vec<f64>,
-    /// What is seen of both ends of a step.
+    /// Scratch: values at both ends of a step.
     ends: Vec<f64>,
+    /// Scratch: phasors of the sources.
     phasors: Vec<Complex64>,
     arch: Arch,
 }
 
 impl OutputMap {
-    /// What a selection of a field's motion needs.
-    pub fn new(field: &NonlinearLoads<'_>, linear: &ModalStateSpace, selection: Selection) -> Self {
+    /// Collects the rows of a selection.
+    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, linear: &ModalStateSpace, selection: Selection) -> Self {
         let both = || {
             let displacements = selection.displacements.iter().map(|index| (*index, false));
             displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
         };
         let rows: Vec<_> = both().map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
-        let amplitudes = (0..field.sources())
-            .flat_map(|source| both().map(move |(index, rate)| field.amplitude(source, index, rate)))
+        let amplitudes = (0..nonlinear_loads.source_count())
+            .flat_map(|source| both().map(move |(index, rate)| nonlinear_loads.amplitude(source, index, rate)))
             .collect();
-        let reference = both().map(|(index, rate)| if rate { 0.0 } else { field.reference[index] }).collect();
+        let reference = both().map(|(index, rate)| if rate { 0.0 } else { nonlinear_loads.reference[index] }).collect();
         Self {
             states: Vec::with_capacity(linear.len()),
             values: Vec::with_capacity(both().count()),
             ends: Vec::new(),
-            phasors: vec![Complex64::ZERO; field.sources()],
+            phasors: vec![Complex64::ZERO; nonlinear_loads.source_count()],
             rows: Rows::new(&rows, &linear.parts),
             reference,
             amplitudes,
@@ -62,27 +63,40 @@ impl OutputMap {
         }
     }
 
-    /// Displacements and velocities of the selection at a state, into whole vectors.
-    pub fn read(&mut self, field: &NonlinearLoads<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
+    /// Writes the selected displacements and velocities of a state into vectors of all coordinates.
+    pub fn read(
+        &mut self,
+        nonlinear_loads: &NonlinearLoads<'_>,
+        elapsed: f64,
+        z: &[f64],
+        q: &mut [f64],
+        v: &mut [f64],
+    ) {
         self.gather(z);
-        self.read_gathered(field, &[elapsed], q, v);
+        self.read_gathered(nonlinear_loads, &[elapsed], q, v);
     }
 
-    /// Puts a state beside those that are to be read together.
+    /// Adds a state to those that [`Self::read_gathered`] reads together.
     pub(super) fn gather(&mut self, z: &[f64]) {
         self.states.extend_from_slice(z);
     }
 
-    /// The same at the instants of the states that were gathered, one vector after the other.
-    pub(super) fn read_gathered(&mut self, field: &NonlinearLoads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
-        self.see(instants.len());
-        self.write(field, instants, q, v);
+    /// Writes the selected coordinates of all gathered states, which belong to `instants`, one vector after the other.
+    pub(super) fn read_gathered(
+        &mut self,
+        nonlinear_loads: &NonlinearLoads<'_>,
+        instants: &[f64],
+        q: &mut [f64],
+        v: &mut [f64],
+    ) {
+        self.map_states(instants.len());
+        self.write(nonlinear_loads, instants, q, v);
     }
 
-    /// The same within a step whose ends are known with their rates, by the cubic through them.
+    /// Writes the selected coordinates at instants within a step, by the cubic through the states and rates at both ends.
     pub(super) fn interpolate(
         &mut self,
-        field: &NonlinearLoads<'_>,
+        nonlinear_loads: &NonlinearLoads<'_>,
         span: &Span<'_>,
         instants: &[f64],
         q: &mut [f64],
@@ -90,7 +104,7 @@ impl OutputMap {
     ) {
         let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
         sides.into_iter().for_each(|z| self.gather(z));
-        self.see(sides.len());
+        self.map_states(sides.len());
         std::mem::swap(&mut self.ends, &mut self.values);
         let count = self.rows.count.max(1);
         self.values.resize(instants.len() * self.rows.count, 0.0);
@@ -101,26 +115,26 @@ impl OutputMap {
                 *value = weights.iter().zip(ends).map(|(weight, end)| weight * end).sum();
             }
         }
-        self.write(field, instants, q, v);
+        self.write(nonlinear_loads, instants, q, v);
     }
 
-    /// What is seen of the states that were gathered.
-    fn see(&mut self, states: usize) {
+    /// Maps the gathered states to values.
+    fn map_states(&mut self, states: usize) {
         self.values.resize(states * self.rows.count, 0.0);
         kernel::seen_of(self.arch, &self.rows, states, &self.states, &mut self.values);
         self.states.clear();
     }
 
-    /// Adds what is carried to the values and writes them where they belong.
-    fn write(&mut self, field: &NonlinearLoads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+    /// Adds the reference and the synchronous motion to the values and writes them to their coordinates.
+    fn write(&mut self, nonlinear_loads: &NonlinearLoads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
         let count = self.rows.count.max(1);
         for (values, (elapsed, q, v)) in self.values.chunks_exact_mut(count).zip(at_each(instants, q, v)) {
-            field.phasors(elapsed, &mut self.phasors);
+            nonlinear_loads.phasors(elapsed, &mut self.phasors);
             for (value, reference) in values.iter_mut().zip(&self.reference) {
                 *value += reference;
             }
-            for (turn, amplitudes) in self.phasors.iter().zip(self.amplitudes.chunks_exact(count)) {
-                add_turned(amplitudes, *turn, values);
+            for (phasor, amplitudes) in self.phasors.iter().zip(self.amplitudes.chunks_exact(count)) {
+                add_rotated(amplitudes, *phasor, values);
             }
             let (displacements, velocities) = values.split_at(self.selection.displacements.len());
             for (index, value) in self.selection.displacements.iter().zip(displacements) {
@@ -130,48 +144,5 @@ impl OutputMap {
                 v[*index] = *value;
             }
         }
-    }
-}
-
-/// The motion over a step, for those who look at it.
-pub(super) struct StepTrajectory<'a, 'm> {
-    pub reached: Reached<'a, 'm>,
-    pub output: &'a mut OutputMap,
-    pub sample: &'a mut SubstepSampler,
-}
-
-impl Trajectory for StepTrajectory<'_, '_> {
-    fn begin(&self) -> f64 {
-        self.reached.begin
-    }
-
-    fn end(&self) -> f64 {
-        self.reached.end
-    }
-
-    fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
-        let Reached { stepper, level, z, begin, .. } = self.reached;
-        let step = stepper.cache.time_grid.step(level);
-        for elapsed in instants {
-            let within = elapsed - begin;
-            // Times asked for on the grid of the steps are met as exactly as they can be told.
-            let z = if (within - step).abs() <= 1e-9 * step {
-                &stepper.after
-            } else if within.abs() <= 1e-9 * step {
-                z
-            } else {
-                self.sample.within(stepper, level, z, within)
-            };
-            self.output.gather(z);
-        }
-        self.output.read_gathered(&stepper.field, instants, q, v);
-    }
-
-    fn is_resolved(&self) -> bool {
-        false
-    }
-
-    fn end_displacement(&self) -> Option<&[f64]> {
-        None
     }
 }

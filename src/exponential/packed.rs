@@ -1,63 +1,78 @@
-//! Rows and columns as the loops over them read them. Over a state whose parts nothing linear couples, what they do not
-//! see is left out.
+//! Memory layout of rows and columns for the kernels. Parts of the state on which a row or column is zero are omitted.
 
 use std::ops::Range;
 
-use super::kernel::{Aligned, WIDTH, aligned};
+use aligned_vec::{AVec, ConstAlign};
 
-/// The most slots that columns are added up for at once, so that every load is read once for many: four registers of AVX2
-/// for each coordinate.
+use crate::modal::LANES;
+
+/// Lanes of two registers of AVX2.
+pub(super) const WIDTH: usize = LANES;
+
+/// Numbers that begin at a cache line: otherwise half of all vector loads would cross a line.
+pub type Aligned = AVec<f64, ConstAlign<LINE>>;
+/// Size of a cache line, bytes.
+const LINE: usize = 64;
+
+/// Copies numbers to the beginning of a cache line.
+pub fn aligned(values: &[f64]) -> Aligned {
+    Aligned::from_slice(LINE, values)
+}
+
+/// Slots for which columns are summed in one pass: four registers of AVX2 for each coordinate. Every load is then read
+/// once for all these slots.
 pub(super) const BLOCK: usize = 2 * WIDTH;
 
-/// Rows over a state, side by side with those that see the same parts of it.
+/// Rows over a state, grouped by the parts of the state on which they are not zero.
 #[derive(Clone, Debug)]
 pub struct Rows {
-    /// How many they are, and how long.
+    /// Number of rows.
     pub(super) count: usize,
+    /// Length of the state.
     pub(super) size: usize,
     pub(super) groups: Vec<Group>,
-    /// Row after row of each group.
+    /// Entries of each group, row after row.
     pub values: Aligned,
 }
 
-/// Up to six rows that see the same parts.
+/// Up to six rows that are not zero on the same parts.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
-    /// Which rows they are.
+    /// Indices of the rows.
     pub rows: Vec<usize>,
-    /// Where in the state they see something, in chunks of [`WIDTH`].
+    /// Ranges of the state that the rows contain, in chunks of [`WIDTH`].
     pub spans: Vec<Range<usize>>,
-    /// Length of a row, in the same chunks.
+    /// Length of a row without its zero parts, in chunks.
     pub len: usize,
 }
 
 impl Rows {
-    /// Rows over the parts of a state, given as slots.
+    /// Packs rows over the parts of a state, which are ranges of slots.
     pub fn new(rows: &[Vec<f64>], parts: &[Range<usize>]) -> Self {
-        let mut seen: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
+        let mut by_parts: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
         for (index, row) in rows.iter().enumerate() {
-            let sees: Vec<usize> = (0..parts.len()).filter(|part| touches(row, &parts[*part])).collect();
-            match seen.iter_mut().find(|(other, _)| *other == sees) {
+            let own: Vec<usize> = (0..parts.len()).filter(|part| touches(row, &parts[*part])).collect();
+            match by_parts.iter_mut().find(|(parts, _)| *parts == own) {
                 Some((_, members)) => members.push(index),
-                None => seen.push((sees, vec![index])),
+                None => by_parts.push((own, vec![index])),
             }
         }
         let (mut groups, mut values) = (Vec::new(), Vec::new());
-        for (sees, members) in seen {
-            let spans = spans(rows[members[0]].len() / 2, sees.iter().map(|part| &parts[*part]));
+        for (own, members) in by_parts {
+            let spans = spans(rows[members[0]].len() / 2, own.iter().map(|part| &parts[*part]));
             let len = spans.iter().map(ExactSizeIterator::len).sum();
             let mut left = &members[..];
             while !left.is_empty() {
-                let (now, later) = left.split_at(match left.len() {
+                let (group, rest) = left.split_at(match left.len() {
                     0..4 => left.len().min(2),
                     4..6 => 4,
                     _ => 6,
                 });
-                for row in now {
+                for row in group {
                     values.extend(spans.iter().flat_map(|span| &rows[*row][span.start * WIDTH..span.end * WIDTH]));
                 }
-                groups.push(Group { rows: now.to_vec(), spans: spans.clone(), len });
-                left = later;
+                groups.push(Group { rows: group.to_vec(), spans: spans.clone(), len });
+                left = rest;
             }
         }
         let size = rows.first().map_or(0, Vec::len);
@@ -65,24 +80,25 @@ impl Rows {
     }
 }
 
-/// Columns over a state, part by part those that touch it.
+/// Columns over a state: for each part the columns that are not zero on it.
 #[derive(Clone, Debug)]
 pub struct Columns {
     pub(super) parts: Vec<Touched>,
-    /// Part after part, block after block: of every column first coordinates, then second ones.
+    /// Entries, part after part and block after block; in a block, for every column the first coordinates of its slots, then
+    /// the second ones.
     pub values: Aligned,
 }
 
-/// A part with the columns that touch it.
+/// A part of the state with the columns that are not zero on it.
 #[derive(Clone, Debug)]
 pub(super) struct Touched {
     slots: Range<usize>,
-    /// Which columns they are.
+    /// Indices of the columns.
     pub columns: Vec<usize>,
 }
 
 impl Touched {
-    /// Its slots in blocks, the last of which may be of [`WIDTH`] slots instead of [`BLOCK`].
+    /// Its slots in blocks of [`BLOCK`] slots; the last block may have [`WIDTH`] slots.
     pub fn blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let end = self.slots.end;
         self.slots.clone().step_by(BLOCK).map(move |at| at..end.min(at + BLOCK))
@@ -90,7 +106,7 @@ impl Touched {
 }
 
 impl Columns {
-    /// Columns over the parts of a state, given as slots.
+    /// Packs columns over the parts of a state, which are ranges of slots.
     pub fn new(columns: &[Vec<f64>], parts: &[Range<usize>]) -> Self {
         let mut values = Vec::new();
         let mut touched = Vec::with_capacity(parts.len());
@@ -125,16 +141,17 @@ impl Columns {
     }
 }
 
-/// Short columns, as many entries of all of them side by side as are summed at once; the last are padded.
+/// Short columns in chunks of [`WIDTH`] entries. The chunks of all columns for the same entries are adjacent.
 #[derive(Clone, Debug)]
 pub struct Panel {
+    /// Number of columns.
     columns: usize,
-    /// [`WIDTH`] entries of column after column, then the next ones.
+    /// Chunks: first those of all columns for the first entries, and so on; the last are padded with zeros.
     pub values: Aligned,
 }
 
 impl Panel {
-    /// Columns of `len` entries, given one after the other.
+    /// Packs columns of `len` entries, which are given one after the other.
     pub fn new(columns: &[f64], len: usize) -> Self {
         let count = columns.len() / len.max(1);
         let mut values = vec![0.0; count * len.next_multiple_of(WIDTH)];
@@ -147,19 +164,19 @@ impl Panel {
         Self { columns: count, values: aligned(&values) }
     }
 
-    /// An entry of a column.
+    /// Reads an entry of a column.
     pub fn get(&self, column: usize, entry: usize) -> f64 {
         self.values[(entry / WIDTH * self.columns + column) * WIDTH + entry % WIDTH]
     }
 }
 
-/// Whether a vector over a state has an entry in a part of it.
+/// Whether a vector over a state is not zero on a part of it.
 fn touches(vector: &[f64], part: &Range<usize>) -> bool {
     let (x, y) = vector.split_at(vector.len() / 2);
     [x, y].iter().any(|half| half[part.clone()].iter().any(|entry| *entry != 0.0))
 }
 
-/// Where both coordinates of parts stand in a state of so many slots, in chunks, as few and as long as they can be.
+/// Ranges of both coordinates of parts in a state with `slots` slots, in chunks; adjacent ranges are joined.
 fn spans<'a>(slots: usize, parts: impl Iterator<Item = &'a Range<usize>> + Clone) -> Vec<Range<usize>> {
     let mut spans: Vec<Range<usize>> = Vec::new();
     let second = parts.clone().map(|part| part.start + slots..part.end + slots);

@@ -1,6 +1,6 @@
-//! A step of one length: what it makes of a state, and what its nodes see.
+//! Linear maps of a step of one length: to the state at its end, and to the interface states at its stages.
 //!
-//! With nodes c_i, Lagrange polynomials l_j, interface rows w and columns b, over a step h:
+//! With the nodes c_i, the Lagrange polynomials l_j, the interface rows w and the columns b, over a step h:
 //!
 //! ```text
 //! u_i = w e^{A c_i h} z + Σ_j H_ij p_j,        H_ij = h ∫₀^{c_i} w e^{A h(c_i − τ)} b l_j(τ) dτ
@@ -10,35 +10,35 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::cache::{InterfaceMaps, LinearizedContact, gram};
-use super::kernel::{self, Aligned, aligned};
-use super::packed::{Columns, Panel, Rows};
+use super::interface_maps::{InterfaceMaps, LinearizedContact, gram};
+use super::packed::{Aligned, Columns, Panel, Rows, aligned};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
 use super::quadrature::QuadratureRule;
+use super::{kernel, panel_kernel};
 use crate::modal::ModePair;
 
-/// How a state moves by itself over a step.
+/// e^{Ah}.
 #[derive(Clone, Debug)]
 pub enum Transition {
-    /// ModePair by pair: the lists of a, b, c, d of the blocks [[a, b], [c, d]].
+    /// One block [[a, b], [c, d]] for each mode pair, as the lists of a, b, c and d.
     Pairs([Aligned; 4]),
-    /// The matrix less one, row after row.
+    /// e^{Ah} − 1, row after row.
     Dense(Vec<f64>),
 }
 
-/// What a step makes of a state.
+/// Map from the state and the stage loads to the state at the end of a step.
 #[derive(Clone, Debug)]
 pub struct StepPropagator {
     /// e^{Ah}.
     pub transition: Transition,
-    /// h ψ_j b of node j and load k at j·loads + k.
+    /// h ψ_j b of stage j and load k, at j·loads + k.
     pub columns: Columns,
-    /// Gram matrix of the errors that a missed load π(τ) of size one leaves in z, over the meshes' loads.
+    /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the mesh loads: a load defect d π(τ) causes the error norm √(dᵀ G d).
     pub gram: Panel,
 }
 
 impl StepPropagator {
-    /// That of a step of length `step` of a motion in pairs.
+    /// Computes the propagator of a step of length `step`, s, of a motion in mode pairs.
     pub fn of_pairs(pairs: &[ModePair], rule: &QuadratureRule, maps: &InterfaceMaps, step: f64) -> Self {
         let whole: Vec<_> = pairs.iter().map(|pair| phi_of_pair(pair, step)).collect();
         let list = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect::<Vec<_>>();
@@ -55,7 +55,7 @@ impl StepPropagator {
         Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.meshes) }
     }
 
-    /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`; `p` holds the loads at node after node.
+    /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`. `p` holds the loads stage after stage.
     pub fn advance(&self, arch: Arch, p: &[f64], z: &[f64], out: &mut [f64]) {
         match &self.transition {
             Transition::Pairs(blocks) => kernel::advance(arch, blocks, &self.columns, p, z, out),
@@ -69,31 +69,31 @@ impl StepPropagator {
         }
     }
 
-    /// Energy norm of the error that a missed load of size `defect` at the end of the step leaves.
+    /// Energy norm of the error from a load defect d π(τ) with d = `defect`, N.
     pub fn error(&self, arch: Arch, defect: &[f64]) -> f64 {
-        kernel::form(arch, &self.gram, defect).max(0.0).sqrt()
+        panel_kernel::form(arch, &self.gram, defect).max(0.0).sqrt()
     }
 }
 
-/// What the nodes of a step see.
+/// Map from the state and the stage loads to the interface states at the stages.
 #[derive(Clone, Debug)]
 pub struct StageResponse {
-    /// w e^{A c_i h} of node i and scalar at i·scalars + scalar.
+    /// w e^{A c_i h} of stage i and each scalar, at i·scalars + scalar.
     pub rows: Rows,
-    /// H: for each node i column (j, load) after column, of its scalars.
+    /// H_ij: for each stage i one column for each (j, load).
     pub response: Vec<Panel>,
-    /// g·u of all nodes and meshes and, where rates matter, g·u̇: under every load, column after column, and under their
-    /// own forces −g, row after row.
+    /// g·u of all stages and meshes and, where rates matter, g·u̇, under unit loads: one column for each load.
     pub along: Panel,
+    /// G and Ġ: changes of −g·u and −g·u̇ under unit mesh forces, row after row.
     pub own: Vec<f64>,
-    /// e^{iΩ c_i h} of node i and source s at i·sources + s.
+    /// e^{iΩ c_i h} of stage i and source s, at i·sources + s.
     pub phasors: Vec<Complex64>,
-    /// What nodes see of the synchronous motion for sources that begin at 0 and at π/2, column after column.
+    /// Interface states of the synchronous motion: for each source one column for the phasor 1 and one for i.
     pub synchronous: Panel,
 }
 
 impl StageResponse {
-    /// That of a step of length `step` of a motion in pairs.
+    /// Computes the response of a step of length `step`, s, of a motion in mode pairs; `phasors` are e^{iΩ c_i h}.
     pub fn of_pairs(
         pairs: &[ModePair],
         rule: &QuadratureRule,
@@ -127,7 +127,7 @@ impl StageResponse {
         Self::of_rows(maps, &rows, &response, phasors)
     }
 
-    /// That of rows of all nodes and scalars, and H_i of each node, column after column.
+    /// Assembles the response from the rows of all stages and scalars, and from H_i of each stage, column after column.
     pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: Vec<Complex64>) -> Self {
         let (loads, seen) = (maps.columns.len(), maps.rows.len());
         let (stages, meshes) = (response.len(), maps.tangents.len());
@@ -147,10 +147,10 @@ impl StageResponse {
         let mut synchronous = Vec::with_capacity(2 * sources * stages * seen);
         for (source, amplitudes) in maps.synchronous.chunks_exact(seen.max(1)).enumerate() {
             let at_nodes = phasors.iter().skip(source).step_by(sources);
-            let turned: Vec<Complex64> =
-                at_nodes.flat_map(|turn| amplitudes.iter().map(move |amplitude| amplitude * turn)).collect();
-            synchronous.extend(turned.iter().map(|value| value.re));
-            synchronous.extend(turned.iter().map(|value| -value.im));
+            let rotated: Vec<Complex64> =
+                at_nodes.flat_map(|phasor| amplitudes.iter().map(move |amplitude| amplitude * phasor)).collect();
+            synchronous.extend(rotated.iter().map(|value| value.re));
+            synchronous.extend(rotated.iter().map(|value| -value.im));
         }
         let mut own = vec![0.0; felt * size];
         for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
@@ -166,13 +166,13 @@ impl StageResponse {
         Self { rows: Rows::new(rows, &maps.parts), response, along, own, phasors, synchronous }
     }
 
-    /// What a load of one at a column (node, load) adds to a scalar at node `i`.
+    /// Change of a scalar at stage `i` under a unit load of a column (stage, load).
     pub fn response_of(&self, i: usize, scalar: usize) -> impl Fn(usize) -> f64 + '_ {
         move |column| self.response[i].get(column, scalar)
     }
 }
 
-/// `step` ∫₀¹ e^{z(1−τ)} l(cτ) dτ of a polynomial l for every pair, from φ of z: Σ a_m c^m m! φ_{m+1}.
+/// `step` ∫₀¹ e^{z(1−τ)} l(cτ) dτ = Σ a_m c^m m! φ_{m+1} of a polynomial l, for every mode pair, from its φ-functions.
 fn integrals(polynomial: &[f64], phi: &[[Block; COUNT]], c: f64, step: f64) -> Vec<Block> {
     let mut factors = [0.0; COUNT - 1];
     for (m, (factor, coefficient)) in factors.iter_mut().zip(polynomial).enumerate() {
@@ -198,7 +198,7 @@ fn scaled(block: Block, factor: f64) -> Block {
     block.map(|row| row.map(|entry| factor * entry))
 }
 
-/// A block for every slot times a state.
+/// The product of one block for each slot with a state.
 fn apply(blocks: &[Block], state: &[f64]) -> Vec<f64> {
     let (x, y) = state.split_at(blocks.len());
     let side = |row: usize| {

@@ -1,31 +1,33 @@
-//! Where within a step loads are evaluated, and the polynomials through them.
+//! Stages of a step, and the polynomials of the loads through them.
 
 use super::phi::{Block, COUNT};
 
-/// The largest number of nodes.
-pub const MOST: usize = 4;
+/// Largest number of stages.
+pub const MAX_STAGES: usize = 4;
+/// Values, or their weights, at the beginning, at the stages and at the end of a step. Unused entries are zero.
+pub type PointValues = [f64; MAX_STAGES + 2];
 
-/// Nodes c_i of a step with the polynomials that carry their loads.
+/// The nodes c_i of a step and its load polynomials over τ, the fraction of the step. Coefficients begin with that of τ⁰.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuadratureRule {
-    /// c_i, ascending.
+    /// Nodes c_i, ascending.
     pub nodes: Vec<f64>,
-    /// Coefficients of l_j, of τ⁰ first: the load within a step is Σ l_j(τ) p_j.
+    /// Coefficients of the Lagrange polynomials l_j: the load within a step is Σ l_j(τ) p_j.
     pub lagrange: Vec<Vec<f64>>,
-    /// Coefficients of π(τ) = Π(τ − c_i), scaled to π(1) = 1: the shape of what a polynomial through Gauss nodes misses.
+    /// Coefficients of π(τ) = Π(τ − c_i)/Π(1 − c_i), the shape of the defect of the polynomial through Gauss nodes.
     pub defect: Vec<f64>,
-    /// Coefficients of the polynomials of the loads at the beginning, at the nodes and at the end that carry the motion
-    /// within a step, where a step of order 2s asks for more than the nodes alone tell.
+    /// Coefficients of the Lagrange polynomials of the beginning, the nodes and the end. They give the motion within a step,
+    /// for which the polynomial through the nodes alone is less accurate than the order 2s of the step.
     pub whole: Vec<Vec<f64>>,
-    /// l_j at the beginning and at the end.
+    /// l_j(0) and l_j(1).
     pub at_ends: [Vec<f64>; 2],
-    /// Whether each node sees the loads of those before it alone.
+    /// Whether each stage uses the loads of earlier stages only.
     pub explicit: bool,
 }
 
 impl QuadratureRule {
-    /// The fourth-order exponential Runge–Kutta method of Cox and Matthews (2002), ETDRK4: a step and its half twice,
-    /// with the quadratic through beginning, middle and end.
+    /// ETDRK4, the fourth-order exponential Runge–Kutta method of Cox and Matthews (2002). Its stages are the beginning,
+    /// twice the middle, and the end.
     pub fn explicit() -> Self {
         let middle = vec![0.0, 2.0, -2.0];
         let lagrange = vec![vec![1.0, -3.0, 2.0], middle.clone(), middle, vec![0.0, -1.0, 2.0]];
@@ -39,7 +41,7 @@ impl QuadratureRule {
         }
     }
 
-    /// One to four Gauss nodes: collocation of order twice that.
+    /// Gauss nodes for one to four stages s: collocation of order 2s.
     pub fn gauss(stages: usize) -> Self {
         let nodes: Vec<f64> = match stages {
             1 => vec![0.0],
@@ -61,7 +63,7 @@ impl QuadratureRule {
         Self { nodes, at_ends: at_ends(&lagrange), lagrange, defect, whole, explicit: false }
     }
 
-    /// What each load adds to node `i` of the explicit rule, in parts of c_i h; `half` holds φ at half the step.
+    /// Contribution of each load to stage `i` of the explicit rule, divided by c_i h. `half` holds φ of half the step.
     pub fn before(&self, i: usize, half: &[Block; COUNT]) -> Vec<Block> {
         let none = [[0.0; 2]; 2];
         let [exact, first] = [half[0], half[1]];
@@ -69,7 +71,8 @@ impl QuadratureRule {
             0 => vec![none; 4],
             1 => vec![first, none, none, none],
             2 => vec![none, first, none, none],
-            // The beginning's load over the first half; over the second, twice the middle's less the beginning's.
+            // Over the first half acts the load at the beginning; over the second half, twice that of the second middle
+            // stage minus that at the beginning.
             _ => {
                 let carried = product(&exact, &first);
                 let begin = std::array::from_fn(|r| std::array::from_fn(|c| (carried[r][c] - first[r][c]) / 2.0));
@@ -78,13 +81,13 @@ impl QuadratureRule {
         }
     }
 
-    /// The longest way from the beginning to a node, from one to the next, or to the end.
+    /// Largest distance between neighbours among the beginning, the nodes and the end, as a fraction of the step.
     pub fn gap(&self) -> f64 {
         let ends = self.nodes.iter().copied().chain([1.0]);
         ends.scan(0.0, |before, node| Some(node - std::mem::replace(before, node))).fold(0.0, f64::max)
     }
 
-    /// Number of nodes s.
+    /// Number of stages s.
     pub fn stages(&self) -> usize {
         self.nodes.len()
     }
@@ -94,17 +97,17 @@ impl QuadratureRule {
         evaluate(&self.lagrange[j], tau)
     }
 
-    /// Weights at τ of the values at 0, at the nodes and at 1; the last stands at s + 1.
-    pub fn through(&self, tau: f64) -> [f64; MOST + 2] {
+    /// Weights at τ of the values at 0, at the nodes and at 1; the last has the index s + 1.
+    pub fn through(&self, tau: f64) -> PointValues {
         std::array::from_fn(|j| self.whole.get(j).map_or(0.0, |polynomial| evaluate(polynomial, tau)))
     }
 
-    /// Weights, at the nodes of a step that is so many times as long as the one before it, of the loads at that one's end
-    /// and at its nodes, node after node: the polynomial through them.
-    pub fn extrapolation(&self, longer: f64, weights: &mut [f64]) {
+    /// Weights that extrapolate loads to the nodes of a step that is `ratio` times as long as the previous one: for each
+    /// node the weight of the load at the end of the previous step, then those of its stages.
+    pub fn extrapolation(&self, ratio: f64, weights: &mut [f64]) {
         for (node, weights) in self.nodes.iter().zip(weights.chunks_exact_mut(self.stages() + 1)) {
-            let tau = 1.0 + node * longer;
-            // l_j(τ)(τ − 1)/(c_j − 1), and π(τ) at the end.
+            let tau = 1.0 + node * ratio;
+            // π(τ) for the end, and l_j(τ)(τ − 1)/(c_j − 1) for the stages.
             weights[0] = evaluate(&self.defect, tau);
             for (j, (weight, at)) in weights[1..].iter_mut().zip(&self.nodes).enumerate() {
                 *weight = self.weight(j, tau) * (tau - 1.0) / (at - 1.0);
@@ -135,13 +138,13 @@ fn product_of_roots(roots: impl Iterator<Item = f64>) -> Vec<f64> {
     roots.fold(vec![1.0], |polynomial, root| times_root(&polynomial, root))
 }
 
-/// The polynomial scaled to one at a point.
+/// Scales a polynomial to the value one at a point.
 fn scaled(polynomial: Vec<f64>, at: f64) -> Vec<f64> {
     let value = evaluate(&polynomial, at);
     polynomial.into_iter().map(|coefficient| coefficient / value).collect()
 }
 
-/// The polynomial times (τ − root).
+/// Multiplies a polynomial by (τ − root).
 fn times_root(polynomial: &[f64], root: f64) -> Vec<f64> {
     let mut product = vec![0.0; polynomial.len() + 1];
     for (power, coefficient) in polynomial.iter().enumerate() {
@@ -160,14 +163,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rules_are_exact_to_twice_their_nodes() {
-        for stages in 1..=MOST {
+    fn gauss_rules_integrate_polynomials_of_degree_below_twice_their_stages() {
+        for stages in 1..=MAX_STAGES {
             let rule = QuadratureRule::gauss(stages);
             let weight =
                 |j: usize| rule.lagrange[j].iter().enumerate().map(|(power, a)| a / (power + 1) as f64).sum::<f64>();
             for degree in 0..2 * stages {
                 let sum: f64 = (0..stages).map(|j| weight(j) * rule.nodes[j].powi(degree as i32)).sum();
-                // Round-off of coefficients of some tens that cancel.
+                // Coefficients of some tens cancel, which leaves round-off of this size.
                 assert!((sum - 1.0 / (degree + 1) as f64).abs() < 1e-14, "{stages} {degree}");
             }
             let defect: f64 = rule.defect.iter().enumerate().map(|(power, a)| a / (power + 1) as f64).sum();

@@ -1,29 +1,33 @@
-//! The small linear systems of SmallLu's method, in place.
+//! LU factorisation of small dense matrices, in place.
 
-/// A system of fixed size; nothing is allocated once it stands.
+/// A linear system of fixed size. Solving it allocates no memory.
 #[derive(Clone, Debug)]
 pub struct SmallLu {
     size: usize,
+    /// The matrix, row after row; after [`Self::factor`] its factors.
     matrix: Vec<f64>,
+    /// Row with which each row was exchanged.
     pivots: Vec<usize>,
+    /// Derivatives of all loads with respect to one scalar.
     slopes: Vec<f64>,
-    /// The right-hand side, and after [`Self::solve`] the solution.
+    /// The right-hand side; after [`Self::solve`] the solution.
     pub right: Vec<f64>,
 }
 
 impl SmallLu {
-    /// A system of `size` unknowns.
+    /// Allocates a system of `size` unknowns.
     pub fn new(size: usize) -> Self {
         Self { size, matrix: vec![0.0; size * size], pivots: vec![0; size], slopes: Vec::new(), right: vec![0.0; size] }
     }
 
-    /// Sets the matrix to one.
+    /// Sets the matrix to the identity.
     pub fn begin(&mut self) {
         self.matrix.fill(0.0);
         self.matrix.iter_mut().step_by(self.size + 1).for_each(|diagonal| *diagonal = 1.0);
     }
 
-    /// Sets the matrix to one and the sum of matrices, given row after row, each row times its own of `slopes`.
+    /// Sets the matrix to the identity plus a sum of matrices, which are given row after row. `slopes` holds one factor for
+    /// each row.
     pub fn fill(&mut self, matrices: &[f64], slopes: &[f64]) {
         self.begin();
         let rows = matrices.chunks_exact(self.size.max(1)).zip(slopes);
@@ -35,21 +39,21 @@ impl SmallLu {
         }
     }
 
-    /// Room for the slopes of all loads over one scalar.
+    /// Scratch for the derivatives of all loads with respect to one scalar.
     pub fn slopes(&mut self, loads: usize) -> &mut [f64] {
         self.slopes.resize(loads, 0.0);
         &mut self.slopes
     }
 
-    /// Takes slopes times the `response` of their scalar to all loads off the rows from `row` on; the first `meshes` of
-    /// every `loads` loads are unknown.
+    /// Subtracts slopes times the `response` of their scalar to all loads from the rows from `row` on. Of every `loads`
+    /// loads, the first `meshes` are unknowns.
     pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
         for k in 0..meshes {
             self.add_row(row + k, self.slopes[k], meshes, loads, &response);
         }
     }
 
-    /// Takes `slope` times a response off one row.
+    /// Subtracts `slope` times a response from one row.
     pub fn add_row(&mut self, row: usize, slope: f64, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
         if slope != 0.0 {
             let line = &mut self.matrix[row * self.size..(row + 1) * self.size];
@@ -61,7 +65,7 @@ impl SmallLu {
         }
     }
 
-    /// Solves the system; whether there is a solution.
+    /// Factorises the matrix and solves the system. Returns whether the matrix is regular.
     pub fn solve(&mut self) -> bool {
         let factored = self.factor();
         if factored {
@@ -70,7 +74,7 @@ impl SmallLu {
         factored
     }
 
-    /// Factors the matrix by elimination with partial pivoting; whether it has an inverse.
+    /// Factorises the matrix by elimination with partial pivoting. Returns whether it is regular.
     pub fn factor(&mut self) -> bool {
         let n = self.size;
         for column in 0..n {
@@ -92,7 +96,7 @@ impl SmallLu {
             self.pivots[column] = pivot;
             for row in below.chunks_exact_mut(n) {
                 let factor = row[column] / value;
-                // It stands where the entry was that it takes away.
+                // The factor takes the place of the eliminated entry.
                 row[column] = factor;
                 if factor != 0.0 {
                     for (entry, above) in row[column + 1..].iter_mut().zip(&line[column + 1..]) {
@@ -104,7 +108,7 @@ impl SmallLu {
         true
     }
 
-    /// Solves the system that has been factored.
+    /// Solves the factorised system.
     pub fn substitute(&mut self) {
         let n = self.size;
         for (column, pivot) in self.pivots.iter().enumerate() {

@@ -1,252 +1,345 @@
-//! Loads at the nodes that agree with the motion they cause.
+//! Solution of the stage equations p = P(u), u = homogeneous response + H p.
 //!
-//! The stage equations p = P(u), u = u_free + H p have as many unknowns as nodes times loads, whatever the size of the
-//! scene. Loads that are straight lines make them linear; others are found by iteration, which contracts like h²Δk/m, and
-//! where it does not, by Newton.
+//! The number of unknowns is stages times loads, whatever the size of the model. Affine loads make the equations linear.
+//! Other loads are found by an iteration that contracts like h²Δk/m, and by Newton's method where it contracts slowly.
 
-use super::kernel;
-use super::step::Stepper;
-use crate::integrate::{Halt, Statistics};
+use super::cache::PropagatorCache;
+use super::contact_tangent::ContactTangentSolver;
+use super::context::StepContext;
+use super::nonlinear_loads::NonlinearLoads;
+use super::panel_kernel;
+use super::small_lu::SmallLu;
+use super::stages::Stages;
+use super::step_point::StepPoint;
+use crate::integrate::{Halt, Statistics, StepHistory};
+use crate::mesh::Contact;
 
-/// A contraction that is not measured is taken to be so many times as large.
-const CAUTION: f64 = 2.0;
-/// No iteration is trusted to shrink what is missing by more: contacts are those of before it.
-const TRUSTED: f64 = 1e-3;
-/// Iterations before Newton takes over.
-const ITERATIONS: usize = 16;
-/// An iteration that shrinks by less than this is left to Newton.
-const SLOW: f64 = 0.4;
-/// Newton steps before a step is given up.
-const NEWTON: usize = 12;
-/// An iteration has also ended where round-off keeps it from shrinking further, in parts of the load.
+/// Factor on a contraction that was extrapolated from the previous step.
+const CONTRACTION_SAFETY: f64 = 2.0;
+/// Smallest contraction that is assumed: the contacts are those before the iteration.
+const MIN_CONTRACTION: f64 = 1e-3;
+/// Iterations before Newton's method takes over.
+const MAX_ITERATIONS: usize = 16;
+/// Largest contraction for which the iteration continues.
+const MAX_CONTRACTION: f64 = 0.4;
+/// Newton iterations before the step is given up.
+const MAX_NEWTON_ITERATIONS: usize = 12;
+/// A change below this fraction of the load is round-off.
 const ROUND_OFF: f64 = 1e-14;
 
-impl Stepper<'_> {
-    /// What the loads that stand cause at node `i`, into `nodes`.
-    fn respond(&mut self, level: usize, i: usize) {
-        let of_node = i * self.field.seen()..(i + 1) * self.field.seen();
-        let node = &mut self.nodes[of_node.clone()];
-        node.copy_from_slice(&self.homogeneous_response[of_node]);
-        kernel::accumulate_panel(self.arch, &self.cache.stage_response(level).response[i], &self.loads, node);
-    }
+/// Solver of the stage equations.
+#[derive(Clone, Debug)]
+pub(super) struct LoadSolver {
+    /// Whether every load is an affine function of one deflection.
+    affine: bool,
+    small_lu: SmallLu,
+    /// Solver for the effect of the contact stiffness and damping.
+    tangent_solver: ContactTangentSolver,
+    /// Factor by which an iteration reduces the residual; infinite if unknown.
+    contraction: f64,
+    /// Ratio of the last two step lengths, and the weights that extrapolate the loads for it.
+    extrapolation: (f64, Vec<f64>),
+    /// Scratch: contacts of an evaluation.
+    contacts: Vec<Contact>,
+}
 
-    /// What the loads that stand cause at all nodes.
-    fn respond_all(&mut self, level: usize) {
-        (0..self.cache.rule.stages()).for_each(|i| self.respond(level, i));
-    }
-
-    /// Lets the nodes of the last step see what its loads cause, where that has been left open.
-    pub(super) fn refresh(&mut self, level: usize) {
-        if std::mem::take(&mut self.stage_state_stale) {
-            self.respond_all(level);
+impl LoadSolver {
+    /// Allocates the solver.
+    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, cache: &PropagatorCache<'_>) -> Self {
+        let stages = cache.rule.stages();
+        Self {
+            affine: nonlinear_loads.is_affine(),
+            small_lu: SmallLu::new(stages * nonlinear_loads.mesh_load_count()),
+            tangent_solver: ContactTangentSolver::new(nonlinear_loads, &cache.maps.tangents, stages),
+            contraction: f64::INFINITY,
+            extrapolation: (0.0, vec![0.0; stages * (stages + 1)]),
+            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
         }
     }
 
-    /// Evaluates the loads at node `i`, into `residual`.
-    fn evaluate(&mut self, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
-        let (loads, seen, meshes) = (self.field.loads(), self.field.seen(), self.field.meshes());
-        let time = elapsed + self.cache.rule.nodes[i] * self.cache.time_grid.step(level);
-        let (u, load) = (&self.nodes[i * seen..(i + 1) * seen], &mut self.residual[i * loads..(i + 1) * loads]);
-        let sources = self.phasors.len();
-        let phasors = &self.stage_phasors[i * sources..(i + 1) * sources];
-        self.field.load(time, phasors, u, load, &mut self.contacts[i * meshes..(i + 1) * meshes])
+    /// Whether a step starts from a prediction, which uses the previous step.
+    fn predicts(&self, context: &StepContext<'_>) -> bool {
+        !self.affine && !context.cache.rule.explicit && context.nonlinear_loads.mesh_load_count() > 0
     }
 
-    /// Evaluates the loads at all nodes, into `residual`.
-    fn sweep(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        let stages = self.cache.rule.stages();
-        for i in 0..stages {
-            self.evaluate(level, elapsed, i)?;
+    /// Stores what the prediction of the next step needs.
+    pub fn store(&self, context: &StepContext<'_>, level: usize, stages: &Stages, history: &mut StepHistory) {
+        if self.predicts(context) {
+            let tangent = &self.tangent_solver.residual_tangent;
+            let vectors = [&stages.evaluated_loads, &stages.interface_states, tangent];
+            history.set(vectors.map(|values| &values[..]), context.step(level), self.contraction);
         }
-        statistics.evaluations += stages as u64;
-        Ok(())
     }
 
-    /// Evaluates node after node, each under the latest loads of all.
-    pub(super) fn pass(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<(), Halt> {
-        let (stages, loads) = (self.cache.rule.stages(), self.field.loads());
-        for i in 0..stages {
-            self.respond(level, i);
-            self.evaluate(level, elapsed, i)?;
-            let of_node = i * loads..(i + 1) * loads;
-            let (stood, found) = (&mut self.loads[of_node.clone()], &mut self.residual[of_node.clone()]);
-            stood.swap_with_slice(found);
-        }
-        statistics.evaluations += stages as u64;
-        Ok(())
-    }
-
-    /// Adds what is missing of the loads at all nodes, and what follows from that; what was missing is left in `residual`.
-    /// Whether that can be solved.
-    fn improve(&mut self, level: usize, elapsed: f64, statistics: &mut Statistics) -> Result<bool, Halt> {
-        self.respond_all(level);
-        self.sweep(level, elapsed, statistics)?;
-        self.evaluated_loads.copy_from_slice(&self.residual);
-        for (load, found) in self.loads.iter_mut().zip(&mut self.residual) {
-            (*load, *found) = (*found, *found - *load);
-        }
-        Ok(self.correct(level))
-    }
-
-    /// Solves stage equations that are linear: p = P(u_free) + P′ H p. Whether that succeeded.
-    pub(super) fn solve_affine(
+    /// Predicts the stage loads and interface states: by the polynomials through those of the previous step, or, without
+    /// a previous step, by the values at the beginning.
+    pub fn guess(
         &mut self,
+        context: &StepContext<'_>,
         level: usize,
-        elapsed: f64,
+        begin: &StepPoint,
+        history: &StepHistory,
+        stages: &mut Stages,
+    ) {
+        if !self.predicts(context) {
+            return;
+        }
+        let nonlinear_loads = &context.nonlinear_loads;
+        let tangent = self.tangent_solver.residual_tangent.len();
+        // The history of a run with another number of stages has other lengths.
+        if !history.has_lengths([stages.loads.len(), stages.interface_states.len(), tangent]) {
+            let (loads, len) = (nonlinear_loads.load_count(), nonlinear_loads.interface_len());
+            stages.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&begin.load));
+            let states = stages.interface_states.chunks_exact_mut(len);
+            states.for_each(|state| state.copy_from_slice(&begin.interface_state));
+            self.contraction = f64::INFINITY;
+            self.tangent_solver.set_contacts(nonlinear_loads, &begin.contacts);
+            return;
+        }
+        self.tangent_solver.set_tangent(&history.residual_tangent);
+        // The contraction is proportional to h² for stiffness and to h for damping.
+        let ratio = context.step(level) / history.step;
+        self.contraction = history.contraction * ratio.max(ratio * ratio);
+        if self.extrapolation.0 != ratio {
+            context.cache.rule.extrapolation(ratio, &mut self.extrapolation.1);
+            self.extrapolation.0 = ratio;
+        }
+        let (arch, weights) = (context.arch, &self.extrapolation.1);
+        panel_kernel::extrapolate(arch, &begin.load, &history.loads, weights, &mut stages.loads);
+        let states = &history.interface_states;
+        panel_kernel::extrapolate(arch, &begin.interface_state, states, weights, &mut stages.interface_states);
+    }
+
+    /// Solves the stage equations of a step of a level from `elapsed` on. Returns whether that succeeded.
+    pub fn solve(
+        &mut self,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
+        tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let (meshes, loads) = (self.field.mesh_loads(), self.field.loads());
-        self.nodes.copy_from_slice(&self.homogeneous_response);
-        self.sweep(level, elapsed, statistics)?;
-        let (stage_response, stages) = (self.cache.stage_response(level), self.cache.rule.stages());
-        self.loads.copy_from_slice(&self.residual);
+        if context.cache.rule.explicit {
+            stages.evaluate_in_sequence(context, level, elapsed, statistics)?;
+            return Ok(true);
+        }
+        if self.affine {
+            return self.solve_affine(context, stages, (level, elapsed), statistics);
+        }
+        self.iterate(context, stages, (level, elapsed), tolerance, statistics)
+    }
+
+    /// Solves linear stage equations: p = P(homogeneous response) + P′ H p. Returns whether the matrix is regular.
+    fn solve_affine(
+        &mut self,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        let nonlinear_loads = &context.nonlinear_loads;
+        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
+        stages.interface_states.copy_from_slice(&stages.homogeneous_response);
+        stages.evaluate_all(context, level, elapsed, statistics)?;
+        let (stage_response, count) = (context.cache.stage_response(level), context.stages());
+        stages.loads.copy_from_slice(&stages.residual);
         self.small_lu.begin();
-        for (node, residual) in self.residual.chunks_exact(loads).enumerate() {
+        for (stage, residual) in stages.residual.chunks_exact(loads).enumerate() {
             for (k, own) in residual[..meshes].iter().enumerate() {
-                let row = node * meshes + k;
-                let slope = -self.field.residual_tangent(k, &self.contacts[row])[0];
-                let response = stage_response.response_of(node, k);
+                let row = stage * meshes + k;
+                let slope = -nonlinear_loads.residual_tangent(k, &stages.contacts[row])[0];
+                let response = stage_response.response_of(stage, k);
                 self.small_lu.add_row(row, slope, meshes, loads, &response);
-                // What is prescribed acts through the slope too.
-                let prescribed = (0..stages).flat_map(|node| node * loads + meshes..(node + 1) * loads);
-                let others = prescribed.map(|column| response(column) * self.residual[column]);
+                // Prescribed loads also move the scalars.
+                let prescribed = (0..count).flat_map(|stage| stage * loads + meshes..(stage + 1) * loads);
+                let others = prescribed.map(|column| response(column) * stages.residual[column]);
                 self.small_lu.right[row] = own + slope * others.sum::<f64>();
             }
         }
         if !self.small_lu.solve() {
             return Ok(false);
         }
-        for (loads, solved) in self.loads.chunks_exact_mut(loads).zip(self.small_lu.right.chunks_exact(meshes.max(1))) {
+        let solved = self.small_lu.right.chunks_exact(meshes.max(1));
+        for (loads, solved) in stages.loads.chunks_exact_mut(loads).zip(solved) {
             loads[..meshes].copy_from_slice(solved);
         }
-        self.stage_state_stale = true;
+        stages.mark_stale();
         Ok(true)
     }
 
-    /// Solves the stage equations from the loads that stand; whether that succeeded.
-    pub(super) fn solve(
+    /// Iterates from the predicted loads. Returns whether the iteration or Newton's method converged.
+    fn iterate(
         &mut self,
-        level: usize,
-        elapsed: f64,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let step = self.cache.time_grid.step(level);
-        let mut before = f64::INFINITY;
-        if !self.predict(level) {
+        let step = context.step(level);
+        let mut previous = f64::INFINITY;
+        if !self.tangent_solver.predict(context, level, stages) {
             return Ok(false);
         }
-        for iteration in 0..ITERATIONS {
-            let solvable = self.improve(level, elapsed, statistics)?;
-            let change = self.change(step);
+        for iteration in 0..MAX_ITERATIONS {
+            let solvable = self.improve(context, stages, (level, elapsed), statistics)?;
+            let change = residual_norm(context, stages, step);
             if !solvable || !change.is_finite() {
                 return Ok(false);
             }
-            // What is left after this iteration is the change times ρ/(1 − ρ), ρ that of the step before, and some more,
-            // until it is measured.
-            let contraction = if iteration > 0 { change / before } else { CAUTION * self.contraction };
+            // With the contraction ρ, the remaining error is the change times ρ/(1 − ρ). The first iteration has no
+            // measured contraction and uses that of the previous step.
+            let contraction = if iteration > 0 { change / previous } else { CONTRACTION_SAFETY * self.contraction };
             if iteration > 0 {
                 self.contraction = contraction;
             }
-            let shrinks = contraction.max(TRUSTED);
-            let left = if shrinks < 1.0 { change * shrinks / (1.0 - shrinks) } else { change };
-            if left <= tolerance || change <= ROUND_OFF * self.added(step) {
-                self.stage_state_stale = true;
+            let assumed = contraction.max(MIN_CONTRACTION);
+            let remaining = if assumed < 1.0 { change * assumed / (1.0 - assumed) } else { change };
+            if remaining <= tolerance || change <= ROUND_OFF * load_norm(context, stages, step) {
+                stages.mark_stale();
                 return Ok(true);
             }
-            if iteration > 1 && contraction > SLOW {
+            if iteration > 1 && contraction > MAX_CONTRACTION {
                 break;
             }
-            before = change;
+            previous = change;
         }
-        self.newton(level, elapsed, tolerance, statistics)
+        self.newton(context, stages, (level, elapsed), tolerance, statistics)
     }
 
-    /// Energy norm of what the changes in `residual` add to a state over a step.
-    pub(super) fn change(&self, step: f64) -> f64 {
-        let mut change: f64 = 0.0;
-        for changes in self.residual.chunks_exact(self.field.loads()) {
-            let square = kernel::form(self.arch, &self.cache.gram, &changes[..self.field.mesh_loads()]);
-            if !square.is_finite() {
-                return f64::INFINITY;
-            }
-            change = change.max(square);
-        }
-        step * change.sqrt()
-    }
-
-    /// Energy norm of what `loads` add to a state over a step.
-    fn added(&self, step: f64) -> f64 {
-        let meshes = self.field.mesh_loads();
-        let nodes = self.loads.chunks_exact(self.field.loads());
-        step * nodes.map(|loads| kernel::form(self.arch, &self.cache.gram, &loads[..meshes])).fold(0.0, f64::max).sqrt()
-    }
-
-    pub(super) fn newton(
+    /// One iteration: adds the residual to the loads, and the correction that follows from it. Returns whether the
+    /// correction exists.
+    fn improve(
         &mut self,
-        level: usize,
-        elapsed: f64,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
+        statistics: &mut Statistics,
+    ) -> Result<bool, Halt> {
+        stages.respond_all(context, level);
+        stages.evaluate_all(context, level, elapsed, statistics)?;
+        stages.evaluated_loads.copy_from_slice(&stages.residual);
+        for (load, residual) in stages.loads.iter_mut().zip(&mut stages.residual) {
+            (*load, *residual) = (*residual, *residual - *load);
+        }
+        Ok(self.tangent_solver.correct(context, level, stages))
+    }
+
+    /// Newton's method. Returns whether it converged.
+    fn newton(
+        &mut self,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let (meshes, loads, seen) = (self.field.mesh_loads(), self.field.loads(), self.field.seen());
-        for _ in 0..NEWTON {
-            self.respond_all(level);
-            self.sweep(level, elapsed, statistics)?;
-            let (stage_response, step) = (self.cache.stage_response(level), self.cache.time_grid.step(level));
-            self.small_lu.begin();
-            for (i, node) in self.cache.rule.nodes.iter().enumerate() {
-                let phasors = &self.stage_phasors[i * self.phasors.len()..(i + 1) * self.phasors.len()];
-                let u = &mut self.nodes[i * seen..(i + 1) * seen];
-                let load = &self.residual[i * loads..(i + 1) * loads];
-                let time = elapsed + node * step;
-                for k in 0..seen {
-                    // A small part of it, and of what a mesh moves by: a nanometre, or so many radians.
-                    let small = 1e-7 * u[k].abs().max(1e-2);
-                    let stands = u[k];
-                    u[k] += small;
-                    let moved = u[k] - stands;
-                    let slopes = self.small_lu.slopes(loads);
-                    let outcome = self.field.load(time, phasors, u, slopes, &mut self.contacts_elsewhere);
-                    u[k] = stands;
-                    outcome?;
-                    for (slope, load) in slopes.iter_mut().zip(load) {
-                        *slope = (*slope - load) / moved;
-                    }
-                    self.small_lu.add(i * meshes, meshes, loads, stage_response.response_of(i, k));
-                }
-                statistics.evaluations += seen as u64;
-            }
-            // (1 − P′H) Δp = P(u) − p for the loads of the meshes; the others are what they are.
-            for (i, (old, new)) in self.loads.chunks_exact_mut(loads).zip(self.residual.chunks_exact(loads)).enumerate()
-            {
-                for k in 0..meshes {
-                    self.small_lu.right[i * meshes + k] = new[k] - old[k];
-                }
-                old[meshes..].copy_from_slice(&new[meshes..]);
-            }
-            if !self.small_lu.solve() {
+        let step = context.step(level);
+        for _ in 0..MAX_NEWTON_ITERATIONS {
+            stages.respond_all(context, level);
+            stages.evaluate_all(context, level, elapsed, statistics)?;
+            self.differentiate(context, stages, (level, elapsed), statistics)?;
+            if !self.newton_step(context, stages) {
                 return Ok(false);
             }
-            let solved = self.small_lu.right.chunks_exact(meshes.max(1));
-            for ((load, change), solved) in
-                self.loads.chunks_exact_mut(loads).zip(self.residual.chunks_exact_mut(loads)).zip(solved)
-            {
-                for ((load, change), solved) in load.iter_mut().zip(change).zip(solved) {
-                    *load += solved;
-                    *change = *solved;
-                }
-            }
-            let change = self.change(step);
+            let change = residual_norm(context, stages, step);
             if !change.is_finite() {
                 return Ok(false);
             }
-            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * self.added(step) {
-                self.respond_all(level);
-                self.evaluated_loads.copy_from_slice(&self.loads);
+            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * load_norm(context, stages, step) {
+                stages.respond_all(context, level);
+                stages.evaluated_loads.copy_from_slice(&stages.loads);
                 return Ok(true);
             }
         }
         Ok(false)
     }
+
+    /// Sets the matrix 1 − P′H of Newton's method, with P′ from difference quotients. `residual` holds P.
+    fn differentiate(
+        &mut self,
+        context: &StepContext<'_>,
+        stages: &mut Stages,
+        (level, elapsed): (usize, f64),
+        statistics: &mut Statistics,
+    ) -> Result<(), Halt> {
+        let nonlinear_loads = &context.nonlinear_loads;
+        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
+        let (len, sources) = (nonlinear_loads.interface_len(), nonlinear_loads.source_count());
+        let (stage_response, step) = (context.cache.stage_response(level), context.step(level));
+        self.small_lu.begin();
+        for (i, node) in context.cache.rule.nodes.iter().enumerate() {
+            let phasors = &stages.phasors[i * sources..(i + 1) * sources];
+            let u = &mut stages.interface_states[i * len..(i + 1) * len];
+            let load = &stages.residual[i * loads..(i + 1) * loads];
+            let time = elapsed + node * step;
+            for k in 0..len {
+                // A relative increment, but at least a nanometre or a nanoradian.
+                let increment = 1e-7 * u[k].abs().max(1e-2);
+                let original = u[k];
+                u[k] += increment;
+                let moved = u[k] - original;
+                let slopes = self.small_lu.slopes(loads);
+                let outcome = nonlinear_loads.load(time, phasors, u, slopes, &mut self.contacts);
+                u[k] = original;
+                outcome?;
+                for (slope, load) in slopes.iter_mut().zip(load) {
+                    *slope = (*slope - load) / moved;
+                }
+                self.small_lu.add(i * meshes, meshes, loads, stage_response.response_of(i, k));
+            }
+            statistics.evaluations += len as u64;
+        }
+        Ok(())
+    }
+
+    /// Solves (1 − P′H) Δp = P − p for the mesh loads and adds Δp, which is left in `residual`. Prescribed loads take
+    /// their values. Returns whether the matrix is regular.
+    fn newton_step(&mut self, context: &StepContext<'_>, stages: &mut Stages) -> bool {
+        let nonlinear_loads = &context.nonlinear_loads;
+        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
+        let of_stages = stages.loads.chunks_exact_mut(loads).zip(stages.residual.chunks_exact(loads));
+        for (i, (load, evaluated)) in of_stages.enumerate() {
+            for k in 0..meshes {
+                self.small_lu.right[i * meshes + k] = evaluated[k] - load[k];
+            }
+            load[meshes..].copy_from_slice(&evaluated[meshes..]);
+        }
+        if !self.small_lu.solve() {
+            return false;
+        }
+        let solved = self.small_lu.right.chunks_exact(meshes.max(1));
+        let of_stages = stages.loads.chunks_exact_mut(loads).zip(stages.residual.chunks_exact_mut(loads));
+        for ((load, change), solved) in of_stages.zip(solved) {
+            for ((load, change), solved) in load.iter_mut().zip(change).zip(solved) {
+                *load += solved;
+                *change = *solved;
+            }
+        }
+        true
+    }
+}
+
+/// Energy norm that the residual adds to a state over a step; infinite if it is not finite.
+fn residual_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
+    let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
+    let mut largest: f64 = 0.0;
+    for residual in stages.residual.chunks_exact(loads) {
+        let square = panel_kernel::form(context.arch, &context.cache.gram, &residual[..meshes]);
+        if !square.is_finite() {
+            return f64::INFINITY;
+        }
+        largest = largest.max(square);
+    }
+    step * largest.sqrt()
+}
+
+/// Energy norm that the stage loads add to a state over a step.
+fn load_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
+    let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
+    let stages = stages.loads.chunks_exact(loads);
+    step * stages
+        .map(|loads| panel_kernel::form(context.arch, &context.cache.gram, &loads[..meshes]))
+        .fold(0.0, f64::max)
+        .sqrt()
 }

@@ -1,44 +1,45 @@
-//! Step size: fixed, or by a PI controller (Gustafsson 1991; Hairer and Wanner II, IV.2).
+//! Step length: fixed, or from a PI controller (Gustafsson 1991; Hairer and Wanner 1996, IV.2).
 
-/// How a method chooses its step.
+/// How a method chooses its step length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepControl {
-    /// The same step throughout; step i begins at i·h, so that no time drifts.
+    /// The same length h throughout, s. Step i begins at i·h, so that time does not drift.
     Fixed(f64),
-    /// As long as the error allows.
+    /// The longest step that meets the tolerance.
     Adaptive(Adaptive),
 }
 
-/// A PI controller of the error of a step.
+/// PI control of the error of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
-    /// Error of a step, relative to the size of the deviation from equilibrium.
+    /// Error of a step, relative to the energy norm of the deviation from equilibrium.
     pub rtol: f64,
-    /// The smallest size that a tolerance is relative to.
+    /// Smallest energy norm that the tolerance is relative to.
     pub floor: f64,
-    /// The longest step, s: error control alone does not keep a method stable on undamped stiffness.
+    /// Longest step, s. Error control alone does not keep a method stable on undamped stiffness.
     pub longest: f64,
 }
 
-/// Margin below the step that would just meet the tolerance.
+/// Safety factor on the step that would just meet the tolerance.
 const SAFETY: f64 = 0.9;
-/// A step grows by no more than this.
-const GROWTH: f64 = 5.0;
-/// A step shrinks by no more than this.
-const SHRINKAGE: f64 = 0.2;
-/// A step shorter than this part of the longest means that there is nothing to converge to.
-pub(super) const SHORTEST: f64 = 1e-9;
+/// Largest ratio of two successive steps.
+const MAX_GROWTH: f64 = 5.0;
+/// Smallest ratio of two successive steps.
+const MIN_SHRINKAGE: f64 = 0.2;
+/// A step below this fraction of the longest one means that the motion diverges.
+pub(super) const MIN_STEP_FRACTION: f64 = 1e-9;
 
 impl Adaptive {
-    /// Step size factor after an accepted step of scaled error `error`, the accepted one before having `previous`.
+    /// Factor on the step length after an accepted step; `error` and `previous` are the errors of this step and of the
+    /// accepted one before it, in multiples of the tolerance.
     pub fn grow(&self, order: u32, error: f64, previous: f64) -> f64 {
         let order = f64::from(order);
         let factor = SAFETY * error.max(1e-10).powf(-0.7 / order) * previous.max(1e-4).powf(0.4 / order);
-        factor.clamp(SHRINKAGE, GROWTH)
+        factor.clamp(MIN_SHRINKAGE, MAX_GROWTH)
     }
 
-    /// Step size factor after a rejected step of scaled error `error`.
+    /// Factor on the step length after a rejected step of this error, in multiples of the tolerance.
     pub fn shrink(&self, order: u32, error: f64) -> f64 {
-        (SAFETY * error.powf(-1.0 / f64::from(order))).clamp(SHRINKAGE, SAFETY)
+        (SAFETY * error.powf(-1.0 / f64::from(order))).clamp(MIN_SHRINKAGE, SAFETY)
     }
 }

@@ -1,29 +1,30 @@
 //! The motion within a step.
 //!
-//! Displacement, velocity and acceleration are known at both ends, so the displacement is a quintic Hermite polynomial
-//! (error of order h⁶) and the velocity its derivative (h⁵), whatever method made the step.
+//! Displacement, velocity and acceleration are known at both ends of a Runge–Kutta step. The displacement within it is
+//! the quintic Hermite polynomial (error of order h⁶), and the velocity is its derivative (error of order h⁵).
 
-/// The motion over a step.
+/// The motion over a step, for observers.
 pub trait Trajectory {
-    /// Elapsed time at the beginning.
+    /// Elapsed time at the beginning, s.
     fn begin(&self) -> f64;
 
-    /// Elapsed time at the end.
+    /// Elapsed time at the end, s.
     fn end(&self) -> f64;
 
-    /// Writes displacements and velocities of `coordinates`, each at its index, instant after instant.
+    /// Writes displacements and velocities of `coordinates` at their indices, one vector of all coordinates for each
+    /// instant.
     fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
 
-    /// Whether it is shorter than whatever moves: a low polynomial then is the motion within it.
+    /// Whether the step resolves every mode, so that a polynomial of low degree is the motion within it.
     fn is_resolved(&self) -> bool {
         true
     }
 
-    /// All displacements at the end, where they are at hand.
+    /// All displacements at the end, if the method has computed them.
     fn end_displacement(&self) -> Option<&[f64]>;
 }
 
-/// Instants, each with its own part of displacements and velocities that stand instant after instant.
+/// Pairs each instant with its vectors of displacements and velocities, which are stored one after the other.
 pub fn at_each<'a>(
     instants: &'a [f64],
     q: &'a mut [f64],
@@ -58,10 +59,10 @@ impl Trajectory for Span<'_> {
     }
 }
 
-/// A step with its ends: states y (displacements, then velocities) and their derivatives.
+/// A step with the states y (displacements, then velocities) and the derivatives ẏ at its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<'a> {
-    /// Elapsed time at the beginning.
+    /// Elapsed time at the beginning, s.
     pub start: f64,
     /// Length, s.
     pub step: f64,
@@ -106,16 +107,15 @@ impl Span<'_> {
         }
     }
 
-    /// Weights at `elapsed` of the cubic through the states at both ends and their derivatives: those of the beginning,
-    /// then those of the end.
+    /// Weights at `elapsed` of the cubic Hermite polynomial: for state and derivative at the beginning, then at the end.
     pub fn cubic(&self, elapsed: f64) -> [f64; 4] {
         let (h, s) = (self.step, (elapsed - self.start) / self.step);
         let rise = s * s * (3.0 - 2.0 * s);
         [1.0 - rise, h * s * (1.0 - s) * (1.0 - s), rise, -h * s * s * (1.0 - s)]
     }
 
-    /// The state of `coordinates`, into `y`, displacements before velocities.
-    pub fn whole(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
+    /// Writes displacements and velocities of `coordinates` into the state `y`.
+    pub fn write_state(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
         let half = y.len() / 2;
         for index in coordinates {
             (y[index], y[half + index]) = self.at(weights, index);

@@ -1,19 +1,24 @@
-//! Explicit Runge–Kutta integration, hand-written for systems whose right-hand side knows its own energy.
+//! Explicit Runge–Kutta integration of a [`FirstOrderSystem`], which gives its derivative and its error norm.
 //!
-//! Tableau (data), step (machinery), controller, interpolation, driver and statistics stand apart. Nothing here knows
-//! of shafts or gears: a [`FirstOrderSystem`] gives derivatives and norms. A step allocates nothing.
+//! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
+//! steps, `event_locator` finds contact changes, and `interpolate` gives the motion within a step. A step allocates no
+//! memory. `state` also holds what the exponential method keeps between steps.
 
 mod controller;
 mod driver;
+mod event_locator;
 mod interpolate;
+mod state;
 mod statistics;
 mod step;
 mod system;
 pub mod tableau;
 
 pub use controller::{Adaptive, StepControl};
-pub use driver::{CHECK_INTERVAL, Halted, State, run};
+pub use driver::{CHECK_INTERVAL, Halted, run};
+pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
 pub use interpolate::{Span, Trajectory, at_each};
+pub use state::{ExponentialState, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
 pub use step::RungeKutta;
 pub use system::{FirstOrderSystem, Halt, Observer};

@@ -1,22 +1,22 @@
-//! What a run cost.
+//! Statistics of a run.
 
-/// What set the length of most steps.
+/// What limits the length of most steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepLimit {
-    /// The step that was asked for.
+    /// A fixed step.
     Step,
     /// The stability limit of the method.
     Stability,
     /// The tolerance.
     Tolerance,
-    /// The longest step that resolves the cycle of what is prescribed.
+    /// The longest step, which resolves a revolution, a tooth cycle or the slowest mode.
     Cycle,
-    /// Changes of law, which steps end at.
+    /// Contact changes, at which steps end.
     Events,
 }
 
 impl StepLimit {
-    /// The name that users read.
+    /// Name in the Python package.
     pub fn name(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -28,18 +28,18 @@ impl StepLimit {
     }
 }
 
-/// Counts and extremes of a run.
+/// Numbers of steps and evaluations, and extreme step lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Steps taken.
     pub steps: u64,
     /// Steps tried and rejected.
     pub rejected: u64,
-    /// Evaluations of the right-hand side.
+    /// Evaluations of the right-hand side or of the loads.
     pub evaluations: u64,
-    /// Changes of law that a step was made to end at.
+    /// Contact changes at which a step ended.
     pub events: u64,
-    /// Steps whose length the stability limit set.
+    /// Steps of the maximum length.
     pub at_limit: u64,
     /// Shortest step, s.
     pub shortest: f64,
@@ -48,17 +48,17 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Nothing done yet.
+    /// Statistics before the first step.
     pub fn new() -> Self {
         Self { steps: 0, rejected: 0, evaluations: 0, events: 0, at_limit: 0, shortest: f64::INFINITY, longest: 0.0 }
     }
 
-    /// Counts the evaluations that a run begins with; one that was paused has counted them already.
+    /// Counts the evaluations at the beginning of a run, unless the run continues from a checkpoint, which contains them.
     pub fn begin(&mut self, evaluations: u64) {
         self.evaluations = self.evaluations.max(evaluations);
     }
 
-    /// Counts a step.
+    /// Counts an accepted step of this length, s.
     pub fn accept(&mut self, step: f64, at_limit: bool) {
         self.steps += 1;
         self.at_limit += u64::from(at_limit);

@@ -3,23 +3,26 @@
 use super::tableau::Tableau;
 use super::{FirstOrderSystem, Halt};
 
-/// A tableau with the buffers that its stages need.
+/// A tableau, and the last step that was taken with it.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<const S: usize> {
     /// The coefficients.
     pub tableau: Tableau<S>,
+    /// Derivatives ẏ at the stages.
     stages: [Vec<f64>; S],
+    /// State at the end.
     end: Vec<f64>,
+    /// Scratch: embedded error.
     error: Vec<f64>,
 }
 
 impl<const S: usize> RungeKutta<S> {
-    /// Buffers for a system of length `len`.
+    /// Allocates the stages of a system with a state of length `len`.
     pub fn new(tableau: Tableau<S>, len: usize) -> Self {
         Self { tableau, stages: std::array::from_fn(|_| vec![0.0; len]), end: vec![0.0; len], error: vec![0.0; len] }
     }
 
-    /// Evaluates the derivative that the next step begins with.
+    /// Evaluates the first stage of the next step.
     ///
     /// # Errors
     /// [`Halt`] of the system.
@@ -27,8 +30,8 @@ impl<const S: usize> RungeKutta<S> {
         system.derivative(elapsed, y, &mut self.stages[0])
     }
 
-    /// Steps from `y` at `elapsed` by `step` to `end`, which round-off may part from their sum; the first stage must
-    /// stand. Stages at the end are evaluated at `end` itself, as the next step would.
+    /// Steps from `y` at `elapsed` by `step` to `end`, which may differ from their sum by round-off. The first stage must
+    /// be known. Stages at the end are evaluated at `end` itself, like the first stage of the next step.
     ///
     /// # Errors
     /// [`Halt`] of the system.
@@ -49,7 +52,7 @@ impl<const S: usize> RungeKutta<S> {
         Ok(())
     }
 
-    /// The embedded error of the last step, in the system's norm.
+    /// Embedded error of the last step, in the norm of the system.
     pub fn error(&mut self, system: &mut impl FirstOrderSystem, step: f64) -> f64 {
         self.error.fill(0.0);
         accumulate(step, &self.tableau.error, &self.stages, &mut self.error);
@@ -66,7 +69,7 @@ impl<const S: usize> RungeKutta<S> {
         (&self.stages[0], &self.stages[S - 1])
     }
 
-    /// Takes the end of the last step as the beginning of the next; `y` gets its state.
+    /// Takes the end of the last step as the beginning of the next. `y` becomes the state there.
     pub fn commit(&mut self, y: &mut Vec<f64>) {
         std::mem::swap(y, &mut self.end);
         self.stages.swap(0, S - 1);
@@ -79,7 +82,7 @@ fn combine(y: &[f64], step: f64, weights: &[f64], stages: &[Vec<f64>], out: &mut
     accumulate(step, weights, stages, out);
 }
 
-/// `out += step·Σ weights·stages`, up to three stages a pass; weights of zero cost nothing.
+/// `out += step·Σ weights·stages`, with up to three stages in one pass. Zero weights are skipped.
 fn accumulate(step: f64, weights: &[f64], stages: &[Vec<f64>], out: &mut [f64]) {
     let mut used = weights.iter().zip(stages).filter(|(weight, _)| **weight != 0.0);
     loop {

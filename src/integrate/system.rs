@@ -1,4 +1,4 @@
-//! What an integrator asks of a system, and what may stop it.
+//! Interfaces of an integrator: the system, the observer, and the reasons to stop.
 
 use super::{Span, Trajectory};
 use crate::mesh::Overlap;
@@ -6,46 +6,45 @@ use crate::mesh::Overlap;
 /// Why an integration stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Halt {
-    /// The base circles of a mesh overlap.
+    /// The base circles of a mesh overlap, so that its geometry is not defined.
     Overlap {
         /// Index of the mesh.
         mesh: usize,
-        /// How far.
+        /// Radii and distance.
         overlap: Overlap,
     },
-    /// The state is not finite any more, or no step is short enough.
+    /// The state is not finite, or no step is short enough.
     Diverged,
-    /// The observer asked for it.
+    /// The observer stopped the run.
     Interrupted,
 }
 
-/// A first-order system ẏ = f(t, y) of second-order origin: y holds displacements, then velocities, unless the system
-/// says otherwise.
+/// A first-order system ẏ = f(t, y). y holds displacements, then velocities, unless the system has its own coordinates.
 pub trait FirstOrderSystem {
     /// Length of y.
     fn len(&self) -> usize;
 
-    /// Whether there is nothing to integrate.
+    /// Whether y is empty.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Writes f(t, y) into `derivative`; `elapsed` is t, counted from the run's origin.
+    /// Writes f(t, y) into `derivative`. `elapsed` is t, counted from the origin of the run, s.
     ///
     /// # Errors
     /// [`Halt`] where f is not defined.
     fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt>;
 
-    /// The displacements that laws depend on (with their velocities), where the right-hand side changes its law at
-    /// instants that depend on the motion; none where it never does.
+    /// Indices of the displacements that decide, with their velocities, on the contact modes; none if the system has no
+    /// contact modes.
     fn switching(&self) -> Option<&[usize]> {
         None
     }
 
-    /// Writes the state within a step into `y`, as far as laws depend on it.
+    /// Interpolates the state within a step, as far as contact modes depend on it.
     fn within(&self, span: &Span<'_>, elapsed: f64, y: &mut [f64]) {
         let switching = self.switching().unwrap_or_default();
-        span.whole(&span.weights(elapsed), switching.iter().copied(), y);
+        span.write_state(&span.weights(elapsed), switching.iter().copied(), y);
     }
 
     /// The motion over a step.
@@ -53,52 +52,52 @@ pub trait FirstOrderSystem {
         span
     }
 
-    /// Writes displacements and velocities of a state.
+    /// Writes all displacements and velocities of a state.
     fn physical(&mut self, _elapsed: f64, y: &[f64], q: &mut [f64], v: &mut [f64]) {
         let (displacements, velocities) = y.split_at(y.len() / 2);
         q.copy_from_slice(displacements);
         v.copy_from_slice(velocities);
     }
 
-    /// Writes the laws that hold at a state, of which only the [`Self::switching`] displacements and their velocities
-    /// count, as numbers of the system's own.
+    /// Writes the contact modes at a state as integer codes. Only the [`Self::switching`] displacements and their
+    /// velocities are used.
     ///
     /// # Errors
-    /// [`Halt`] where they are not defined.
+    /// [`Halt`] where the contact modes are not defined.
     fn contact_modes_at(&mut self, _elapsed: f64, _y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
         contact_modes.clear();
         Ok(())
     }
 
-    /// Sets the laws of the steps to come.
-    fn set_contact_modes(&mut self, _laws: &[i64]) {}
+    /// Sets the contact modes of the following steps.
+    fn set_contact_modes(&mut self, _contact_modes: &[i64]) {}
 
-    /// Energy norm of a difference of states: √(eᵀKe + ėᵀMė). Metres and radians have no other common measure.
+    /// Energy norm √(eᵀKe + ėᵀMė) of a difference of states. It is a common measure of metres and radians.
     fn norm(&mut self, difference: &[f64]) -> f64;
 
-    /// Energy norm of the deviation of a state from the system's equilibrium, the scale of a tolerance.
+    /// Energy norm of the deviation of a state from the equilibrium. A tolerance is relative to it.
     fn size(&mut self, y: &[f64]) -> f64;
 }
 
-/// What looks at an integration while it runs.
+/// Reads the motion during an integration.
 pub trait Observer {
-    /// Elapsed time up to which everything has been seen.
+    /// Elapsed time of the next instant to observe, s; none if there is none left.
     fn next(&self) -> Option<f64>;
 
-    /// Whether it wants to see every step, not only those that hold a time asked for.
+    /// Whether to call [`Self::observe`] for every step, not only for steps that contain [`Self::next`].
     fn sees_every_step(&self) -> bool {
         false
     }
 
-    /// Sees the motion over a step, up to `end`; called for every step that holds a time asked for.
+    /// Reads the motion over a step up to `end`, s.
     ///
     /// # Errors
-    /// [`Halt`] where what it looks at is not defined.
+    /// [`Halt`] where a quantity is not defined.
     fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt>;
 
-    /// Sees that the laws of the system have changed; `read` writes displacements and velocities at that instant.
-    fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _laws: &[i64]) {}
+    /// Receives new contact modes. `read` writes displacements and velocities at that instant.
+    fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _contact_modes: &[i64]) {}
 
-    /// Whether to go on, asked every few steps with the elapsed time.
+    /// Whether to continue. The loop over steps asks at regular intervals of steps.
     fn go_on(&mut self, elapsed: f64) -> bool;
 }

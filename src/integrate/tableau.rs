@@ -1,23 +1,24 @@
 //! Runge–Kutta coefficients.
 
-/// An explicit method whose last stage is the derivative at the end of the step ("first same as last").
+/// An explicit method whose last stage is the derivative at the end of the step (first same as last).
 #[derive(Clone, Copy, Debug)]
 pub struct Tableau<const S: usize> {
     /// Order of the solution.
     pub order: u32,
-    /// Times of the stages in steps.
+    /// Times of the stages as fractions of the step.
     pub nodes: [f64; S],
-    /// Stage i is at y + hΣⱼ weights\[i\]\[j\] kⱼ; the last row gives the solution.
+    /// Stage i is evaluated at y + hΣⱼ weights\[i\]\[j\] kⱼ. The last row gives the solution.
     pub weights: [[f64; S]; S],
-    /// hΣⱼ error\[j\] kⱼ estimates the error of the solution; all zero without an embedded method.
+    /// hΣⱼ error\[j\] kⱼ estimates the error of the solution. All zero without an embedded method.
     pub error: [f64; S],
-    /// The step h is stable for h·ω up to this on an undamped oscillator, and on damped ones up to 14° from it.
+    /// Largest h·ω for which a step h is stable on an undamped oscillator, and on a damped one whose eigenvalues lie
+    /// within 14° of the imaginary axis.
     pub imaginary_limit: f64,
-    /// The step h is stable for h·|λ| up to this wherever Re λ < 0, if h·|Im λ| keeps to the imaginary limit.
+    /// Largest h·|λ| for which a step h is stable for every Re λ < 0 with h·|Im λ| within the imaginary limit.
     pub real_limit: f64,
 }
 
-/// The classical method of Kutta (1901). As a fifth stage stands the derivative that the next step begins with.
+/// The classical method of Kutta (1901). Its fifth stage is the derivative at the end of the step.
 pub const RK4: Tableau<5> = Tableau {
     order: 4,
     nodes: [0.0, 0.5, 0.5, 1.0, 1.0],
@@ -29,12 +30,12 @@ pub const RK4: Tableau<5> = Tableau {
         [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0, 0.0],
     ],
     error: [0.0; 5],
-    // 2√2; on the real axis 2.785, and least, 2.616, at 122° from the positive one.
+    // The limit is 2√2 on the imaginary axis, 2.785 on the real axis, and has its minimum 2.616 at an argument of 122°.
     imaginary_limit: 2.828,
     real_limit: 2.61,
 };
 
-/// Dormand and Prince 5(4) (1980). Its stability on the imaginary axis ends at 0.997.
+/// Dormand and Prince 5(4) (1980). Its stability limit on the imaginary axis is 0.997.
 pub const DORMAND_PRINCE: Tableau<7> = Tableau {
     order: 5,
     nodes: [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0],

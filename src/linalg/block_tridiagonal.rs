@@ -1,18 +1,21 @@
-//! Symmetric block-tridiagonal matrices: a chain of nodes, each coupled to its neighbours alone.
+//! Symmetric block-tridiagonal matrices of a chain of nodes, where each node is coupled to its two neighbours only.
 //!
-//! A node has `B` unknowns, and each unknown `L` lanes that the real matrix treats alike. Bending is `B = 2` (u, φ)
-//! with `L = 2` lanes, the real and the imaginary part of the complex displacement; twist is `B = L = 1`. A vector
-//! holds, node after node, unknown after unknown, its lanes.
+//! A node has `B` unknowns. Each unknown has `L` lanes, and the same real matrix applies to every lane. Bending has
+//! `B = 2` unknowns (u, φ) and `L = 2` lanes, the real and the imaginary part of the complex displacement. Torsion has
+//! `B = L = 1`. A vector is ordered by node, then by unknown, then by lane.
+//!
+//! Products and solutions take time proportional to the number of nodes. The factorization is block LDLᵀ (Golub and Van
+//! Loan, Matrix Computations, section 4.5).
 
 use thiserror::Error;
 
 use crate::element::Values;
 
-/// A matrix that should be positive definite is not.
+/// Error: a matrix is not positive definite.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("the matrix is not positive definite at node {node}")]
 pub struct NotPositiveDefinite {
-    /// The node whose pivot fails.
+    /// Node whose pivot block is not positive definite.
     pub node: usize,
 }
 
@@ -21,14 +24,14 @@ type Block<const B: usize> = [[f64; B]; B];
 /// A symmetric block-tridiagonal matrix.
 #[derive(Clone, Debug)]
 pub struct BlockTridiagonal<const B: usize> {
-    /// Diagonal block of each node.
+    /// Diagonal block of each node, B × B.
     diagonal: Vec<Block<B>>,
-    /// Block of each node (row) with the one before (column); zero for the first.
+    /// Block of each node (rows) and the node before it (columns), B × B; zero for the first node.
     lower: Vec<Block<B>>,
 }
 
 impl<const B: usize> BlockTridiagonal<B> {
-    /// The zero matrix of a chain of `nodes`.
+    /// Zero matrix of a chain of `nodes`.
     pub fn zeros(nodes: usize) -> Self {
         Self { diagonal: vec![[[0.0; B]; B]; nodes], lower: vec![[[0.0; B]; B]; nodes] }
     }
@@ -43,12 +46,12 @@ impl<const B: usize> BlockTridiagonal<B> {
         self.diagonal.iter().chain(&self.lower).flatten().flatten().all(|entry| *entry == 0.0)
     }
 
-    /// Adds to the entry of `node`, unknowns `row` and `column`.
+    /// Adds `value` to the entry (`row`, `column`) of the diagonal block of `node`.
     pub fn add_at_node(&mut self, node: usize, row: usize, column: usize, value: f64) {
         self.diagonal[node][row][column] += value;
     }
 
-    /// Adds an element between `first` and the next node; `entry(i, j)` is its matrix over the 2B unknowns of both.
+    /// Adds an element between the node `first` and the next one; `entry(i, j)` gives its 2B × 2B matrix.
     pub fn add_element(&mut self, first: usize, entry: impl Fn(usize, usize) -> f64) {
         for i in 0..B {
             for j in 0..B {
@@ -62,14 +65,14 @@ impl<const B: usize> BlockTridiagonal<B> {
     /// Adds `factor` times `other`.
     pub fn add_scaled(&mut self, factor: f64, other: &Self) {
         let pairs = self.diagonal.iter_mut().zip(&other.diagonal).chain(self.lower.iter_mut().zip(&other.lower));
-        for (mine, theirs) in pairs {
-            for (mine, theirs) in mine.iter_mut().flatten().zip(theirs.iter().flatten()) {
-                *mine += factor * theirs;
+        for (block, added) in pairs {
+            for (entry, added) in block.iter_mut().flatten().zip(added.iter().flatten()) {
+                *entry += factor * added;
             }
         }
     }
 
-    /// Calls `visit(row, column, value)` for every entry of the stored pattern, unknowns counted through the chain.
+    /// Calls `visit(row, column, value)` for every stored entry; unknowns are counted along the chain.
     pub fn for_each(&self, mut visit: impl FnMut(usize, usize, f64)) {
         for node in 0..self.nodes() {
             for i in 0..B {
@@ -84,7 +87,7 @@ impl<const B: usize> BlockTridiagonal<B> {
         }
     }
 
-    /// Row `node` of the product with `x`.
+    /// Values of the product with `x` at `node`.
     #[inline(always)]
     pub fn row<const L: usize>(&self, node: usize, x: &[f64]) -> Values<B, L> {
         let mut sum = [[0.0; L]; B];
@@ -109,7 +112,7 @@ impl<const B: usize> BlockTridiagonal<B> {
     }
 
     /// xᵀ·self·x, summed over the lanes.
-    pub fn quadratic<const L: usize>(&self, x: &[f64]) -> f64 {
+    pub fn quadratic_form<const L: usize>(&self, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for node in 0..self.nodes() {
             let row: Values<B, L> = self.row(node, x);
@@ -120,10 +123,10 @@ impl<const B: usize> BlockTridiagonal<B> {
         sum
     }
 
-    /// Block LDLᵀ of a positive definite matrix.
+    /// Block LDLᵀ factorization of a positive definite matrix.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`] where a pivot block is not.
+    /// [`NotPositiveDefinite`] if a pivot block is not positive definite.
     pub fn factor(&self) -> Result<BlockTridiagonalFactor<B>, NotPositiveDefinite> {
         let nodes = self.nodes();
         let mut inverse: Vec<Block<B>> = Vec::with_capacity(nodes);
@@ -151,15 +154,17 @@ impl<const B: usize> BlockTridiagonal<B> {
     }
 }
 
-/// Block LDLᵀ factor: multipliers below the diagonal, and the inverse of every pivot block.
+/// Block LDLᵀ factors of a [`BlockTridiagonal`].
 #[derive(Clone, Debug)]
 pub struct BlockTridiagonalFactor<const B: usize> {
+    /// Inverse of the pivot block of each node.
     inverse: Vec<Block<B>>,
+    /// Block of L of each node (rows) and the node before it (columns).
     lower: Vec<Block<B>>,
 }
 
 impl<const B: usize> BlockTridiagonalFactor<B> {
-    /// Solves in place for the right-hand side `x`.
+    /// Replaces the right-hand side `x` by the solution.
     #[inline(always)]
     pub fn solve<const L: usize>(&self, x: &mut [f64]) {
         let nodes = self.inverse.len();
@@ -183,7 +188,7 @@ impl<const B: usize> BlockTridiagonalFactor<B> {
     }
 }
 
-/// The values of `node` in a vector.
+/// Values of `node` in a vector.
 #[inline(always)]
 pub fn load<const B: usize, const L: usize>(x: &[f64], node: usize) -> Values<B, L> {
     let chunk = &x[node * B * L..(node + 1) * B * L];
@@ -246,7 +251,7 @@ fn subtract_transposed<const B: usize, const L: usize>(sum: &mut Values<B, L>, b
     }
 }
 
-/// Inverse of a symmetric positive definite block by Gauss–Jordan elimination, `None` where it is not.
+/// Inverse of a symmetric positive definite block by Gauss–Jordan elimination; `None` if it is not positive definite.
 fn invert<const B: usize>(block: &Block<B>) -> Option<Block<B>> {
     let mut left = *block;
     let mut inverse = [[0.0; B]; B];
@@ -255,7 +260,7 @@ fn invert<const B: usize>(block: &Block<B>) -> Option<Block<B>> {
     }
     for i in 0..B {
         let pivot = left[i][i];
-        // A comparison that NaN fails too.
+        // This form of the comparison rejects NaN too.
         if !(pivot > 0.0 && pivot.is_finite()) {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Dense decompositions by faer, on nalgebra's matrices. Both are column-major, so nothing is copied on the way in.
+//! Dense eigenvalue and LU decompositions by faer, for nalgebra matrices.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -9,12 +9,13 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
-use super::repair::repair;
+use super::convert::{copy, view};
+use super::inverse_iteration::refine_eigenvectors;
 
-/// A dense decomposition that did not succeed.
+/// Failure of a dense decomposition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum DecompositionError {
-    /// The mass matrix is not positive definite at this row.
+    /// The mass matrix is not positive definite: the pivot of this row, counted from zero, is not positive.
     #[error("the mass matrix is not positive definite at row {0}")]
     Mass(usize),
     /// The eigenvalue iteration did not converge.
@@ -22,32 +23,24 @@ pub enum DecompositionError {
     Eigenvalues,
 }
 
-/// Eigenvalues and right eigenvectors, unordered, vectors of unit length.
+/// Eigenvalues and right eigenvectors of an n × n matrix, in no particular order.
 #[derive(Clone, Debug)]
 pub struct Eigen {
-    /// Eigenvalues.
+    /// Eigenvalues, n entries.
     pub values: DVector<Complex<f64>>,
-    /// Right eigenvectors, one a column.
+    /// Right eigenvectors of unit length, one per column.
     pub vectors: DMatrix<Complex<f64>>,
 }
 
-pub(super) fn view<T>(matrix: &DMatrix<T>) -> MatRef<'_, T> {
-    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
-}
-
-pub(super) fn copy<T: Copy + nalgebra::Scalar>(matrix: MatRef<'_, T>) -> DMatrix<T> {
-    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
-}
-
-/// Eigenvalues, ascending, and orthonormal eigenvectors of a symmetric matrix, of which the lower half is read.
+/// Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix; only its lower triangle is read.
 ///
-/// By the QR algorithm. faer's default from 128 rows on, divide and conquer, leaves residuals of 1e-6‖A‖ where
-/// eigenvalues repeat, as those of the two bending planes of a shaft do.
+/// The QR algorithm is used for every size. From 128 rows on faer uses divide and conquer by default, which leaves
+/// residuals of 1e-6‖A‖ for repeated eigenvalues, such as those of the two bending planes of a shaft.
 pub(super) fn symmetric_eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), DecompositionError> {
     self_adjoint_eigen(matrix.as_ref())
 }
 
-/// The same of a Hermitian matrix.
+/// Eigenvalues in ascending order and orthonormal eigenvectors of a Hermitian matrix; only its lower triangle is read.
 ///
 /// # Errors
 /// [`DecompositionError::Eigenvalues`] if the iteration does not converge.
@@ -73,7 +66,8 @@ fn self_adjoint_eigen<T: ComplexField>(matrix: MatRef<'_, T>) -> Result<(Vec<T>,
 
 /// Eigenvalues and right eigenvectors of a general real matrix.
 ///
-/// faer does not balance: scale the matrix first.
+/// Each block of rows and columns that is not coupled to the others is decomposed separately. faer does not balance
+/// matrices, so the caller scales the matrix.
 ///
 /// # Errors
 /// [`DecompositionError::Eigenvalues`] if the iteration does not converge.
@@ -85,20 +79,20 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
     if !size.is_finite() {
         return Err(DecompositionError::Eigenvalues);
     }
-    // A power of two, so that scaling is exact: squares of what is near overflow are not finite.
+    // Scaling avoids overflow of squared entries. A power of two makes it exact.
     let scale = if size > 0.0 { 2.0_f64.powi(size.log2().floor() as i32) } else { 1.0 };
     let scaled = matrix / scale;
     let n = matrix.nrows();
     let mut values = DVector::zeros(n);
     let mut vectors = DMatrix::zeros(n, n);
     let mut column = 0;
-    for part in parts(&scaled) {
+    for part in uncoupled_blocks(&scaled) {
         let block = scaled.select_rows(&part).select_columns(&part);
         let eigen = view(&block).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
         let found: Vec<Complex<f64>> = eigen.S().column_vector().iter().copied().collect();
         let mut shapes: Vec<DVector<Complex<f64>>> =
             copy(eigen.U()).column_iter().map(|shape| shape.unscale(shape.norm())).collect();
-        repair(&block, &found, &mut shapes);
+        refine_eigenvectors(&block, &found, &mut shapes);
         for (value, shape) in found.iter().zip(&shapes) {
             values[column] = value * scale;
             for (row, entry) in part.iter().zip(shape.iter()) {
@@ -110,53 +104,53 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
     Ok(Eigen { values, vectors })
 }
 
-/// The rows and columns of a matrix that couple with each other, to round-off.
+/// Indices of the blocks of rows and columns that are coupled to each other by more than round-off.
 ///
-/// Eigenvalues that repeat, as those of the two bending planes of a shaft do, mostly belong to parts that do not couple.
-/// One by one they have no equals, whose vectors would have to be found again (see [`repair`]).
-fn parts(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
+/// Repeated eigenvalues, such as those of the two bending planes of a shaft, mostly belong to different blocks. Within
+/// one block they are distinct, so their eigenvectors need no refinement ([`refine_eigenvectors`]).
+fn uncoupled_blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let n = matrix.nrows();
-    let nothing = f64::EPSILON * matrix.amax();
+    let round_off = f64::EPSILON * matrix.amax();
     let mut left: Vec<usize> = (0..n).collect();
-    let mut parts = Vec::new();
+    let mut blocks = Vec::new();
     while let Some(first) = left.pop() {
-        let (mut part, mut next) = (vec![first], 0);
-        while next < part.len() {
-            let row = part[next];
+        let (mut block, mut next) = (vec![first], 0);
+        while next < block.len() {
+            let row = block[next];
             let (joined, rest): (Vec<usize>, Vec<usize>) =
-                left.iter().partition(|i| matrix[(row, **i)].abs() > nothing || matrix[(**i, row)].abs() > nothing);
-            part.extend(joined);
+                left.iter().partition(|i| matrix[(row, **i)].abs() > round_off || matrix[(**i, row)].abs() > round_off);
+            block.extend(joined);
             left = rest;
             next += 1;
         }
-        part.sort_unstable();
-        parts.push(part);
+        block.sort_unstable();
+        blocks.push(block);
     }
-    parts
+    blocks
 }
 
-/// The factors of a square real matrix by LU with partial pivoting.
+/// LU factors, with partial pivoting, of a square real matrix.
 #[derive(Clone, Debug)]
-pub struct Factors(PartialPivLu<f64>);
+pub struct LuFactors(PartialPivLu<f64>);
 
-impl Factors {
-    /// Factorises.
-    pub fn of(matrix: &DMatrix<f64>) -> Self {
+impl LuFactors {
+    /// Factorizes a matrix.
+    pub fn new(matrix: &DMatrix<f64>) -> Self {
         Self(view(matrix).partial_piv_lu())
     }
 
-    /// Solves for the columns of `right`.
+    /// Solves A X = B for B = `right`.
     pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
         copy(self.0.solve(view(right)).as_ref())
     }
 }
 
-/// Solves a square real system by LU with partial pivoting.
+/// Solves the real system A X = B by LU decomposition with partial pivoting.
 pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
-    Factors::of(matrix).solve(right)
+    LuFactors::new(matrix).solve(right)
 }
 
-/// Solves a square complex system by LU with partial pivoting.
+/// Solves the complex system A X = B by LU decomposition with partial pivoting.
 pub fn solve_complex(matrix: &DMatrix<Complex<f64>>, right: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     copy(view(matrix).partial_piv_lu().solve(view(right)).as_ref())
 }

@@ -1,10 +1,11 @@
-//! ModalStateSpace algebra: what a shaft's chain of nodes needs, and the dense decompositions.
+//! Linear algebra: block-tridiagonal matrices of shafts, and dense decompositions by faer.
 
 mod block_tridiagonal;
+mod convert;
 mod dense;
+mod inverse_iteration;
 mod pencil;
-mod repair;
 
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
-pub use dense::{DecompositionError, Eigen, Factors, eigen, hermitian_eigen, solve, solve_complex};
+pub use dense::{DecompositionError, Eigen, LuFactors, eigen, hermitian_eigen, solve, solve_complex};
 pub use pencil::{SymmetricPencil, symmetric_pencil};

@@ -1,26 +1,28 @@
-//! The symmetric eigenproblem K φ = ω² M φ, with the motions that K does not resist taken out exactly.
+//! Symmetric generalized eigenproblem K φ = ω² M φ with exact deflation of a known null space of K.
 //!
-//! With M = LLᵀ the problem is A u = ω² u, A = L⁻¹KL⁻ᵀ, φ = L⁻ᵀu. Householder reflections turn the known null vectors
-//! into coordinate axes and leave A on their complement, so that ω = 0 is exact and every other mode is orthogonal to
-//! it; an eigensolver alone leaves ω² = ±1e-5 and mixes null vectors into the low modes.
+//! With M = LLᵀ the problem becomes A u = ω² u, where A = L⁻¹KL⁻ᵀ and φ = L⁻ᵀu. Householder reflections map the known
+//! null vectors to coordinate axes, and the eigensolver works on the orthogonal complement. The null vectors then have
+//! ω = 0 exactly, and all other modes are orthogonal to them. Without deflation an eigensolver gives ω² = ±1e-5 and
+//! mixes null vectors into the low modes.
 
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par, Side};
 use nalgebra::{DMatrix, DVector};
 
 use super::DecompositionError;
-use super::dense::{copy, symmetric_eigen, view};
+use super::convert::{copy, view};
+use super::dense::symmetric_eigen;
 
-/// Eigenvalues and vectors of a symmetric pencil.
+/// Eigenvalues and eigenvectors of a symmetric n × n pencil (K, M).
 #[derive(Clone, Debug)]
 pub struct SymmetricPencil {
-    /// ω², ascending within the null motions (zeros, first) and the others.
+    /// ω², rad²/s²: first the zeros of the null vectors, then ascending.
     pub values: DVector<f64>,
-    /// Vectors φ, one a column, φᵀMφ = 1.
+    /// Eigenvectors φ, one per column, with φᵀMφ = 1.
     pub vectors: DMatrix<f64>,
 }
 
-/// Solves K φ = ω² M φ; `null` has orthonormal columns (in M) that K does not resist.
+/// Solves K φ = ω² M φ. The columns of `null` are orthonormal in M and span the null space of K.
 ///
 /// # Errors
 /// [`DecompositionError`] if M is not positive definite or the iteration fails.
@@ -36,7 +38,7 @@ pub fn symmetric_pencil(
     })?;
     let factor = llt.L();
 
-    // A = L⁻¹ (L⁻¹ K)ᵀ for symmetric K.
+    // A = L⁻¹ (L⁻¹ K)ᵀ, because K is symmetric.
     let mut half = view(stiffness).to_owned();
     solve_lower_triangular_in_place(factor, half.as_mut(), Par::Seq);
     let mut standard = half.transpose().to_owned();
@@ -84,10 +86,10 @@ pub fn symmetric_pencil(
     Ok(SymmetricPencil { values, vectors })
 }
 
-/// `matrix ← (I − 2aaᵀ)·matrix`.
+/// Householder reflection `matrix ← (I − 2aaᵀ)·matrix` with a = `axis`.
 fn reflect_rows(axis: &DVector<f64>, matrix: &mut DMatrix<f64>) {
     for mut column in matrix.column_iter_mut() {
-        let shift = -2.0 * axis.dot(&column);
-        column.axpy(shift, axis, 1.0);
+        let factor = -2.0 * axis.dot(&column);
+        column.axpy(factor, axis, 1.0);
     }
 }

@@ -1,15 +1,26 @@
-//! Modes: undamped, the basis of everything linear, and damped at speed, with the names of their whirl.
+//! Modal analysis: undamped modes, damped modes at a given speed, and modal state-space models.
+//!
+//! Data flow, each file using only those before it: undamped modes (`real`) → first-order matrix in modal coordinates
+//! (`first_order`) → its eigenpairs (`eigenpairs`), with the positions of undamped rigid-body motions (`rigid_body`) →
+//! decoupled pairs of real coordinates (`pairs`) → state-space model (`state_space`) → cache of all of these per model
+//! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
+//! of frequency and speed (`quadratic`).
 
+mod cached;
 mod damped;
+mod eigenpairs;
+mod first_order;
 mod pairs;
 mod quadratic;
 mod real;
+mod rigid_body;
 mod state_space;
 mod whirl;
 
+pub use cached::CachedModel;
 pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
-pub use quadratic::{OnLine, Quadratic};
-pub use real::{CachedModel, RealModes};
-pub use state_space::{Form, LANES, ModalStateSpace, WORST};
+pub use quadratic::{OrderIntersection, Quadratic};
+pub use real::RealModes;
+pub use state_space::{Form, LANES, MAX_CONDITION, ModalStateSpace};
 pub use whirl::Whirl;

@@ -1,30 +1,36 @@
-//! Pairs of real coordinates from eigenvalues and eigenvectors, with the null motions, and how far they can be trusted.
+//! Decoupled pairs of real coordinates z from the eigenpairs of a first-order form, y = T z.
+//!
+//! Each pair moves by its own 2 × 2 block. A complex eigenvalue gives one pair ([`super::eigenpairs`]), the position
+//! and velocity of a rigid-body mode give one pair ([`super::rigid_body`]), and the remaining real eigenvalues are
+//! combined two by two. Pair k has the entries k and n + k of z.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-use super::RealModes;
-use super::damped::FirstOrder;
-use crate::linalg::{DecompositionError, eigen, solve};
+use super::eigenpairs::Eigenpairs;
+use super::first_order::FirstOrder;
+use super::real::RealModes;
+use super::rigid_body::RigidBodyPositions;
+use crate::linalg::DecompositionError;
 
-/// Null motions that swing more slowly than this part of the lowest frequency are round-off.
-const SLOW: f64 = 1e-6;
-/// Modes reproduce the matrix to this part of it, or they are not taken.
-const RIGHT: f64 = 1e-11;
+/// Oscillations slower than this fraction of the lowest undamped frequency are rigid-body motions with round-off.
+const SLOWEST_OSCILLATION: f64 = 1e-6;
+/// Largest residual of the eigenpairs relative to the matrix norm; eigenpairs with a larger one are rejected.
+const MAX_RESIDUAL: f64 = 1e-11;
 
-/// How a pair of coordinates moves.
+/// Motion of one pair of coordinates (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModePair {
-    /// λ = a + ib: [[a, b], [−b, a]].
+    /// Complex eigenvalue λ = a + ib, rad/s: block [[a, b], [−b, a]].
     Oscillation(Complex64),
-    /// Two real eigenvalues.
+    /// Two real eigenvalues, rad/s.
     Real([f64; 2]),
-    /// Position and velocity of a motion that nothing restores and that λ ≤ 0 damps, if anything: [[0, 1], [0, λ]].
+    /// Position and velocity of a rigid-body motion with decay rate λ ≤ 0, rad/s: block [[0, 1], [0, λ]].
     RigidBodyPair(f64),
 }
 
 impl ModePair {
-    /// Its 2×2 matrix.
+    /// The 2 × 2 matrix A of (ẋ, ẏ) = A (x, y).
     pub fn block(&self) -> [[f64; 2]; 2] {
         match self {
             Self::Oscillation(value) => [[value.re, value.im], [-value.im, value.re]],
@@ -33,8 +39,8 @@ impl ModePair {
         }
     }
 
-    /// The largest |λ|, rad/s.
-    pub(super) fn radius(&self) -> f64 {
+    /// Largest |λ|, rad/s.
+    pub(super) fn largest(&self) -> f64 {
         match self {
             Self::Oscillation(value) => value.norm(),
             Self::Real(values) => values[0].abs().max(values[1].abs()),
@@ -42,137 +48,80 @@ impl ModePair {
         }
     }
 
-    /// The smallest |λ|, rad/s.
-    pub(super) fn slowest(&self) -> f64 {
+    /// Smallest |λ|, rad/s.
+    pub(super) fn smallest(&self) -> f64 {
         match self {
             Self::Real(values) => values[0].abs().min(values[1].abs()),
-            Self::Oscillation(_) => self.radius(),
+            Self::Oscillation(_) => self.largest(),
             Self::RigidBodyPair(_) => 0.0,
         }
     }
 }
 
-/// The pairs with the matrices y = right·z and z = left·y; z is split into first and second coordinates.
+/// Pairs of coordinates with the transformations y = T z and z = T⁻¹ y.
 pub(super) struct Pairs {
+    /// The n pairs.
     pub pairs: Vec<ModePair>,
+    /// T, 2n × 2n.
     pub right: DMatrix<f64>,
+    /// T⁻¹, 2n × 2n.
     pub left: DMatrix<f64>,
+    /// Condition number of the modes; infinite if they do not reproduce the matrix.
     pub condition: f64,
 }
 
 impl Pairs {
-    /// None where the eigenvalues do not tell what becomes of a null motion.
-    pub fn new(real: &RealModes, order: &FirstOrder) -> Result<Option<Self>, DecompositionError> {
-        let n = real.frequencies.len();
-        let (e, block) = (order.elastic.len(), order.matrix.nrows());
-        let mut oscillations: Vec<(Complex64, DVector<f64>, DVector<f64>)> = Vec::new();
-        let mut single: Vec<(f64, DVector<f64>)> = Vec::new();
-        if order.undamped {
-            let axis = |i: usize| DVector::from_fn(block, |k, _| if k == i { 1.0 } else { 0.0 });
-            for (i, mode) in order.elastic.iter().enumerate() {
-                oscillations.push((Complex64::new(0.0, real.frequencies[*mode]), axis(i), axis(e + i)));
-            }
-        } else {
-            let eigen = eigen(&order.matrix)?;
-            for (value, vector) in eigen.values.iter().zip(eigen.vectors.column_iter()) {
-                if value.im > 0.0 {
-                    let (first, second) = balanced(vector.iter().copied());
-                    oscillations.push((*value, first, second));
-                } else if value.im == 0.0 {
-                    single.push((value.re, vector.map(|entry| entry.re).normalize()));
-                }
-            }
-        }
-        if 2 * oscillations.len() + single.len() != block {
+    /// Decouples a first-order form; `None` if round-off hides which eigenvalues belong to a rigid-body motion.
+    pub fn new(real_modes: &RealModes, order: &FirstOrder) -> Result<Option<Self>, DecompositionError> {
+        let Some(eigenpairs) = Eigenpairs::new(real_modes, order)? else {
             return Ok(None);
-        }
-        // Where the velocities of null motions stand that are among the eigenvectors.
-        let null: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
-        let held: Vec<usize> = (0..order.moving.len()).filter(|row| null.contains(&order.moving[*row])).collect();
-        let lowest = order.elastic.first().map_or(0.0, |mode| real.frequencies[*mode]);
-        let nothing = (f64::EPSILON * order.matrix.amax() * block as f64).max(SLOW * lowest);
-        if !held.is_empty() && oscillations.iter().any(|(value, ..)| value.norm() <= nothing) {
-            return Ok(None);
-        }
-
-        let columns: Vec<&DVector<f64>> = oscillations
-            .iter()
-            .flat_map(|(_, first, second)| [first, second])
-            .chain(single.iter().map(|(_, vector)| vector))
-            .collect();
-        let vectors = if columns.is_empty() {
-            DMatrix::zeros(0, 0)
-        } else {
-            DMatrix::from_columns(&columns.into_iter().cloned().collect::<Vec<_>>())
         };
-        let inverse =
-            if order.undamped { vectors.transpose() } else { solve(&vectors, &DMatrix::identity(block, block)) };
-        let rates = vectors.select_rows(&held.iter().map(|row| e + row).collect::<Vec<_>>());
-        let coasting = RigidBodyPair::new(&rates, &oscillations, &single, if lowest > 0.0 { lowest } else { 1.0 });
-        let condition = if residual(order, &oscillations, &single, &vectors) > RIGHT * order.matrix.norm() {
+        let n = real_modes.frequencies.len();
+        // Rigid-body modes whose velocities are among the eigenvectors, and the rows of these velocities.
+        let coupled: Vec<usize> = order.moving.iter().copied().filter(|i| order.rigid_body.contains(i)).collect();
+        let velocities: Vec<usize> = coupled.iter().map(|mode| order.velocity_index(*mode)).collect();
+        let lowest = order.elastic.first().map_or(0.0, |mode| real_modes.frequencies[*mode]);
+        let round_off = f64::EPSILON * order.matrix.amax() * order.matrix.nrows() as f64;
+        let smallest = round_off.max(SLOWEST_OSCILLATION * lowest);
+        if !coupled.is_empty() && eigenpairs.complex.iter().any(|value| value.norm() <= smallest) {
+            return Ok(None);
+        }
+        let rates = eigenpairs.vectors.select_rows(&velocities);
+        let rigid = RigidBodyPositions::new(&rates, &eigenpairs, if lowest > 0.0 { lowest } else { 1.0 });
+        let condition = if eigenpairs.residual(order) > MAX_RESIDUAL * order.matrix.norm() {
             f64::INFINITY
         } else {
-            condition(&vectors, &inverse, oscillations.len()).max(coasting.condition())
+            eigenpairs.condition().max(rigid.condition())
         };
 
-        // y holds the block, then the positions of all null motions, then the velocities of those that stand alone.
+        let Layout { mut pairs, columns, positions } = Layout::new(n, &eigenpairs, &rigid);
         let mut right = DMatrix::zeros(2 * n, 2 * n);
         let mut left = DMatrix::zeros(2 * n, 2 * n);
-        let mut pairs = Vec::with_capacity(n);
-        let at = |slot: usize, which: usize| slot + which * n;
-        // Where column j of `vectors` stands in z.
-        let mut places = vec![0; block];
-        for (index, (value, ..)) in oscillations.iter().enumerate() {
-            (places[2 * index], places[2 * index + 1]) = (at(pairs.len(), 0), at(pairs.len(), 1));
-            pairs.push(ModePair::Oscillation(*value));
-        }
-        let mut homes = vec![0; held.len()];
-        for (carrier, home) in coasting.carriers.iter().zip(&mut homes) {
-            if let Some(column) = carrier {
-                (*home, places[*column]) = (at(pairs.len(), 0), at(pairs.len(), 1));
-                pairs.push(ModePair::RigidBodyPair(single[column - 2 * oscillations.len()].0));
+        for (column, place) in columns.iter().enumerate() {
+            for row in 0..order.matrix.nrows() {
+                right[(row, *place)] = eigenpairs.vectors[(row, column)];
+                left[(*place, row)] = eigenpairs.inverse[(column, row)];
             }
         }
-        // Real eigenvalues that carry nothing, and positions that nothing carries.
-        let mut rest = Vec::new();
-        for ((index, (value, _)), place) in single.iter().enumerate().zip(&mut places[2 * oscillations.len()..]) {
-            if !coasting.carriers.contains(&Some(2 * oscillations.len() + index)) {
-                rest.push((*value, place));
+        // Positions: η = R p + F z, so p = R⁻¹ η − R⁻¹ F V⁻¹ y.
+        let rows: Vec<usize> = coupled.iter().map(|mode| order.position_index(*mode)).collect();
+        let back = &rigid.inverse * &rigid.response * &eigenpairs.inverse;
+        for (j, row) in rows.iter().enumerate() {
+            for (i, other) in rows.iter().enumerate() {
+                right[(*row, positions[i])] = rigid.shapes[(j, i)];
+                left[(positions[j], *other)] = rigid.inverse[(j, i)];
+            }
+            for (column, place) in columns.iter().enumerate() {
+                right[(*row, *place)] += rigid.response[(j, column)];
+            }
+            for row in 0..order.matrix.nrows() {
+                left[(positions[j], row)] = -back[(j, row)];
             }
         }
-        rest.extend(
-            coasting.carriers.iter().zip(&mut homes).filter(|(by, _)| by.is_none()).map(|(_, home)| (0.0, home)),
-        );
-        for two in rest.chunks_exact_mut(2) {
-            (*two[0].1, *two[1].1) = (at(pairs.len(), 0), at(pairs.len(), 1));
-            pairs.push(ModePair::Real([two[0].0, two[1].0]));
-        }
-        for (column, place) in places.iter().enumerate() {
-            for row in 0..block {
-                right[(row, *place)] = vectors[(row, column)];
-                left[(*place, row)] = inverse[(column, row)];
-            }
-        }
-        // Where the positions of the null motions stand in y.
-        let position = |row: usize| block + null.iter().position(|i| *i == order.moving[row]).unwrap_or_default();
-        let back = &coasting.inverse * &coasting.follows * &inverse;
-        for (j, row) in held.iter().enumerate() {
-            for (i, other) in held.iter().enumerate() {
-                right[(position(*row), homes[i])] = coasting.shapes[(j, i)];
-                left[(homes[j], position(*other))] = coasting.inverse[(j, i)];
-            }
-            for (column, place) in places.iter().enumerate() {
-                right[(position(*row), *place)] += coasting.follows[(j, column)];
-            }
-            for row in 0..block {
-                left[(homes[j], row)] = -back[(j, row)];
-            }
-        }
-        let alone = null.iter().enumerate().filter(|(_, mode)| !order.moving.contains(mode));
-        for (rate, (index, _)) in alone.enumerate() {
-            let slot = pairs.len();
+        for mode in &order.uncoupled {
+            let pair = pairs.len();
             pairs.push(ModePair::RigidBodyPair(0.0));
-            for (row, place) in [(block + index, at(slot, 0)), (block + null.len() + rate, at(slot, 1))] {
+            for (row, place) in [(order.position_index(*mode), pair), (order.velocity_index(*mode), pair + n)] {
                 right[(row, place)] = 1.0;
                 left[(place, row)] = 1.0;
             }
@@ -181,125 +130,45 @@ impl Pairs {
     }
 }
 
-/// Positions of null motions: η = R p + F z over the coordinates z of the eigenvectors.
-///
-/// Such a position moves by its velocity, which every eigenvector has a part of: η̇ = W z. A motion that swings or decays
-/// leaves η = W A⁻¹ z, and a p that stays where it is. Of one that hardly decays this would be a difference of large
-/// numbers, so there ṗ = z: its eigenvector carries p.
-struct RigidBodyPair {
-    /// The eigenvector that carries each p, if any does.
-    carriers: Vec<Option<usize>>,
-    /// R, and its inverse.
-    shapes: DMatrix<f64>,
-    inverse: DMatrix<f64>,
-    /// F, zero where a carrier stands.
-    follows: DMatrix<f64>,
+/// Assignment of eigenvectors and rigid-body positions to entries of z.
+struct Layout {
+    /// The pairs, without those of uncoupled rigid-body modes.
+    pairs: Vec<ModePair>,
+    /// Entry of z for each column of V.
+    columns: Vec<usize>,
+    /// Entry of z for each rigid-body position p.
+    positions: Vec<usize>,
 }
 
-impl RigidBodyPair {
-    /// From W; what decays more slowly than `slow` carries rather than leaves.
-    fn new(
-        rates: &DMatrix<f64>,
-        oscillations: &[(Complex64, DVector<f64>, DVector<f64>)],
-        single: &[(f64, DVector<f64>)],
-        slow: f64,
-    ) -> Self {
-        let (positions, first) = (rates.nrows(), 2 * oscillations.len());
-        // R is made of columns of W and of axes, the one that leaves most first, of what is independent of those before.
-        let candidates: Vec<(Option<usize>, DVector<f64>, f64)> = single
-            .iter()
-            .enumerate()
-            .map(|(i, (value, _))| (Some(first + i), rates.column(first + i).into_owned(), value.abs()))
-            .chain((0..positions).map(|i| (None, DVector::from_fn(positions, |k, _| f64::from(k == i)), slow)))
-            .collect();
-        let mut left: Vec<DVector<f64>> = candidates.iter().map(|(_, column, _)| column.clone()).collect();
-        let mut carriers = Vec::with_capacity(positions);
-        let mut shapes = DMatrix::zeros(positions, positions);
-        for position in 0..positions {
-            let leaves = |i: usize| left[i].norm() / candidates[i].2.max(f64::EPSILON * slow);
-            let best = (0..left.len()).max_by(|a, b| leaves(*a).total_cmp(&leaves(*b))).unwrap_or_default();
-            carriers.push(candidates[best].0);
-            shapes.set_column(position, &candidates[best].1);
-            let direction = left[best].normalize();
-            for column in &mut left {
-                let along = direction.dot(column);
-                column.axpy(-along, &direction, 1.0);
-            }
-            left[best].fill(0.0);
+impl Layout {
+    fn new(n: usize, eigenpairs: &Eigenpairs, rigid: &RigidBodyPositions) -> Self {
+        let first_real = eigenpairs.first_real();
+        let mut pairs = Vec::with_capacity(n);
+        let mut columns = vec![0; eigenpairs.vectors.ncols()];
+        let mut positions = vec![0; rigid.carriers.len()];
+        for (index, value) in eigenpairs.complex.iter().enumerate() {
+            (columns[2 * index], columns[2 * index + 1]) = (pairs.len(), pairs.len() + n);
+            pairs.push(ModePair::Oscillation(*value));
         }
-        let inverse = solve(&shapes, &DMatrix::identity(positions, positions));
-        let mut follows = DMatrix::zeros(positions, rates.ncols());
-        for i in 0..positions {
-            for (index, (value, ..)) in oscillations.iter().enumerate() {
-                let (r, s) = (rates[(i, 2 * index)], rates[(i, 2 * index + 1)]);
-                let square = value.norm_sqr();
-                // (r, s) times the inverse of [[a, b], [−b, a]].
-                follows[(i, 2 * index)] = (r * value.re + s * value.im) / square;
-                follows[(i, 2 * index + 1)] = (s * value.re - r * value.im) / square;
-            }
-            for (column, (value, _)) in (first..).zip(single) {
-                if !carriers.contains(&Some(column)) {
-                    follows[(i, column)] = rates[(i, column)] / value;
-                }
+        for (carrier, position) in rigid.carriers.iter().zip(&mut positions) {
+            if let Some(column) = carrier {
+                (*position, columns[*column]) = (pairs.len(), pairs.len() + n);
+                pairs.push(ModePair::RigidBodyPair(eigenpairs.real[column - first_real]));
             }
         }
-        Self { carriers, shapes, inverse, follows }
+        // The other real eigenvalues, and zero for each constant p, two by two.
+        let mut rest: Vec<(f64, &mut usize)> = Vec::new();
+        for ((column, place), value) in columns.iter_mut().enumerate().skip(first_real).zip(&eigenpairs.real) {
+            if !rigid.carriers.contains(&Some(column)) {
+                rest.push((*value, place));
+            }
+        }
+        let constant = rigid.carriers.iter().zip(&mut positions).filter(|(carrier, _)| carrier.is_none());
+        rest.extend(constant.map(|(_, position)| (0.0, position)));
+        for two in rest.chunks_exact_mut(2) {
+            (*two[0].1, *two[1].1) = (pairs.len(), pairs.len() + n);
+            pairs.push(ModePair::Real([two[0].0, two[1].0]));
+        }
+        Self { pairs, columns, positions }
     }
-
-    /// The largest ‖column of R‖·‖row of its inverse‖.
-    fn condition(&self) -> f64 {
-        let of = |i: usize| self.shapes.column(i).norm() * self.inverse.row(i).norm();
-        (0..self.carriers.len()).map(of).fold(1.0, f64::max)
-    }
-}
-
-/// Real and imaginary part of a complex vector of length √2, turned so that they are orthogonal.
-fn balanced(vector: impl Iterator<Item = Complex64> + Clone) -> (DVector<f64>, DVector<f64>) {
-    // v·v = (|r|² − |s|²) + 2i r·s is real and positive once v is turned by half its angle.
-    let square: Complex64 = vector.clone().map(|value| value * value).sum();
-    let norm: f64 = vector.clone().map(|value| value.norm_sqr()).sum::<f64>().sqrt();
-    let turn = Complex64::from_polar(std::f64::consts::SQRT_2 / norm, -square.arg() / 2.0);
-    let turned: Vec<Complex64> = vector.map(|value| value * turn).collect();
-    let part = |of: fn(&Complex64) -> f64| DVector::from_iterator(turned.len(), turned.iter().map(of));
-    (part(|value| value.re), part(|value| value.im))
-}
-
-/// Largest entry of A V − V B, with B the blocks.
-fn residual(
-    order: &FirstOrder,
-    oscillations: &[(Complex64, DVector<f64>, DVector<f64>)],
-    single: &[(f64, DVector<f64>)],
-    vectors: &DMatrix<f64>,
-) -> f64 {
-    if order.undamped {
-        return 0.0;
-    }
-    let mut left = &order.matrix * vectors;
-    for (i, (value, first, second)) in oscillations.iter().enumerate() {
-        let (first, second) = (first * value.re - second * value.im, first * value.im + second * value.re);
-        left.column_mut(2 * i).zip_apply(&first, |entry, moved| *entry -= moved);
-        left.column_mut(2 * i + 1).zip_apply(&second, |entry, moved| *entry -= moved);
-    }
-    for (i, (value, vector)) in single.iter().enumerate() {
-        left.column_mut(2 * oscillations.len() + i).zip_apply(vector, |entry, moved| *entry -= value * moved);
-    }
-    left.amax()
-}
-
-/// The largest of ‖left‖·‖right‖ over the invariant subspaces: two columns of each oscillation, one of each real one.
-fn condition(vectors: &DMatrix<f64>, inverse: &DMatrix<f64>, oscillations: usize) -> f64 {
-    if inverse.iter().any(|entry| !entry.is_finite()) {
-        return f64::INFINITY;
-    }
-    let mut worst: f64 = 1.0;
-    for i in 0..oscillations {
-        let [a, b] = [2 * i, 2 * i + 1];
-        let right = (vectors.column(a).norm_squared() + vectors.column(b).norm_squared()) / 2.0;
-        let left = (inverse.row(a).norm_squared() + inverse.row(b).norm_squared()) / 2.0;
-        worst = worst.max((left * right).sqrt());
-    }
-    for i in 2 * oscillations..vectors.ncols() {
-        worst = worst.max(vectors.column(i).norm() * inverse.row(i).norm());
-    }
-    worst
 }

@@ -1,133 +1,124 @@
-//! Everything linear at one speed as independent pairs of real coordinates, ż = A z.
+//! State-space model of all linear forces at one speed, in modal coordinates: ż = A z + b.
 //!
-//! In undamped modes η, with x = ωη for each elastic one, the motion is ẏ = A y over y = (x, η̇) (see [`super::complex`]).
-//! An eigenvalue λ = a ± ib with the vector r ± is of A gives the pair of coordinates along r and s, which moves by
-//! [[a, b], [−b, a]]; a null motion is a pair of position and velocity, with the real eigenvalue that damps it or with
-//! none; what is left of the real eigenvalues stands two and two. Lengths are those of y, the energy norm, so that |z|
-//! is an energy norm as far as the modes are orthogonal.
+//! The first-order form ẏ = A y over y = (ωη, η̇) ([`super::first_order`]) is decoupled into pairs of real coordinates
+//! ([`super::pairs`]). Vectors are scaled in y, where |y|² is twice the energy; |z| is therefore an energy norm as far
+//! as the modes are orthogonal.
 //!
-//! Modes that are nearly parallel, as at critical damping, cannot carry a motion to the last digits. How far they are
-//! from it is the condition number; beyond [`WORST`] the motion stays in y, and A is dense.
+//! Nearly parallel modes, for example at critical damping, lose digits. Their condition number measures this loss. If
+//! it exceeds [`MAX_CONDITION`], z is y itself and A is a dense matrix.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::CachedModel;
-use super::damped::FirstOrder;
+use super::first_order::FirstOrder;
 use super::pairs::{ModePair, Pairs};
 use super::real::RealModes;
 use crate::linalg::DecompositionError;
+use crate::model::Model;
 
-/// The slots of every part are padded to a multiple of this, so that loops over them need no remainder.
+/// The slots of every part are padded to a multiple of this number, so that SIMD loops have no remainder.
 pub const LANES: usize = 8;
-/// The largest condition number of modes that carry a motion: they lose as many digits.
-pub const WORST: f64 = 1e8;
+/// Largest accepted condition number of the modes. Results lose as many digits as the condition number has.
+pub const MAX_CONDITION: f64 = 1e8;
 
-/// The linear motion.
+/// The matrix A of ż = A z.
 #[derive(Clone, Debug)]
 pub enum Form {
-    /// Pairs, as many as degrees of freedom.
+    /// Block-diagonal: one 2 × 2 block per slot.
     Pairs(Vec<ModePair>),
-    /// A itself.
+    /// Dense, 2·slots × 2·slots.
     Dense(DMatrix<f64>),
 }
 
-/// Everything linear at one speed. A state z holds the first coordinate of each slot, then the second of each.
+/// Linear model at one speed. Slot k has the entries k and slots + k of the state z.
 #[derive(Clone, Debug)]
 pub struct ModalStateSpace {
-    /// How z moves by itself.
+    /// The matrix A.
     pub form: Form,
-    /// Lists of a, b, c, d of the blocks [[a, b], [c, d]] of A, where it has them.
+    /// Entries a, b, c, d of the blocks [[a, b], [c, d]] of A, one per slot, 1/s; empty if A is dense.
     pub blocks: [Vec<f64>; 4],
-    /// Slots, padded: z has twice as many entries.
+    /// Number of slots with padding; z has twice as many entries.
     pub slots: usize,
-    /// κ of the modes, the largest of ‖left vector‖·‖right vector‖; one where they are orthogonal.
+    /// Condition number of the modes, the largest ‖left vectors‖·‖right vectors‖; 1 for orthogonal modes.
     pub condition: f64,
-    /// The largest |λ|, rad/s.
+    /// Spectral radius, the largest |λ|, rad/s; for a dense A its Frobenius norm, which is an upper bound.
     pub radius: f64,
-    /// Whether it contains the mean stiffness and damping of the meshes.
+    /// Whether A contains the mean stiffness and damping of the meshes.
     pub meshed: bool,
-    /// Slots of the parts that nothing couples in it.
+    /// Slots of each uncoupled part.
     pub parts: Vec<Range<usize>>,
-    /// q = Q z.
+    /// Q of q = Q z, n × 2·slots.
     displacement: DMatrix<f64>,
-    /// q̇ = V z.
+    /// V of q̇ = V z, n × 2·slots.
     velocity: DMatrix<f64>,
-    /// z of a displacement, by M q.
+    /// P of z = P M q + R M q̇, 2·slots × n.
     from_displacement: DMatrix<f64>,
-    /// z of a velocity, by M q̇; ż of a force.
+    /// R of z = P M q + R M q̇, 2·slots × n; a force f gives ż = A z + R f.
     from_velocity: DMatrix<f64>,
 }
 
 impl ModalStateSpace {
-    /// The linear motion at `speed` of the reference shaft, with the mean mesh at rest.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if a decomposition fails.
-    pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
-        let real = cached.real_modes(speed)?;
-        let order = FirstOrder::of_train(cached, speed)?;
-        let pairs = Pairs::new(real, &order)?;
+    /// Model of the complete system, with the mean mesh stiffness at rest.
+    pub(super) fn new(real: &RealModes, order: &FirstOrder) -> Result<Self, DecompositionError> {
+        let pairs = Pairs::new(real, order)?;
         let (form, right, left, condition) = match pairs {
-            Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
+            Some(Pairs { pairs, right, left, condition }) if condition <= MAX_CONDITION => {
                 (Form::Pairs(pairs), right, left, condition)
             }
             other => {
                 let size = 2 * real.frequencies.len();
                 let condition = other.map_or(f64::INFINITY, |pairs| pairs.condition);
                 let identity = DMatrix::identity(size, size);
-                (Form::Dense(order.whole()), identity.clone(), identity, condition)
+                (Form::Dense(order.full_matrix()), identity.clone(), identity, condition)
             }
         };
-        Ok(Self::assemble(true, condition, vec![(form, columns(real, &order, &right, &left))]))
+        Ok(Self::assemble(true, condition, vec![(form, Maps::new(real, order, &right, &left))]))
     }
 
-    /// The linear motion at `speed` of the shafts on their bearings, each as if it were alone: the bending of every shaft
-    /// and its twist are parts that nothing couples. None where modes do not carry it.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if a decomposition fails.
-    pub fn of_parts(cached: &CachedModel, speed: f64) -> Result<Option<Self>, DecompositionError> {
-        let model = &cached.model;
+    /// Model at `speed` of the reference shaft, rad/s, without meshes: the bending and the torsion of every shaft are
+    /// uncoupled parts. `None` if the modes are too ill-conditioned, or if the scene has modal damping, which couples
+    /// the parts.
+    pub(super) fn without_meshes(model: &Model, speed: f64) -> Result<Option<Self>, DecompositionError> {
         if model.scene.modal_damping > 0.0 {
             return Ok(None);
         }
         let damping = model.unmeshed_damping_matrix() + model.gyroscopic_matrix() * speed;
         let skew_part = model.skew_part_matrix();
-        let (mut worst, mut parts) = (1.0_f64, Vec::new());
-        for real in RealModes::of_parts(model)? {
+        let (mut largest, mut parts) = (1.0_f64, Vec::new());
+        for real in RealModes::without_meshes(model)? {
             let order = FirstOrder::new(&real, &damping, &skew_part);
             match Pairs::new(&real, &order)? {
-                Some(Pairs { pairs, right, left, condition }) if condition <= WORST => {
-                    worst = worst.max(condition);
-                    parts.push((Form::Pairs(pairs), columns(&real, &order, &right, &left)));
+                Some(Pairs { pairs, right, left, condition }) if condition <= MAX_CONDITION => {
+                    largest = largest.max(condition);
+                    parts.push((Form::Pairs(pairs), Maps::new(&real, &order, &right, &left)));
                 }
                 _ => return Ok(None),
             }
         }
-        Ok(Some(Self::assemble(false, worst, parts)))
+        Ok(Some(Self::assemble(false, largest, parts)))
     }
 
-    /// The motion of the pairs in `slots` alone; none of a motion that is not in pairs.
-    pub fn keeping(&self, slots: &[usize]) -> Option<Self> {
+    /// The model reduced to the pairs in `slots`; `None` if A is dense.
+    pub fn select_pairs(&self, slots: &[usize]) -> Option<Self> {
         let Form::Pairs(pairs) = &self.form else {
             return None;
         };
-        let both: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
+        let entries: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
         let pairs = slots.iter().map(|slot| pairs[*slot]).collect();
-        let columns = [
-            self.displacement.select_columns(&both),
-            self.velocity.select_columns(&both),
-            self.from_displacement.select_rows(&both).transpose(),
-            self.from_velocity.select_rows(&both).transpose(),
-        ];
-        Some(Self::assemble(self.meshed, self.condition, vec![(Form::Pairs(pairs), columns)]))
+        let maps = Maps([
+            self.displacement.select_columns(&entries),
+            self.velocity.select_columns(&entries),
+            self.from_displacement.select_rows(&entries).transpose(),
+            self.from_velocity.select_rows(&entries).transpose(),
+        ]);
+        Some(Self::assemble(self.meshed, self.condition, vec![(Form::Pairs(pairs), maps)]))
     }
 
-    /// Of a state, a row or a column over all slots, the entries of the `slots` that this motion keeps.
-    pub fn of_kept(&self, all: &[f64], slots: &[usize]) -> Vec<f64> {
+    /// Entries that this reduced model keeps of a state, row or column of the complete model, in its own order;
+    /// `slots` are those given to [`Self::select_pairs`].
+    pub fn select_entries(&self, all: &[f64], slots: &[usize]) -> Vec<f64> {
         let mut kept = vec![0.0; self.len()];
         for (to, from) in slots.iter().enumerate() {
             kept[to] = all[*from];
@@ -136,26 +127,26 @@ impl ModalStateSpace {
         kept
     }
 
-    /// The `count` slots that loads move most, in the order in which they stand, given columns b of the loads.
+    /// The `count` slots that loads excite most, ascending; `columns` are the input columns b of the loads.
     ///
-    /// A load that jumps now and then has amplitudes that fall with the frequency, so what it moves a mode by goes like
-    /// the static displacement |b|/|λ|² over |λ|. Of every load each mode has a share; its largest counts.
-    pub fn most_moved(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
+    /// The measure is |b|/|λ|³. A load with jumps has harmonics that decrease with frequency, so the response of a mode
+    /// decreases as its static displacement |b|/|λ|², divided by |λ|. For each load the measures are normalized to a
+    /// sum of one; the largest value over all loads counts. Rigid-body pairs are always selected first.
+    pub fn most_excited(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
         let Form::Pairs(pairs) = &self.form else {
             return Vec::new();
         };
-        // What nothing restores is always kept.
-        let coasts = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
-        let mut largest: Vec<f64> = pairs.iter().map(|pair| if coasts(pair) { f64::INFINITY } else { 0.0 }).collect();
+        let rigid = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
+        let mut largest: Vec<f64> = pairs.iter().map(|pair| if rigid(pair) { f64::INFINITY } else { 0.0 }).collect();
         for column in columns {
-            let moved = |(slot, pair): (usize, &ModePair)| match column[slot].hypot(column[self.slots + slot]) {
-                load if load > 0.0 && !coasts(pair) => load / pair.slowest().powi(3),
+            let response = |(slot, pair): (usize, &ModePair)| match column[slot].hypot(column[self.slots + slot]) {
+                load if load > 0.0 && !rigid(pair) => load / pair.smallest().powi(3),
                 _ => 0.0,
             };
-            let moved: Vec<f64> = pairs.iter().enumerate().map(moved).collect();
-            let total = moved.iter().sum::<f64>();
-            for (largest, moved) in largest.iter_mut().zip(moved).filter(|(_, moved)| *moved > 0.0) {
-                *largest = largest.max(moved / total);
+            let responses: Vec<f64> = pairs.iter().enumerate().map(response).collect();
+            let total = responses.iter().sum::<f64>();
+            for (largest, response) in largest.iter_mut().zip(responses).filter(|(_, response)| *response > 0.0) {
+                *largest = largest.max(response / total);
             }
         }
         let mut order: Vec<usize> = (0..pairs.len()).collect();
@@ -165,64 +156,38 @@ impl ModalStateSpace {
         order
     }
 
-    /// The motion with room in its slots: the form of every part, of which a dense one is the only one, with the columns
-    /// of its coordinates.
-    fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Columns)>) -> Self {
+    /// Combines uncoupled parts and pads their slots; a dense part is the only one.
+    fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Maps)>) -> Self {
         let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
-        for (_, columns) in &given {
+        for (_, maps) in &given {
             let begin = parts.last().map_or(0, |before| before.end);
-            parts.push(begin..begin + (columns[0].ncols() / 2).next_multiple_of(LANES));
+            parts.push(begin..begin + maps.slots().next_multiple_of(LANES));
         }
         let slots = parts.last().map_or(0, |last| last.end);
-        let rows = given.first().map_or(0, |(_, columns)| columns[0].nrows());
-        let mut padded: Columns = std::array::from_fn(|_| DMatrix::zeros(rows, 2 * slots));
+        let rows = given.first().map_or(0, |(_, maps)| maps.0[0].nrows());
+        let mut padded = Maps(std::array::from_fn(|_| DMatrix::zeros(rows, 2 * slots)));
         let mut pairs = Vec::with_capacity(slots);
         let mut dense = None;
-        for ((form, columns), part) in given.into_iter().zip(&parts) {
-            let used = columns[0].ncols() / 2;
-            // The second coordinates of all parts begin at `slots`.
-            let place = |column: usize| part.start + if column < used { column } else { slots + column - used };
-            for (padded, columns) in padded.iter_mut().zip(columns) {
-                for (index, column) in columns.column_iter().enumerate() {
-                    padded.set_column(place(index), &column);
-                }
-            }
+        for ((form, maps), part) in given.into_iter().zip(&parts) {
+            let used = maps.slots();
+            let place = |entry: usize| part.start + if entry < used { entry } else { slots + entry - used };
+            padded.insert(&maps, place);
             match form {
-                Form::Dense(matrix) => {
-                    let mut padded = DMatrix::zeros(2 * slots, 2 * slots);
-                    for (column, values) in matrix.column_iter().enumerate() {
-                        for (row, value) in values.iter().enumerate() {
-                            padded[(place(row), place(column))] = *value;
-                        }
-                    }
-                    dense = Some(padded);
-                }
+                Form::Dense(matrix) => dense = Some(pad(&matrix, 2 * slots, place)),
                 Form::Pairs(own) => {
                     pairs.extend(own);
                     pairs.resize(part.end, ModePair::Real([0.0; 2]));
                 }
             }
         }
-        let [displacement, velocity, from_displacement, from_velocity] = padded;
         let form = dense.map_or(Form::Pairs(pairs), Form::Dense);
-        let radius = match &form {
-            Form::Pairs(pairs) => pairs.iter().map(ModePair::radius).fold(0.0, f64::max),
-            Form::Dense(matrix) => matrix.norm(),
-        };
-        let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
-        if let Form::Pairs(pairs) = &form {
-            for pair in pairs {
-                for (list, entry) in blocks.iter_mut().zip(pair.block().as_flattened()) {
-                    list.push(*entry);
-                }
-            }
-        }
+        let Maps([displacement, velocity, from_displacement, from_velocity]) = padded;
         Self {
+            blocks: blocks(&form),
+            radius: radius(&form),
             form,
-            blocks,
             slots,
             condition,
-            radius,
             meshed,
             parts,
             displacement,
@@ -232,34 +197,37 @@ impl ModalStateSpace {
         }
     }
 
-    /// Length of z.
+    /// Number of entries of z.
     pub fn len(&self) -> usize {
         2 * self.slots
     }
 
-    /// Whether there is nothing to move.
+    /// Whether z has no entries.
     pub fn is_empty(&self) -> bool {
         self.slots == 0
     }
 
-    /// z of displacements q and velocities v.
-    pub fn state(&self, cached: &CachedModel, q: &[f64], v: &[f64]) -> DVector<f64> {
-        let weigh = |x: &[f64]| {
+    /// State z of displacements q and velocities v, n entries each; `model` is the one this was made from.
+    pub fn state(&self, model: &Model, q: &[f64], v: &[f64]) -> DVector<f64> {
+        let mass_times = |x: &[f64]| {
             let mut out = vec![0.0; x.len()];
-            cached.model.multiply_mass(x, &mut out);
+            model.multiply_mass(x, &mut out);
             DVector::from_vec(out)
         };
-        &self.from_displacement * weigh(q) + &self.from_velocity * weigh(v)
+        &self.from_displacement * mass_times(q) + &self.from_velocity * mass_times(v)
     }
 
-    /// Displacements and velocities of z.
+    /// Displacements q and velocities q̇ of a state z, n entries each.
     pub fn motion(&self, z: &[f64]) -> (DVector<f64>, DVector<f64>) {
         let z = DVector::from_column_slice(z);
         (&self.displacement * &z, &self.velocity * &z)
     }
 
-    /// Amplitudes of the displacements under a force that turns with `spin`, given by its values at ϑ = 0 and ϑ = π/2 as
-    /// entries (index, value); none where no modes carry the motion, or nothing resists it.
+    /// Complex displacement amplitudes q̂, n entries, with q = Re(q̂ e^{iϑ}), under a force that rotates with `spin`,
+    /// rad/s.
+    ///
+    /// `force` gives its values at the shaft angles ϑ = 0 and ϑ = π/2 as entries (index, value). `None` if A is dense,
+    /// or if a mode is in undamped resonance.
     pub fn synchronous(&self, spin: f64, force: &[Vec<(usize, f64)>; 2]) -> Option<DVector<Complex64>> {
         let Form::Pairs(pairs) = &self.form else {
             return None;
@@ -287,8 +255,8 @@ impl ModalStateSpace {
         Some(DVector::from_fn(re.len(), |i, _| Complex64::new(re[i], im[i])))
     }
 
-    /// The row w of a scalar Σ coefficient·q of its entries (index, coefficient), so that it is w·z; of its rate where
-    /// `rate` says so.
+    /// Output row w of the scalar w·z = Σ coefficient·q[index] over the entries (index, coefficient) of `scalar`; with
+    /// `rate` that of its time derivative.
     pub fn row(&self, scalar: &[(usize, f64)], rate: bool) -> Vec<f64> {
         let matrix = if rate { &self.velocity } else { &self.displacement };
         let mut row = vec![0.0; self.len()];
@@ -300,7 +268,7 @@ impl ModalStateSpace {
         row
     }
 
-    /// The column b of a force, entries (index, value), so that ż = A z + b.
+    /// Input column b of a force with the entries (index, value), for ż = A z + b.
     pub fn column(&self, force: &[(usize, f64)]) -> Vec<f64> {
         let mut column = vec![0.0; self.len()];
         for (index, value) in force {
@@ -334,8 +302,9 @@ impl ModalStateSpace {
         }
     }
 
-    /// The smallest |iΩ − λ| over the elastic modes, rad/s.
-    pub fn nearest(&self, spin: f64) -> f64 {
+    /// Smallest distance |iΩ − λ| of the spin Ω to an eigenvalue of an oscillation, rad/s; zero if A is dense, because
+    /// its eigenvalues are unknown.
+    pub fn resonance_distance(&self, spin: f64) -> f64 {
         let at = Complex64::new(0.0, spin.abs());
         match &self.form {
             Form::Pairs(pairs) => {
@@ -345,18 +314,65 @@ impl ModalStateSpace {
                 });
                 oscillations.fold(f64::INFINITY, f64::min)
             }
-            // Only modes tell; without them every speed may be a critical one.
             Form::Dense(_) => 0.0,
         }
     }
 }
 
-/// Q, V, and what measures z, transposed.
-type Columns = [DMatrix<f64>; 4];
+/// The matrices Q, V, Pᵀ and Rᵀ of q = Q z, q̇ = V z and z = P M q + R M q̇, each n × 2·slots.
+struct Maps([DMatrix<f64>; 4]);
 
-/// Those of pairs or of y itself.
-fn columns(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Columns {
-    let (q, v) = order.physical(real);
-    let (to_q, to_v) = order.measured(real);
-    [q * right, v * right, (left * to_q).transpose(), (left * to_v).transpose()]
+impl Maps {
+    /// Maps of z with y = `right` z and z = `left` y.
+    fn new(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Self {
+        let (q, v) = order.to_physical(real);
+        let (from_q, from_v) = order.inverse_maps(real);
+        Self([q * right, v * right, (left * from_q).transpose(), (left * from_v).transpose()])
+    }
+
+    /// Number of slots.
+    fn slots(&self) -> usize {
+        self.0[0].ncols() / 2
+    }
+
+    /// Copies the columns of a part to their places.
+    fn insert(&mut self, part: &Self, place: impl Fn(usize) -> usize) {
+        for (padded, columns) in self.0.iter_mut().zip(&part.0) {
+            for (entry, column) in columns.column_iter().enumerate() {
+                padded.set_column(place(entry), &column);
+            }
+        }
+    }
+}
+
+/// Copies a matrix into a zero matrix of `size` rows and columns; `place` gives the new index of a row or column.
+fn pad(matrix: &DMatrix<f64>, size: usize, place: impl Fn(usize) -> usize) -> DMatrix<f64> {
+    let mut padded = DMatrix::zeros(size, size);
+    for (column, values) in matrix.column_iter().enumerate() {
+        for (row, value) in values.iter().enumerate() {
+            padded[(place(row), place(column))] = *value;
+        }
+    }
+    padded
+}
+
+/// Entries a, b, c, d of the 2 × 2 blocks, one list each; empty for a dense matrix.
+fn blocks(form: &Form) -> [Vec<f64>; 4] {
+    let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
+    if let Form::Pairs(pairs) = form {
+        for pair in pairs {
+            for (list, entry) in blocks.iter_mut().zip(pair.block().as_flattened()) {
+                list.push(*entry);
+            }
+        }
+    }
+    blocks
+}
+
+/// Largest |λ|, rad/s, or an upper bound of it.
+fn radius(form: &Form) -> f64 {
+    match form {
+        Form::Pairs(pairs) => pairs.iter().map(ModePair::largest).fold(0.0, f64::max),
+        Form::Dense(matrix) => matrix.norm(),
+    }
 }

@@ -1,26 +1,34 @@
-//! What kind of motion a mode is.
+//! Classification of modes: forward, backward or planar whirl, torsion, coupled or rigid-body motion.
+//!
+//! With the mode shape (V, W) of a node, its displacement v + iw is f e^{iωt} + b̄ e^{−iωt}, where |f| = |V + iW|/2 and
+//! |b| = |V − iW|/2. Forward whirl has the direction of rotation of the shaft. The squares |f|² and |b|² are summed
+//! over all nodes.
 
 use std::fmt;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::damped::kinetic;
 use crate::model::{DofKind, Model};
 
-/// The kind of motion of a mode.
+/// A mode is torsional if bending holds less than this share of its kinetic energy, and a bending mode if torsion does.
+const MINOR_ENERGY: f64 = 0.05;
+/// An orbit is planar if its forward and backward parts |f|², |b|² differ by less than this share of their sum.
+const PLANAR: f64 = 1e-6;
+
+/// Type of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whirl {
-    /// Bending that circles with the spin of the shafts.
+    /// Bending; the orbits have the direction of rotation of the shafts.
     Forward,
-    /// Bending that circles against it.
+    /// Bending; the orbits have the opposite direction.
     Backward,
-    /// Bending in a plane, or no spin to compare with.
+    /// Bending in a plane, bending without oscillation, or bending at speed zero.
     Planar,
-    /// Twist.
+    /// Torsion.
     Torsion,
-    /// A motion without stiffness.
+    /// Rigid-body motion: λ = 0.
     Rigid,
-    /// Bending and twist together.
+    /// Bending and torsion coupled.
     Coupled,
 }
 
@@ -37,49 +45,65 @@ impl fmt::Display for Whirl {
     }
 }
 
-/// A mode with less than this part of its kinetic energy in bending (in twist) is one of twist (of bending).
-const MINOR: f64 = 0.05;
-/// Orbits whose forward and backward parts differ by less than this part are lines.
-const PLANAR: f64 = 1e-6;
-
-/// Names a mode by where its kinetic energy is and which way its orbits turn.
-///
-/// The displacement v + iw of a point is f e^{iωt} + b̄ e^{−iωt} with |f| = |V + iW|/2 and |b| = |V − iW|/2; forward
-/// is the sense of the shaft's own spin. The translational orbits of all nodes are summed.
-pub(super) fn classify(
-    model: &Model,
+/// Classifies mode shapes of one model at one speed.
+pub(super) struct Classifier<'m> {
+    model: &'m Model,
+    /// Speed of the reference shaft, rad/s.
     speed: f64,
-    eigenvalue: Complex<f64>,
-    shape: &DVector<Complex<f64>>,
-    mass: &DMatrix<f64>,
-    lateral: &[bool],
-) -> Whirl {
-    if eigenvalue == Complex::new(0.0, 0.0) {
-        return Whirl::Rigid;
+    /// Mass matrix, n × n.
+    mass: DMatrix<f64>,
+    /// Whether each internal coordinate belongs to bending, n entries.
+    lateral: Vec<bool>,
+}
+
+impl<'m> Classifier<'m> {
+    pub fn new(model: &'m Model, speed: f64) -> Self {
+        let mut lateral = vec![false; model.len()];
+        for dof in model.numbering.dofs() {
+            lateral[dof.index] = dof.kind.is_lateral();
+        }
+        Self { model, speed, mass: model.mass_matrix(), lateral }
     }
-    let bending = kinetic(model, mass, shape, lateral);
-    let twist: Vec<bool> = lateral.iter().map(|lateral| !lateral).collect();
-    let share = bending / (bending + kinetic(model, mass, shape, &twist));
-    if share < MINOR {
-        return Whirl::Torsion;
+
+    /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in internal order.
+    pub fn classify(&self, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
+        if eigenvalue == Complex::new(0.0, 0.0) {
+            return Whirl::Rigid;
+        }
+        let bending = self.kinetic_energy(shape, true);
+        let share = bending / (bending + self.kinetic_energy(shape, false));
+        if share < MINOR_ENERGY {
+            return Whirl::Torsion;
+        }
+        if share < 1.0 - MINOR_ENERGY {
+            return Whirl::Coupled;
+        }
+        let (mut forward, mut backward) = (0.0, 0.0);
+        for dof in self.model.numbering.dofs().iter().filter(|dof| dof.kind == DofKind::V) {
+            let (v, w) = (shape[dof.index], shape[dof.index + 1]);
+            let rotated = w * Complex::i();
+            let (positive, negative) = ((v + rotated).norm_sqr(), (v - rotated).norm_sqr());
+            let spins_backward = self.model.shafts[dof.node.shaft].ratio * self.speed < 0.0;
+            forward += if spins_backward { negative } else { positive };
+            backward += if spins_backward { positive } else { negative };
+        }
+        let planar = (forward - backward).abs() <= PLANAR * (forward + backward);
+        if self.speed == 0.0 || eigenvalue.im == 0.0 || planar {
+            Whirl::Planar
+        } else if forward > backward {
+            Whirl::Forward
+        } else {
+            Whirl::Backward
+        }
     }
-    if share < 1.0 - MINOR {
-        return Whirl::Coupled;
-    }
-    let (mut forward, mut backward) = (0.0, 0.0);
-    for dof in model.numbering.dofs().iter().filter(|dof| dof.kind == DofKind::V) {
-        let (v, w) = (shape[dof.index], shape[dof.index + 1]);
-        let turned = w * Complex::i();
-        let (with, against) = ((v + turned).norm_sqr(), (v - turned).norm_sqr());
-        let spins_backward = model.shafts[dof.node.shaft].ratio * speed < 0.0;
-        forward += if spins_backward { against } else { with };
-        backward += if spins_backward { with } else { against };
-    }
-    if speed == 0.0 || eigenvalue.im == 0.0 || (forward - backward).abs() <= PLANAR * (forward + backward) {
-        Whirl::Planar
-    } else if forward > backward {
-        Whirl::Forward
-    } else {
-        Whirl::Backward
+
+    /// φᴴMφ over the coordinates of bending (`lateral`) or of torsion.
+    fn kinetic_energy(&self, shape: &DVector<Complex<f64>>, lateral: bool) -> f64 {
+        let quadratic_form = |part: fn(&Complex<f64>) -> f64| {
+            let vector =
+                DVector::from_fn(shape.len(), |i, _| if self.lateral[i] == lateral { part(&shape[i]) } else { 0.0 });
+            vector.dot(&(&self.mass * &vector))
+        };
+        quadratic_form(|value| value.re) + quadratic_form(|value| value.im)
     }
 }

@@ -1,14 +1,19 @@
-//! The residual bow of a shaft at its nodes.
+//! Residual bow of a shaft: its stress-free shape b(x) at the nodes, in coordinates that rotate with the shaft.
+//!
+//! u = b(x) and φ = b'(x), complex with the real part in the y direction and the imaginary part in the z direction at
+//! shaft angle zero. The force of the bow is K_s b.
 
 use num_complex::Complex64;
 
 use crate::linalg::BlockTridiagonal;
 use crate::scene::{Bow, Scene, SceneError};
 
-/// A support this many times stiffer than the shaft holds a node in place to round-off.
-const RIGID: f64 = 1e8;
+/// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
+const RIGID_STIFFNESS: f64 = 1e8;
 
-/// u = b(x) and φ = b'(x) at the nodes of shaft `index`, if it is bowed. `mass` is that of bending, with the bodies.
+/// u, m, and φ, rad, at the nodes of shaft `index`, two entries per node; `None` for a straight shaft.
+///
+/// `mass` is the mass matrix of bending, including the bodies on the shaft.
 pub(super) fn shape(
     scene: &Scene,
     index: usize,
@@ -37,10 +42,11 @@ pub(super) fn shape(
     })
 }
 
-/// (u, φ) of the sag under the weight of the shaft and its bodies between rigid bearings, largest deflection 1.
+/// (u, φ) of the sag under the weight of the shaft and its bodies on rigid bearings, scaled to a largest deflection of
+/// 1.
 ///
-/// The rigid-body part of a bow exerts no force, so how the bearings yield does not matter: run-out is measured
-/// against the line of the bearings.
+/// Bearings are rigid because run-out is measured relative to the line through the bearings. The rigid-body part of a
+/// bow exerts no force.
 fn unit_sag(
     scene: &Scene,
     index: usize,
@@ -49,12 +55,14 @@ fn unit_sag(
 ) -> Result<Vec<f64>, SceneError> {
     let shaft = &scene.shafts[index];
     let undefined = |message: &str| SceneError::new(format!("shafts[{index}].bow"), message);
-    let mut held: Vec<usize> =
+    let mut bearings: Vec<usize> =
         scene.bearings.iter().filter(|bearing| bearing.node.shaft == index).map(|bearing| bearing.node.node).collect();
-    held.sort_unstable();
-    held.dedup();
-    if held.len() < 2 {
-        return Err(undefined("a sag needs bearings at two positions of the shaft"));
+    bearings.sort_unstable();
+    bearings.dedup();
+    if bearings.len() < 2 {
+        return Err(undefined(
+            "a sag needs bearings at two positions of the shaft; add a bearing or choose another shape",
+        ));
     }
     let mut largest: f64 = 0.0;
     stiffness.for_each(|row, column, value| {
@@ -63,14 +71,15 @@ fn unit_sag(
         }
     });
     let mut supported = stiffness.clone();
-    for node in &held {
-        supported.add_at_node(*node, 0, 0, RIGID * largest);
+    for node in &bearings {
+        supported.add_at_node(*node, 0, 0, RIGID_STIFFNESS * largest);
     }
-    let factor = supported.factor().map_err(|_| undefined("the sag is lost to round-off"))?;
-    let weightless: Vec<f64> = (0..shaft.nodes.len()).flat_map(|_| [1.0, 0.0]).collect();
-    let mut sag = vec![0.0; weightless.len()];
-    mass.multiply_add::<1>(1.0, &weightless, &mut sag);
+    let factor =
+        supported.factor().map_err(|_| undefined("the sag is lost to round-off; give the bow by points instead"))?;
+    let translation: Vec<f64> = (0..shaft.nodes.len()).flat_map(|_| [1.0, 0.0]).collect();
+    let mut sag = vec![0.0; translation.len()];
+    mass.multiply_add::<1>(1.0, &translation, &mut sag);
     factor.solve::<1>(&mut sag);
-    let deepest = sag.iter().step_by(2).fold(0.0_f64, |deepest, value| deepest.max(value.abs()));
-    Ok(sag.iter().map(|value| value / deepest).collect())
+    let largest = sag.iter().step_by(2).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    Ok(sag.iter().map(|value| value / largest).collect())
 }

@@ -1,4 +1,7 @@
-//! The matrices of the whole scene, dense, for eigenvalues, factorisations and users.
+//! Dense n × n matrices of the complete model in internal order, for eigenvalues, factorizations and users.
+//!
+//! SI units: translations in m, rotations in rad. A speed Ω is that of the reference shaft, rad/s; its sign selects the
+//! loaded tooth flanks.
 
 use nalgebra::DMatrix;
 
@@ -7,7 +10,7 @@ use super::shaft::{BendingChain, TwistChain};
 use crate::linalg::BlockTridiagonal;
 
 impl Model {
-    /// Mass M.
+    /// Mass matrix M.
     pub fn mass_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for shaft in &self.shafts {
@@ -17,7 +20,7 @@ impl Model {
         matrix
     }
 
-    /// Stiffness of the shafts alone.
+    /// Stiffness matrix of the shafts.
     pub fn shaft_stiffness_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for shaft in &self.shafts {
@@ -27,7 +30,7 @@ impl Model {
         matrix
     }
 
-    /// Stiffness of the bearings alone.
+    /// Stiffness matrix of the bearings.
     pub fn support_stiffness_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for support in &self.supports {
@@ -36,7 +39,7 @@ impl Model {
         matrix
     }
 
-    /// The restoring part of it.
+    /// Symmetric part of the bearing stiffness.
     pub fn symmetric_part_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for support in &self.supports {
@@ -45,7 +48,7 @@ impl Model {
         matrix
     }
 
-    /// What is left without it.
+    /// Bearing stiffness without its symmetric part.
     pub fn skew_part_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for support in &self.supports {
@@ -54,22 +57,22 @@ impl Model {
         matrix
     }
 
-    /// Stiffness of the meshes alone, linearised at rest.
+    /// Mean stiffness matrix of the meshes, linearized at rest.
     pub fn mesh_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
         self.mesh_matrix(speed, |mesh| self.meshes[mesh].stiffness)
     }
 
-    /// Stiffness K of shafts, bearings and meshes.
+    /// Stiffness matrix K of shafts, bearings and meshes.
     pub fn stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
         self.shaft_stiffness_matrix() + self.support_stiffness_matrix() + self.mesh_stiffness_matrix(speed)
     }
 
-    /// Damping of shafts, bearings and meshes; the modal damping is the basis's to add.
+    /// Damping matrix of shafts, bearings and meshes, without modal damping, which `CachedModel` adds.
     pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
         self.mesh_matrix(speed, |mesh| self.meshes[mesh].damping) + self.unmeshed_damping_matrix()
     }
 
-    /// Damping of shafts and bearings.
+    /// Damping matrix of shafts and bearings, without modal damping.
     pub fn unmeshed_damping_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for shaft in &self.shafts {
@@ -82,7 +85,8 @@ impl Model {
         matrix
     }
 
-    /// Gyroscopic matrix G per unit reference speed: −iΩ_s G_s u̇ on (re, im) pairs.
+    /// Gyroscopic matrix G per unit speed of the reference shaft: the term −iΩ_s G_s u̇ of each shaft s for the real
+    /// and imaginary part of u.
     pub fn gyroscopic_matrix(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for shaft in &self.shafts {
@@ -101,6 +105,7 @@ impl Model {
         DMatrix::zeros(self.len(), self.len())
     }
 
+    /// Σ factor·gᵀg over the meshes, where g = ∂δ/∂q is the gradient of the mesh deflection at rest.
     fn mesh_matrix(&self, speed: f64, factor: impl Fn(usize) -> f64) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for (index, mesh) in self.meshes.iter().enumerate() {
@@ -114,12 +119,13 @@ impl Model {
     }
 }
 
+/// Adds a matrix of the bending of a shaft to both planes.
 fn add_bending<'a>(
     matrix: &mut DMatrix<f64>,
     chain: Option<&'a BendingChain>,
-    of: impl Fn(&'a BendingChain) -> Option<&'a BlockTridiagonal<2>>,
+    select: impl Fn(&'a BendingChain) -> Option<&'a BlockTridiagonal<2>>,
 ) {
-    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, of(chain)?))) {
+    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
         part.for_each(|row, column, value| {
             for lane in 0..2 {
                 matrix[(chain.start + 2 * row + lane, chain.start + 2 * column + lane)] += value;
@@ -128,16 +134,18 @@ fn add_bending<'a>(
     }
 }
 
+/// Adds a matrix of the torsion of a shaft.
 fn add_twist<'a>(
     matrix: &mut DMatrix<f64>,
     chain: Option<&'a TwistChain>,
-    of: impl Fn(&'a TwistChain) -> Option<&'a BlockTridiagonal<1>>,
+    select: impl Fn(&'a TwistChain) -> Option<&'a BlockTridiagonal<1>>,
 ) {
-    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, of(chain)?))) {
+    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
         part.for_each(|row, column, value| matrix[(chain.start + row, chain.start + column)] += value);
     }
 }
 
+/// Adds a 2 × 2 coefficient over (v, w) at the coordinates from `index` on.
 fn add_support(matrix: &mut DMatrix<f64>, index: usize, coefficient: &[[f64; 2]; 2]) {
     for i in 0..2 {
         for j in 0..2 {

@@ -1,17 +1,17 @@
-//! The assembled scene: numbering, matrices of every shaft, meshes, and what excites them.
+//! Assembled model of a scene: numbering of coordinates, matrices of shafts and bearings, meshes, and excitation.
 //!
 //! ```text
 //! M q̈ + (C + ΩG) q̇ + K q + Σ_mesh F ∂δ/∂q = Σ_s K_s q_b,s(t) + f_unbalance(t) + f_torque + f_gravity
 //! ```
 //!
-//! A shaft couples neighbouring nodes alone, a bearing one node, a mesh six coordinates by one scalar force. Nothing
-//! here is ever stored as a dense matrix except on demand (`dense`), for eigenvalues and factorisations.
+//! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
+//! force F. Matrices are stored per shaft as block-tridiagonal matrices; dense ones (`dense`) are assembled on demand.
 
 mod bow;
 mod dense;
 mod flanks;
-mod form;
 mod numbering;
+mod quadratic_forms;
 mod shaft;
 
 use nalgebra::{DMatrix, DVector};
@@ -25,60 +25,76 @@ use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
 use crate::scene::{Bearing, Node, Scene, SceneError};
 
-/// A bearing on its coordinates.
+/// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Support {
-    /// Index of v; w follows.
+    /// Internal index of v at its node; w has the next index.
     pub index: usize,
-    /// Stiffness over (v, w), N/m.
+    /// Stiffness matrix over (v, w), N/m.
     pub stiffness: [[f64; 2]; 2],
-    /// The symmetric stiffness that stands for it in undamped modes and in the energy norm: it resists what K resists,
-    /// and pushes nothing away.
+    /// Symmetric, positive semidefinite matrix over (v, w) that represents the stiffness in undamped modes and in the
+    /// energy norm, N/m. It has the null space of the stiffness.
     pub symmetric_part: [[f64; 2]; 2],
-    /// Damping over (v, w), N s/m.
+    /// Damping matrix over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
 }
 
 impl Support {
-    /// A bearing on the coordinates from `index` on.
+    /// A bearing at the coordinates `index` (v) and `index` + 1 (w).
     fn new(index: usize, bearing: &Bearing) -> Self {
         let (stiffness, damping) = (bearing.stiffness, bearing.damping);
         Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
     }
 
-    /// The directions that it resists, orthogonal and of unit length.
+    /// Orthogonal unit vectors over (v, w) in which the bearing has stiffness.
     pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let [[a, b], [_, d]] = self.symmetric_part;
         let (mean, half) = (a / 2.0 + d / 2.0, ((a - d) / 2.0).hypot(b));
         let (sine, cosine) = (b.atan2((a - d) / 2.0) / 2.0).sin_cos();
-        let both = [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])];
-        both.into_iter()
-            .filter(move |(stiffness, _)| *stiffness > NOTHING * (mean + half))
+        let principal = [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])];
+        principal
+            .into_iter()
+            .filter(move |(stiffness, _)| *stiffness > ZERO_STIFFNESS * (mean + half))
             .map(|(_, direction)| direction)
     }
 
-    /// What the stiffness has beside its restoring part.
+    /// Force of the shaft on the bearing over (y, z), K u + C u̇, N.
+    #[inline(always)]
+    pub fn force(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let (i, c, elastic) = (self.index, &self.damping, self.elastic_force(q));
+        [0, 1].map(|row| elastic[row] + c[row][0] * v[i] + c[row][1] * v[i + 1])
+    }
+
+    /// Elastic part K u of the force, N.
+    #[inline(always)]
+    pub fn elastic_force(&self, q: &[f64]) -> [f64; 2] {
+        let (i, k) = (self.index, &self.stiffness);
+        [0, 1].map(|row| k[row][0] * q[i] + k[row][1] * q[i + 1])
+    }
+
+    /// Stiffness minus its symmetric part, over (v, w), N/m.
     pub fn skew_part(&self) -> [[f64; 2]; 2] {
         std::array::from_fn(|i| std::array::from_fn(|j| self.stiffness[i][j] - self.symmetric_part[i][j]))
     }
 }
 
-/// Stiffness below this part of the largest is round-off.
-const NOTHING: f64 = 1e-12;
-/// A symmetric part below this share of the whole says nothing of what a bearing resists.
-const WEAK: f64 = 1e-3;
+/// A principal stiffness below this fraction of the largest one counts as zero.
+const ZERO_STIFFNESS: f64 = 1e-12;
+/// (K + Kᵀ)/2 counts as positive definite if its lower eigenvalue exceeds this fraction of ‖K‖.
+const DEFINITE: f64 = 1e-3;
 
-/// The symmetric part of K where that is positive definite; else the factor (KᵀK)^½ of its polar decomposition, which
-/// has the null space of K (Higham 2008, chapter 8).
+/// (K + Kᵀ)/2 if it is positive definite or K is diagonal; otherwise the factor (KᵀK)^½ of the polar decomposition of
+/// K, which has the null space of K (Higham 2008, Functions of Matrices, chapter 8).
 fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let norm = k.as_flattened().iter().fold(0.0_f64, |norm, value| norm.hypot(*value));
     let cross = k[0][1] / 2.0 + k[1][0] / 2.0;
     let lowest = k[0][0] / 2.0 + k[1][1] / 2.0 - ((k[0][0] - k[1][1]) / 2.0).hypot(cross);
     let diagonal = k[0][1] == 0.0 && k[1][0] == 0.0;
-    if diagonal || lowest > WEAK * norm {
+    if diagonal || lowest > DEFINITE * norm {
         return [[k[0][0], cross], [cross, k[1][1]]];
     }
-    // √S = (S + √det S)/√(tr S + 2√det S), with √det S = |det K|; of K over its norm, so that no square overflows.
+    // √S = (S + √(det S) I)/√(tr S + 2√(det S)) with S = KᵀK and √(det S) = |det K|. K is divided by its norm, so that
+    // no square overflows.
     let k = k.map(|row| row.map(|value| value / norm));
     let square = |i: usize, j: usize| k[0][i] * k[0][j] + k[1][i] * k[1][j];
     let root = (k[0][0] * k[1][1] - k[0][1] * k[1][0]).abs();
@@ -86,20 +102,20 @@ fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     std::array::from_fn(|i| std::array::from_fn(|j| norm * (square(i, j) + if i == j { root } else { 0.0 }) / trace))
 }
 
-/// An assembled scene.
+/// Assembled model of a scene.
 #[derive(Debug)]
 pub struct Model {
-    /// The scene it was made from.
+    /// The scene.
     pub scene: Scene,
-    /// Which coordinate stands where.
+    /// Numbering of the coordinates.
     pub numbering: Numbering,
-    /// Every shaft with the bodies on it.
+    /// Shafts with the bodies on them.
     pub shafts: Vec<ShaftModel>,
-    /// Bearings; empty in a scene without bending.
+    /// Bearings; empty for a scene without bending.
     pub supports: Vec<Support>,
-    /// Meshes.
+    /// Gear meshes.
     pub meshes: Vec<GearMesh>,
-    /// Torque and gravity: the constant load.
+    /// Constant load of torques and gravity, n entries, N or N m.
     pub constant_load: DVector<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
@@ -109,7 +125,8 @@ impl Model {
     /// Assembles a scene.
     ///
     /// # Errors
-    /// [`SceneError`] if a node has no inertia, or a bow asks for a sag that the bearings do not define.
+    /// [`SceneError`] if a node has no inertia, the bearings do not define the sag of a bow, or a mesh stiffness is not
+    /// positive.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let numbering = Numbering::new(&scene);
         let shafts = (0..scene.shafts.len())
@@ -130,7 +147,7 @@ impl Model {
                 let nodes = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node);
                 let [a, b] = nodes.map(|node| numbering.translation(node));
                 let translation = a.zip(b).map(|(a, b)| [a, b]);
-                // A scene with a mesh has twist: `Scene::required_motion` has seen to that.
+                // A scene with a mesh always includes torsion: `Scene::required_motion` ensures this.
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
                 GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, twist })
             })
@@ -148,25 +165,24 @@ impl Model {
         self.numbering.len()
     }
 
-    /// Whether there is nothing to move.
+    /// Whether the model has no degrees of freedom.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Force of the shaft on the bearings of a node over (y, z), N.
+    /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q and velocities v.
     pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 2] {
         let mut force = [0.0; 2];
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
-            let (i, k, c) = (support.index, &support.stiffness, &support.damping);
-            for (row, force) in force.iter_mut().enumerate() {
-                *force += k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+            for (sum, value) in force.iter_mut().zip(support.force(q, v)) {
+                *sum += value;
             }
         }
         force
     }
 
-    /// Indices of v and w of all nodes.
+    /// Internal indices of v and w of all nodes.
     pub fn translations(&self) -> impl Iterator<Item = usize> + '_ {
         self.numbering.dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W)).map(|dof| dof.index)
     }
@@ -177,24 +193,25 @@ impl Model {
         [pair.driver, pair.driven].map(|gear| self.scene.gears[gear].body.name.as_str())
     }
 
-    /// The fastest speed of a shaft over that of the reference shaft.
-    pub fn fastest_turn(&self) -> f64 {
+    /// Largest ratio |Ω_s/Ω| of the speed of a shaft to that of the reference shaft.
+    pub fn max_speed_ratio(&self) -> f64 {
         self.scene.speed_ratios.iter().map(|ratio| ratio.abs()).fold(0.0, f64::max)
     }
 
-    /// The fastest tooth frequency over the speed of the reference shaft; zero without a mesh.
-    pub fn fastest_teeth(&self) -> f64 {
-        self.fastest_teeth_of(|_| true)
+    /// Largest mesh order: tooth meshing frequency, rad/s, divided by the speed of the reference shaft; zero without
+    /// meshes.
+    pub fn max_mesh_order(&self) -> f64 {
+        self.max_mesh_order_of(|_| true)
     }
 
-    /// The same among the meshes that are `chosen`.
-    pub fn fastest_teeth_of(&self, chosen: impl Fn(&GearMesh) -> bool) -> f64 {
-        let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, gear_mesh)| chosen(gear_mesh));
-        let teeth = meshes.map(|(mesh, _)| {
+    /// Largest mesh order of the meshes that satisfy `condition`.
+    pub fn max_mesh_order_of(&self, condition: impl Fn(&GearMesh) -> bool) -> f64 {
+        let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, gear_mesh)| condition(gear_mesh));
+        let orders = meshes.map(|(mesh, _)| {
             let gear = &self.scene.gears[mesh.driver];
             f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
         });
-        teeth.fold(0.0, f64::max)
+        orders.fold(0.0, f64::max)
     }
 
     fn assemble_constant_load(&self) -> DVector<f64> {
@@ -218,7 +235,7 @@ impl Model {
         load
     }
 
-    /// K q of shafts and bearings.
+    /// K q of shafts and bearings, n entries, N or N m.
     pub fn static_force(&self, q: &DVector<f64>) -> DVector<f64> {
         let (q, mut force) = (q.as_slice(), DVector::zeros(self.len()));
         for shaft in &self.shafts {
@@ -230,9 +247,8 @@ impl Model {
             }
         }
         for support in &self.supports {
-            let (i, k) = (support.index, &support.stiffness);
-            for row in 0..2 {
-                force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1];
+            for (row, value) in support.elastic_force(q).into_iter().enumerate() {
+                force[support.index + row] -= value;
             }
         }
         -force
@@ -245,7 +261,7 @@ impl Model {
         }
     }
 
-    /// M times the columns of a matrix.
+    /// M X for a matrix X with n rows.
     pub fn mass_times(&self, vectors: &DMatrix<f64>) -> DMatrix<f64> {
         let mut weighted = DMatrix::zeros(self.len(), vectors.ncols());
         for (vector, mut weighted) in vectors.as_slice().chunks_exact(self.len().max(1)).zip(weighted.column_iter_mut())
@@ -256,7 +272,7 @@ impl Model {
     }
 }
 
-/// No stiffness may be below zero: it would push the flanks together.
+/// Checks that every mesh stiffness is positive; a negative one would pull the flanks together.
 fn check_stiffness(meshes: &[GearMesh]) -> Result<(), SceneError> {
     for (index, mesh) in meshes.iter().enumerate() {
         if mesh.stiffness.is_nan() || mesh.stiffness <= 0.0 {
@@ -277,7 +293,7 @@ fn check_stiffness(meshes: &[GearMesh]) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The scene error of a shaft whose mass matrix cannot be factored.
+/// Error for a shaft whose mass matrix is not positive definite.
 fn massless(scene: &Scene, shaft: usize, failure: NotPositiveDefinite) -> SceneError {
     let x = scene.shafts[shaft].nodes[failure.node];
     SceneError::new(format!("shafts[{shaft}]"), format!("the node at {x} m has no inertia, or one lost to round-off"))

@@ -1,13 +1,13 @@
-//! Which coordinate of a vector belongs to which motion of which node.
+//! Numbering of the coordinates: which entry of a vector belongs to which motion of which node.
 //!
-//! Inside, a shaft's bending comes first, (v, w, Γ, −B) node after node, which is (u, φ) as complex numbers; its twist
-//! follows, θ node after node. Outside, a node has v, w, B, Γ, θ together; [`Numbering::dofs`] stands in that order.
+//! Internal order: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
+//! torsion, θ for each node. User order: for each node v, w, B, Γ, θ; [`Numbering::dofs`] has this order.
 
 use std::ops::Range;
 
 use crate::scene::{Node, Scene};
 
-/// What a coordinate measures.
+/// Motion that a coordinate describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DofKind {
     /// Translation along y.
@@ -18,12 +18,12 @@ pub enum DofKind {
     B,
     /// Rotation about z.
     Gamma,
-    /// Twist about x.
+    /// Rotation about x (torsion).
     Twist,
 }
 
 impl DofKind {
-    /// The name that users read.
+    /// Name in the user interface.
     pub fn name(self) -> &'static str {
         match self {
             Self::V => "v",
@@ -34,33 +34,37 @@ impl DofKind {
         }
     }
 
-    /// Whether it is a bending motion.
+    /// Whether it belongs to bending.
     pub fn is_lateral(self) -> bool {
         self != Self::Twist
     }
 }
 
-/// One degree of freedom, in the outside order.
+/// One degree of freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct Dof {
     /// Node.
     pub node: Node,
-    /// What it measures.
+    /// Motion that it describes.
     pub kind: DofKind,
-    /// Its index inside.
+    /// Index in the internal order.
     pub index: usize,
-    /// ±1: the inside coordinate is −B.
+    /// Sign of the internal coordinate: −1 for B, whose internal coordinate is −B, otherwise 1.
     pub sign: f64,
 }
 
+/// Coordinates of one shaft.
 #[derive(Clone, Copy, Debug)]
 struct Block {
+    /// Internal index of the first bending coordinate.
     lateral: Option<usize>,
+    /// Internal index of the first torsion coordinate.
     torsion: Option<usize>,
+    /// Number of nodes.
     nodes: usize,
 }
 
-/// The numbering of a scene.
+/// Numbering of the coordinates of a scene.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     blocks: Vec<Block>,
@@ -75,12 +79,12 @@ impl Numbering {
         let mut len = 0;
         for (shaft, given) in scene.shafts.iter().enumerate() {
             let nodes = given.nodes.len();
-            let mut take = |wanted: bool, count: usize| {
+            let mut reserve = |needed: bool, count: usize| {
                 let start = len;
-                len += if wanted { count } else { 0 };
-                wanted.then_some(start)
+                len += if needed { count } else { 0 };
+                needed.then_some(start)
             };
-            let (lateral, torsion) = (take(scene.lateral, 4 * nodes), take(scene.torsion, nodes));
+            let (lateral, torsion) = (reserve(scene.lateral, 4 * nodes), reserve(scene.torsion, nodes));
             let block = Block { lateral, torsion, nodes };
             for node in 0..nodes {
                 let mut push = |kind, index, sign| dofs.push(Dof { node: Node { shaft, node }, kind, index, sign });
@@ -105,47 +109,47 @@ impl Numbering {
         self.dofs.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no coordinates.
     pub fn is_empty(&self) -> bool {
         self.dofs.is_empty()
     }
 
-    /// The coordinates in the outside order.
+    /// Degrees of freedom in user order.
     pub fn dofs(&self) -> &[Dof] {
         &self.dofs
     }
 
-    /// First bending coordinate of a shaft.
+    /// Internal index of the first bending coordinate of a shaft.
     pub fn lateral(&self, shaft: usize) -> Option<usize> {
         self.blocks[shaft].lateral
     }
 
-    /// First twist of a shaft.
+    /// Internal index of the first torsion coordinate of a shaft.
     pub fn torsion(&self, shaft: usize) -> Option<usize> {
         self.blocks[shaft].torsion
     }
 
-    /// MeshCoordinates that only meshes couple to others: the bending of every shaft, then the twist of every shaft, so
-    /// that what a mesh sees of its shafts stands side by side.
+    /// Internal index ranges of the parts that only meshes couple: the bending of every shaft, then the torsion of
+    /// every shaft.
     pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        let part = |start: usize, each: usize, nodes: usize| start..start + each * nodes;
+        let part = |start: usize, per_node: usize, nodes: usize| start..start + per_node * nodes;
         let bending = move |block: &Block| block.lateral.map(|start| part(start, 4, block.nodes));
         let twist = move |block: &Block| block.torsion.map(|start| part(start, 1, block.nodes));
         self.blocks.iter().filter_map(bending).chain(self.blocks.iter().filter_map(twist))
     }
 
-    /// Index of v at a node; w, Γ and −B follow.
+    /// Internal index of v at a node; w, Γ and −B have the next indices.
     pub fn translation(&self, node: Node) -> Option<usize> {
         self.lateral(node.shaft).map(|start| start + 4 * node.node)
     }
 
-    /// Index of θ at a node.
+    /// Internal index of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
     }
 
-    /// A vector from the inside order to the outside one.
-    pub fn outside<T: Copy + std::ops::Mul<f64, Output = T>>(&self, inside: &[T]) -> Vec<T> {
-        self.dofs.iter().map(|dof| inside[dof.index] * dof.sign).collect()
+    /// Converts a vector from internal order to user order, n entries.
+    pub fn to_user_order<T: Copy + std::ops::Mul<f64, Output = T>>(&self, internal: &[T]) -> Vec<T> {
+        self.dofs.iter().map(|dof| internal[dof.index] * dof.sign).collect()
     }
 }

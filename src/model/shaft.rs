@@ -1,7 +1,16 @@
-//! A shaft with the rigid bodies on it, as two chains of nodes: bending and twist.
+//! A shaft with its rigid bodies, as two chains of nodes: bending and torsion.
 //!
-//! Bending is complex, u = v + iw and φ = Γ − iB at each node: M ü + (αM_s + βK_s) u̇ − iΩ_s G u̇ + K u = f. Twist is
-//! J θ̈ + (αJ_s + βK_θ) θ̇ + K_θ θ = f. Damping takes the shaft's own matrices (index s), without the bodies on it.
+//! ```text
+//! M ü + (αM_s + βK_s) u̇ − iΩ_s G u̇ + K_s u = f     bending, complex: u = v + iw, φ = Γ − iB at each node
+//! J θ̈ + (αJ_s + βK_θ) θ̇ + K_θ θ = f               torsion
+//! ```
+//!
+//! M and J contain shaft and bodies; Rayleigh damping (α, β) uses the matrices M_s and J_s of the shaft without bodies.
+//! The forces of bow and unbalance rotate with the shaft angle ϑ:
+//!
+//! ```text
+//! f = [K_s b + U (Ω_s² − iΩ̇_s)] e^{iϑ},    b bow,  U = m·e unbalance
+//! ```
 
 use num_complex::Complex64;
 
@@ -11,32 +20,32 @@ use crate::element::{Beam, Bending, Elastic, Twist, Values};
 use crate::linalg::{BlockTridiagonal, BlockTridiagonalFactor, load};
 use crate::scene::{Node, Scene, SceneError};
 
-/// The matrices of one chain, elements of kind `E` between nodes of `B` unknowns.
+/// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
 #[derive(Clone, Debug)]
 pub struct Chain<const B: usize, E> {
-    /// Index of the first coordinate.
+    /// Internal index of the first coordinate.
     pub start: usize,
     /// Number of nodes.
     pub nodes: usize,
-    /// Mass, with the bodies.
+    /// Mass matrix of shaft and bodies.
     pub mass: BlockTridiagonal<B>,
-    /// Factor of the mass.
+    /// Factors of the mass matrix.
     pub mass_factor: BlockTridiagonalFactor<B>,
-    /// The elastic elements between the nodes.
+    /// Elastic elements between the nodes.
     pub elements: Vec<E>,
-    /// Elastic stiffness of the shaft, assembled.
+    /// Assembled stiffness matrix of the elements.
     pub stiffness: BlockTridiagonal<B>,
-    /// Rayleigh damping of the shaft, where the scene has any.
+    /// Rayleigh damping matrix of the shaft; `None` if it is zero.
     pub damping: Option<BlockTridiagonal<B>>,
 }
 
-/// Bending: nodes of (u, φ), real and imaginary part as lanes.
+/// Bending: unknowns (u, φ); the lanes are the real and the imaginary part.
 pub type BendingChain = Chain<2, Bending>;
-/// Twist: nodes of θ, one lane.
+/// Torsion: unknown θ with one lane.
 pub type TwistChain = Chain<1, Twist>;
 
 impl<const B: usize, E: Elastic<B>> Chain<B, E> {
-    /// `force −= K q`, both of this chain alone.
+    /// `force −= K q`; both vectors begin at the first coordinate of this chain.
     #[inline(always)]
     pub fn subtract_elastic<const L: usize>(&self, q: &[f64], force: &mut [f64]) {
         let mut first: Values<B, L> = load(q, 0);
@@ -51,50 +60,51 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
         }
     }
 
-    /// qᵀKq of this chain alone.
+    /// qᵀKq, J; `q` begins at the first coordinate of this chain.
     pub fn elastic_form<const L: usize>(&self, q: &[f64]) -> f64 {
-        let pair = |(node, element): (usize, &E)| element.form::<L>(&load(q, node), &load(q, node + 1));
+        let pair = |(node, element): (usize, &E)| element.quadratic_form::<L>(&load(q, node), &load(q, node + 1));
         self.elements.iter().enumerate().map(pair).sum()
     }
 }
 
-/// A force that turns with the shaft: at shaft angle ϑ it is amplitude·e^{iϑ}, amplitude = bow + unbalance·(Ω² − iΩ̇).
+/// Force that rotates with the shaft: amplitude·e^{iϑ} at the shaft angle ϑ, where amplitude = bow + unbalance·(Ω² −
+/// iΩ̇).
 #[derive(Clone, Copy, Debug)]
 pub struct Excitation {
-    /// Index of the real part (v or Γ); the imaginary part (w or −B) follows.
+    /// Internal index of the real part (v or Γ); the imaginary part (w or −B) has the next index.
     pub index: usize,
-    /// K_s b of the bow, N or N m.
+    /// Force K_s b of the bow, N or N m.
     pub bow: Complex64,
-    /// Unbalance, kg m.
+    /// Unbalance mass·eccentricity, kg m.
     pub unbalance: Complex64,
 }
 
 impl Excitation {
-    /// Amplitude at a spin Ω that changes at the rate Ω̇.
+    /// Amplitude at the spin Ω, rad/s, and its rate Ω̇, rad/s², in N or N m.
     pub fn amplitude(&self, spin: f64, rate: f64) -> Complex64 {
-        self.bow + self.of_unbalance(spin, rate)
+        self.bow + self.unbalance_amplitude(spin, rate)
     }
 
-    /// The part of it that unbalance has.
-    pub fn of_unbalance(&self, spin: f64, rate: f64) -> Complex64 {
+    /// Part of the amplitude that is due to unbalance, N.
+    pub fn unbalance_amplitude(&self, spin: f64, rate: f64) -> Complex64 {
         self.unbalance * Complex64::new(spin * spin, -rate)
     }
 }
 
-/// An assembled shaft.
+/// Assembled shaft.
 #[derive(Clone, Debug)]
 pub struct ShaftModel {
-    /// Signed spin over the reference shaft's.
+    /// Speed ratio Ω_s/Ω to the reference shaft; negative for the opposite direction of rotation.
     pub ratio: f64,
-    /// Bending, where the scene has it.
+    /// Bending; `None` if the scene excludes it.
     pub bending: Option<BendingChain>,
-    /// Gyroscopic matrix of bending, per unit spin of this shaft.
+    /// Gyroscopic matrix of bending per unit spin of this shaft, kg m².
     pub gyroscopic: BlockTridiagonal<2>,
-    /// Twist, where the scene has it.
+    /// Torsion; `None` if the scene excludes it.
     pub twist: Option<TwistChain>,
-    /// Where bow and unbalance act.
+    /// Forces of bow and unbalance.
     pub excitations: Vec<Excitation>,
-    /// The bow at every node: u and φ of the stress-free shape in the shaft.
+    /// Stress-free shape (u, φ) at the nodes in shaft coordinates, two entries per node; `None` for a straight shaft.
     pub bow: Option<Vec<Complex64>>,
 }
 
@@ -102,7 +112,7 @@ impl ShaftModel {
     /// Assembles shaft `index` of the scene.
     ///
     /// # Errors
-    /// [`SceneError`] if a node has no inertia, or the bow's sag is not defined.
+    /// [`SceneError`] if a node has no inertia, or the bearings do not define the sag of the bow.
     pub fn new(scene: &Scene, numbering: &Numbering, index: usize) -> Result<Self, SceneError> {
         let shaft = &scene.shafts[index];
         let nodes = shaft.nodes.len();
@@ -184,7 +194,7 @@ impl ShaftModel {
     }
 }
 
-/// αM + βK, or nothing where both vanish.
+/// Rayleigh damping αM + βK; `None` if it is zero.
 fn rayleigh<const B: usize>(
     alpha: f64,
     mass: &BlockTridiagonal<B>,
@@ -197,7 +207,8 @@ fn rayleigh<const B: usize>(
     (!damping.is_zero()).then_some(damping)
 }
 
-/// The bow as the force K_s b that straightens the shaft (no bearing, body or mesh term enters it), and unbalance.
+/// Forces of bow and unbalance, without zero entries. The force of the bow is K_s b of the free shaft: bearings, bodies
+/// and meshes do not contribute.
 fn excitations(scene: &Scene, index: usize, chain: &BendingChain, bow: Option<&[Complex64]>) -> Vec<Excitation> {
     let mut force = vec![0.0; 4 * chain.nodes];
     if let Some(bow) = bow {

@@ -85,7 +85,7 @@ impl<'m> EquationOfMotion<'m> {
                 }
             }
             for excitation in &shaft.excitations {
-                let force = excitation.of_unbalance(spin, rate) * turn;
+                let force = excitation.unbalance_amplitude(spin, rate) * turn;
                 unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
             }
         }

@@ -259,9 +259,8 @@ impl<'m> EquationOfMotion<'m> {
             }
         }
         for support in &self.model.supports {
-            let (i, k, c) = (support.index, &support.stiffness, &support.damping);
-            for row in 0..2 {
-                force[i + row] -= k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1];
+            for (row, value) in support.force(q, v).into_iter().enumerate() {
+                force[support.index + row] -= value;
             }
         }
         for (index, mesh) in self.model.meshes.iter().enumerate() {

@@ -1,11 +1,11 @@
-//! Long work on a thread of its own, while the calling thread listens to Python.
+//! Runs long work on a second thread, while the calling thread handles Python signals.
 //!
-//! Python runs its signal handlers only when the calling thread asks for them. A dense decomposition cannot be asked
-//! anything until it ends, which takes minutes for a few thousand degrees of freedom. So the calling thread waits for
-//! the work and asks Python every 50 ms. When Python raises (Ctrl-C), work that reports progress stops at its next
-//! report and hands over what it has. Other work stops at its next [`Interrupt::check`]. If that takes longer than
-//! [`GRACE`], the work is abandoned: the call returns, and the thread keeps one processor and its matrices until its
-//! next check.
+//! Python runs its signal handlers only when the calling thread asks for them. A dense decomposition cannot be
+//! interrupted, and it takes minutes for a few thousand degrees of freedom. Therefore the calling thread waits for the
+//! work and checks for signals every 50 ms. When Python raises an exception (Ctrl-C), work that reports progress stops
+//! at its next report and returns a partial result. Other work stops at its next [`Interrupt::check`]. If that takes
+//! longer than [`GRACE`], the work is abandoned: the call returns, and the thread uses one processor and its memory
+//! until its next check.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -16,24 +16,26 @@ use pyo3::prelude::*;
 
 use crate::analysis::Interrupt;
 
-/// Time between two questions to Python.
+/// Time between two checks for signals.
 const HEARTBEAT: Duration = Duration::from_millis(50);
-/// Time that work gets to stop before it is abandoned.
+/// Time after which work that does not stop is abandoned.
 const GRACE: Duration = Duration::from_millis(200);
-/// Stack of the thread, bytes: what the main thread of a process usually has.
+/// Stack size of the thread, bytes; the usual size of a main thread.
 const STACK: usize = 8 << 20;
 
 enum Message<T> {
-    /// The fraction that is done; the thread waits for an answer whether to go on.
+    /// The completed fraction. The thread then waits for the answer whether to continue.
     Progress(f64),
     Done(T),
 }
 
-/// Runs `work` and gives its result, with the exception that Python raised meanwhile. The second argument of `work`
-/// takes the fraction that is done, which `progress` is called with, and says whether to go on.
+/// Runs `work` and returns its result and the exception that Python raised in the meantime.
+///
+/// `work` calls its second argument with the completed fraction. That function passes the fraction to `progress` and
+/// returns whether to continue.
 ///
 /// # Errors
-/// What Python raised, if the work was abandoned; the system's error if it starts no thread.
+/// The exception that Python raised, if the work was abandoned; the error of the system if it cannot start a thread.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,
@@ -46,41 +48,45 @@ pub fn run<T: Send + 'static>(
     let body = move || {
         let mut report = |done| send.send(Message::Progress(done)).is_ok() && answers.recv().unwrap_or(false);
         let result = work(&checked, &mut report);
-        // Nobody listens to abandoned work.
+        // Nobody receives the result of abandoned work.
         send.send(Message::Done(result)).unwrap_or_default();
     };
     let thread = thread::Builder::new().name("gearbow".to_owned()).stack_size(STACK).spawn(body)?;
     py.detach(move || {
-        let (mut raised, mut reported) = (None, false);
-        // When Python had not raised yet.
-        let mut quiet = Instant::now();
+        let (mut raised, mut reports_progress) = (None, false);
+        // Last time at which Python had not raised an exception.
+        let mut last_quiet = Instant::now();
         loop {
             match messages.recv_timeout(HEARTBEAT) {
                 Ok(Message::Done(result)) => {
-                    // It only has to drop what it holds.
+                    // The thread ends as soon as it has released its memory.
                     thread.join().unwrap_or_default();
                     return Ok((result, raised));
                 }
                 Ok(Message::Progress(done)) => {
-                    reported = true;
-                    raised = raised.or_else(|| ask(progress, Some(done)).err());
-                    // The thread is there: it waits for this answer.
+                    reports_progress = true;
+                    raised = raised.or_else(|| poll_python(progress, Some(done)).err());
+                    // The thread waits for this answer.
                     answer.send(raised.is_none()).unwrap_or_default();
                 }
-                Err(RecvTimeoutError::Timeout) => raised = raised.or_else(|| ask(progress, None).err()),
+                Err(RecvTimeoutError::Timeout) => raised = raised.or_else(|| poll_python(progress, None).err()),
                 Err(RecvTimeoutError::Disconnected) => match thread.join() {
                     Err(panic) => resume_unwind(panic),
-                    Ok(()) => return Err(pyo3::exceptions::PyRuntimeError::new_err("the work gave no result")),
+                    Ok(()) => {
+                        return Err(pyo3::exceptions::PyRuntimeError::new_err(
+                            "the background thread returned no result",
+                        ));
+                    }
                 },
             }
             if raised.is_none() {
-                quiet = Instant::now();
+                last_quiet = Instant::now();
                 continue;
             }
             interrupt.request();
-            // Work that reports stops at its next report: a step is short.
-            if !reported
-                && quiet.elapsed() >= GRACE
+            // Work that reports progress stops at its next report, which follows soon: a step is short.
+            if !reports_progress
+                && last_quiet.elapsed() >= GRACE
                 && let Some(raised) = raised.take()
             {
                 return Err(raised);
@@ -89,8 +95,8 @@ pub fn run<T: Send + 'static>(
     })
 }
 
-/// Lets Python handle signals, and tells it the fraction that is done.
-fn ask(progress: Option<&Py<PyAny>>, done: Option<f64>) -> PyResult<()> {
+/// Lets Python handle signals and calls `progress` with the completed fraction.
+fn poll_python(progress: Option<&Py<PyAny>>, done: Option<f64>) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
         if let (Some(progress), Some(done)) = (progress, done) {

@@ -1,25 +1,29 @@
-//! Vectors and matrices on their way to NumPy.
+//! Conversion of vectors, matrices and mesh quantities to NumPy arrays.
+//!
+//! The core orders coordinates by shaft and motion; Python orders them by node (see `model/numbering.rs`).
 
 use nalgebra::{DMatrix, DVector};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use crate::model::Numbering;
+use crate::analysis::simulate::MESH_FIELDS;
+use crate::model::{Model, Numbering};
 
-/// A matrix over the coordinates, from the inside order to the outside one.
+/// Converts an (n, n) matrix from the coordinate order of the core to that of Python.
 pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMatrix<f64>) -> Bound<'py, PyArray2<f64>> {
     let dofs = numbering.dofs();
     let entry = |(i, j): (usize, usize)| inside[(dofs[i].index, dofs[j].index)] * dofs[i].sign * dofs[j].sign;
     Array2::from_shape_fn((dofs.len(), dofs.len()), entry).into_pyarray(py)
 }
 
-/// A vector over the coordinates, from the inside order to the outside one.
+/// Converts an (n,) vector from the coordinate order of the core to that of Python.
 pub fn outside_vector<'py>(py: Python<'py>, numbering: &Numbering, inside: &DVector<f64>) -> Bound<'py, PyArray1<f64>> {
-    Array1::from(numbering.outside(inside.as_slice())).into_pyarray(py)
+    Array1::from(numbering.to_user_order(inside.as_slice())).into_pyarray(py)
 }
 
-/// A row-major list as an array of `rows` × `columns`.
+/// Converts a row-major list to a (rows, columns) array.
 pub fn table<T: Element>(
     py: Python<'_>,
     values: Vec<T>,
@@ -29,7 +33,7 @@ pub fn table<T: Element>(
     Array2::from_shape_vec((rows, columns), values).map(|array| array.into_pyarray(py)).map_err(shape_error)
 }
 
-/// A row-major list as an array of `blocks` × `rows` × `columns`.
+/// Converts a row-major list to a (blocks, rows, columns) array.
 pub fn stack<T: Element>(
     py: Python<'_>,
     values: Vec<T>,
@@ -38,6 +42,30 @@ pub fn stack<T: Element>(
     columns: usize,
 ) -> PyResult<Bound<'_, PyArray3<T>>> {
     Array3::from_shape_vec((blocks, rows, columns), values).map(|array| array.into_pyarray(py)).map_err(shape_error)
+}
+
+/// Gives the names of the driver and the driven gear of meshes.
+pub fn mesh_names(model: &Model, meshes: impl Iterator<Item = usize>) -> Vec<(&str, &str)> {
+    meshes.map(|mesh| model.gear_names(mesh).into()).collect()
+}
+
+/// Converts the recorded quantities of meshes to arrays of shape (times, meshes), or (meshes,) if `flat`, by name.
+pub fn mesh_fields<'py>(
+    py: Python<'py>,
+    fields: [Vec<f64>; 8],
+    times: usize,
+    meshes: usize,
+    flat: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, values) in MESH_FIELDS.iter().zip(fields) {
+        if flat {
+            dict.set_item(name, values.into_pyarray(py))?;
+        } else {
+            dict.set_item(name, table(py, values, times, meshes)?)?;
+        }
+    }
+    Ok(dict)
 }
 
 fn shape_error(error: numpy::ndarray::ShapeError) -> PyErr {

@@ -1,4 +1,4 @@
-//! Errors of the core as the exceptions of `gearbow.errors`, and its warning.
+//! Converts errors and warnings of the core to the classes of `gearbow.errors`.
 
 use std::ffi::CString;
 
@@ -16,13 +16,13 @@ pyo3::import_exception!(gearbow.errors, ConvergenceError);
 pyo3::import_exception!(gearbow.errors, AccuracyWarning);
 pyo3::import_exception!(gearbow.errors, SceneWarning);
 
-/// Warns whoever called the function of the package that called the core.
+/// Issues an `AccuracyWarning` at the caller of the Python function that called the core.
 pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
     let text = CString::new(text).unwrap_or_default();
     PyErr::warn(py, &AccuracyWarning::type_object(py), &text, 2)
 }
 
-/// Warns of a speed of the reference shaft, rad/s, that is too high for the gears.
+/// Issues a `SceneWarning` if a speed of the reference shaft, rad/s, is implausibly high for the gears.
 pub fn warn_of_speed(py: Python<'_>, scene: &Scene, speed: f64) -> PyResult<()> {
     let Some(text) = scene.pitch_line_warning(speed) else { return Ok(()) };
     let text = CString::new(text).unwrap_or_default();

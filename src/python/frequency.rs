@@ -1,4 +1,4 @@
-//! Answers over the speed, as Python takes them: Campbell diagrams, critical speeds, synchronous response, peaks.
+//! Frequency-domain analyses for Python: Campbell diagrams, critical speeds, synchronous response, peaks.
 
 use nalgebra::Complex;
 use numpy::{IntoPyArray, PyReadonlyArray1};
@@ -7,13 +7,12 @@ use pyo3::types::PyDict;
 
 use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
-use super::model::PyModel;
-use super::simulate;
+use super::handle::PyModel;
 use crate::analysis::{self, AnalysisError, Dense, ExcitationPart, ExcitationSource};
 use crate::scene::{EntryPath, SceneError};
 
-/// The part of the excitation of this name.
-fn part(name: &str) -> Result<ExcitationPart, SceneError> {
+/// Finds a part of the excitation by name.
+fn excitation_part(name: &str) -> Result<ExcitationPart, SceneError> {
     match name {
         "both" => Ok(ExcitationPart::Both),
         "bow" => Ok(ExcitationPart::Bow),
@@ -22,8 +21,8 @@ fn part(name: &str) -> Result<ExcitationPart, SceneError> {
     }
 }
 
-/// Speeds that are numbers.
-fn finite(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
+/// Copies speeds; each must be finite.
+fn finite_speeds(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
     let speeds = speeds.as_array().to_vec();
     for (index, speed) in speeds.iter().enumerate() {
         EntryPath::entry("speeds", index).finite(*speed)?;
@@ -31,12 +30,12 @@ fn finite(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
     Ok(speeds)
 }
 
-/// The speed of the largest magnitude.
+/// Largest absolute value of the speeds, rad/s.
 fn fastest(speeds: &[f64]) -> f64 {
     speeds.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
 }
 
-/// A Campbell diagram: eigenvalues (speeds, modes), lines, and where they meet.
+/// Computes a Campbell diagram: eigenvalues (speeds, modes), excitation lines and their intersections.
 pub fn campbell<'py>(
     model: &PyModel,
     py: Python<'py>,
@@ -78,30 +77,30 @@ pub fn campbell<'py>(
     Ok(dict)
 }
 
-/// Undamped critical speeds with their whirl.
+/// Computes undamped critical speeds, rad/s, with the direction of whirl.
 pub fn critical_speeds(model: &PyModel, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
     let found = model
         .run(py, Dense::Undamped, move |cached, interrupt| analysis::critical_speeds(cached, excitation, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
-/// Amplitudes (speeds, shafts, n), bearing forces, and the bow of every shaft.
+/// Computes the synchronous response: phasors (speeds, shafts, n), bearing forces and the bow of every shaft.
 pub fn synchronous<'py>(
     model: &PyModel,
     py: Python<'py>,
     speeds: &PyReadonlyArray1<'_, f64>,
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (speeds, part) = (finite(speeds)?, part(excitation)?);
+    let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     model.warn_of_ill_conditioning(py, 0.0, Dense::Undamped)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
-    let asked = speeds.clone();
+    let worker_speeds = speeds.clone();
     let amplitudes = model.run(py, Dense::Undamped, move |cached, interrupt| {
         let at = |speed: &f64| {
             interrupt.check()?;
             analysis::synchronous(cached, *speed, part)
         };
-        asked.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()
+        worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()
     })?;
     let assembled = &model.cached.model;
     for (index, amplitudes) in amplitudes.iter().enumerate() {
@@ -113,12 +112,12 @@ pub fn synchronous<'py>(
             warn(py, format!("speeds[{index}]: {text}"))?;
         }
     }
-    let bearings = simulate::bearing_nodes(assembled);
+    let bearings = assembled.scene.bearing_nodes();
     let (mut values, mut forces) = (Vec::new(), Vec::new());
     for (sources, speed) in amplitudes.iter().zip(&speeds) {
         for (column, shaft) in sources.column_iter().zip(&assembled.shafts) {
             let column = column.into_owned();
-            values.extend(assembled.numbering.outside(column.as_slice()));
+            values.extend(assembled.numbering.to_user_order(column.as_slice()));
             forces.extend(analysis::bearing_forces(assembled, &bearings, shaft.ratio * speed, &column).concat());
         }
     }
@@ -127,12 +126,12 @@ pub fn synchronous<'py>(
     dict.set_item("amplitudes", stack(py, values, rows, shafts, assembled.len())?)?;
     dict.set_item("bearing_force", stack(py, forces, rows, shafts, 2 * bearings.len())?)?;
     dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
-    let bow: Vec<Complex<f64>> = assembled.numbering.outside(analysis::bow(assembled).as_slice());
+    let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
     dict.set_item("bow", bow.into_pyarray(py))?;
     Ok(dict)
 }
 
-/// (N_c, amplitude, N₁, N₂) of every peak; NaN where the range ends before.
+/// Computes (N_c, amplitude, N₁, N₂) of every peak. N₁ or N₂ is NaN if it lies outside the speed range.
 pub fn peaks(
     model: &PyModel,
     py: Python<'_>,
@@ -142,7 +141,7 @@ pub fn peaks(
     excitation: &str,
     slow_roll: Option<f64>,
 ) -> PyResult<Vec<(f64, f64, f64, f64)>> {
-    let (speeds, part) = (finite(speeds)?, part(excitation)?);
+    let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
     let found =

@@ -1,10 +1,14 @@
-//! `gearbow._core`: the core as Python sees it. The only place that knows of pyo3.
+//! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 
 mod background;
 mod convert;
+mod entries;
 mod errors;
 mod frequency;
+mod handle;
 mod model;
+mod options;
+mod response;
 mod simulate;
 mod speed;
 mod state;
@@ -15,7 +19,7 @@ use pyo3::pymodule;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::model::PyModel;
+    use super::handle::PyModel;
     #[pymodule_export]
     use super::speed::check_speed;
     #[pymodule_export]

@@ -1,7 +1,4 @@
-//! `_core.Model`: a checked and assembled system.
-
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+//! The Python methods of `_core.Model`.
 
 use nalgebra::Complex;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -9,84 +6,24 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
-use super::convert::{outside_matrix, outside_vector, table};
+use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_vector, table};
+use super::entries;
 use super::errors::{warn, warn_of_speed};
-use super::{background, frequency, simulate, state};
-use crate::analysis::{self, AnalysisError, Dense, Interrupt};
+use super::handle::PyModel;
+use super::options::{RecordEntry, RunOptions, read_initial};
+use super::state::{mesh_geometry, read_checkpoint};
+use super::{frequency, simulate, speed};
+use crate::analysis::simulate::{Method, Options, fields, round_below, sample_step};
+use crate::analysis::{self, AnalysisError, Dense};
 use crate::linalg::DecompositionError;
-use crate::mesh::Geometry;
-use crate::modal::{self, CachedModel};
-use crate::model::Model;
-use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, nearest};
+use crate::modal;
+use crate::scene::{EntryPath, Node, SceneDescription, nearest};
 
-/// A checked and assembled system.
-#[pyclass(name = "Model", module = "gearbow._core", frozen)]
-pub struct PyModel {
-    system: SceneDescription,
-    /// Shared with the threads that analyse it.
-    pub(super) cached: Arc<CachedModel>,
-    /// Whether it was said that round-off takes digits.
-    warned: AtomicBool,
-}
-
-/// A gear or disk, or a shaft and a position on it.
+/// A gear or disk by name, or a shaft by name and a position on it, m.
 #[derive(FromPyObject)]
 enum At {
     Body(String),
     Position(String, f64),
-}
-
-impl PyModel {
-    fn build(system: SceneDescription) -> Result<Self, SceneError> {
-        let model = Model::new(Scene::new(&system)?)?;
-        Ok(Self { system, cached: Arc::new(CachedModel::new(model)), warned: AtomicBool::new(false) })
-    }
-
-    fn model(&self) -> &Model {
-        &self.cached.model
-    }
-
-    /// Runs an analysis that Ctrl-C ends, if its matrices fit into memory.
-    pub(super) fn run<T, E>(
-        &self,
-        py: Python<'_>,
-        dense: Dense,
-        work: impl FnOnce(&CachedModel, &Interrupt) -> Result<T, E> + Send + 'static,
-    ) -> PyResult<T>
-    where
-        T: Send + 'static,
-        E: Send + 'static,
-        PyErr: From<E>,
-    {
-        dense.require(self.model())?;
-        let cached = Arc::clone(&self.cached);
-        let (result, raised) = background::run(py, None, move |interrupt, _| work(&cached, interrupt))?;
-        raised.map_or(Ok(()), Err)?;
-        Ok(result?)
-    }
-
-    /// Warns once of digits that round-off takes, before an analysis that needs the matrices of `dense`.
-    pub(super) fn warn_of_ill_conditioning(&self, py: Python<'_>, speed: f64, dense: Dense) -> PyResult<()> {
-        let found = self.run(py, dense, move |cached, _| analysis::ill_conditioning(cached, speed))?;
-        match found {
-            Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
-            _ => Ok(()),
-        }
-    }
-
-    pub(super) fn place(&self, node: Node) -> (&str, f64) {
-        let shaft = &self.model().scene.shafts[node.shaft];
-        (&shaft.name, shaft.nodes[node.node])
-    }
-}
-
-/// The geometry of this name.
-pub(super) fn geometry(name: &str) -> Result<Geometry, SceneError> {
-    match name {
-        "live" => Ok(Geometry::Live),
-        "frozen" => Ok(Geometry::Frozen),
-        _ => Err(SceneError::new("geometry", format!("must be \"live\" or \"frozen\", got \"{name}\""))),
-    }
 }
 
 #[pymethods]
@@ -102,11 +39,11 @@ impl PyModel {
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(pythonize(py, &self.system)?)
+        Ok(pythonize(py, &self.description)?)
     }
 
     fn to_toml(&self) -> PyResult<String> {
-        Ok(self.system.to_toml()?)
+        Ok(self.description.to_toml()?)
     }
 
     #[getter]
@@ -158,7 +95,7 @@ impl PyModel {
     #[pyo3(signature = (speed=0.0))]
     fn matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
-        // Modal damping is made of the modes.
+        // The matrix of modal damping is a sum over the modes.
         let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
         let matrices = self.run(py, dense, move |cached, _| -> Result<_, DecompositionError> {
             let model = &cached.model;
@@ -184,7 +121,7 @@ impl PyModel {
         modes.truncate(count.unwrap_or(usize::MAX));
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
-            modes.iter().flat_map(|mode| numbering.outside(mode.shape.as_slice())).collect();
+            modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
         let list = |of: fn(&modal::Mode) -> f64| modes.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
         let eigenvalues: Vec<_> = modes.iter().map(|mode| mode.eigenvalue).collect();
         let whirl: Vec<_> = modes.iter().map(|mode| mode.whirl.to_string()).collect();
@@ -238,7 +175,7 @@ impl PyModel {
 
     #[pyo3(signature = (geometry="live", speed=0.0))]
     fn r#static<'py>(&self, py: Python<'py>, geometry: &str, speed: f64) -> PyResult<Bound<'py, PyDict>> {
-        let geometry = self::geometry(geometry)?;
+        let geometry = mesh_geometry(geometry)?;
         EntryPath::root("speed").finite(speed)?;
         let model = self.model();
         self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
@@ -249,70 +186,64 @@ impl PyModel {
             warn(py, text)?;
         }
         let rest = vec![0.0; model.len()];
-        let mut fields: [Vec<f64>; 8] = Default::default();
+        let mut series: [Vec<f64>; 8] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
             let state = mesh.state_at_rest(geometry, model.sigma(index, speed), q).map_err(|overlap| {
                 let [driver, driven] = model.gear_names(index);
                 AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
             })?;
-            for (series, value) in fields.iter_mut().zip(analysis::simulate::fields(&state)) {
-                series.push(value);
+            for (values, value) in series.iter_mut().zip(fields(&state)) {
+                values.push(value);
             }
         }
-        let bearings = simulate::bearing_nodes(model);
+        let bearings = model.scene.bearing_nodes();
         let forces: Vec<f64> = bearings.iter().flat_map(|node| model.bearing_force(*node, q, &rest)).collect();
         let dict = PyDict::new(py);
         dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
-        dict.set_item("meshes", simulate::mesh_names(model, 0..model.meshes.len()))?;
-        dict.set_item("mesh", simulate::mesh_fields(py, fields, 1, model.meshes.len(), true)?)?;
+        dict.set_item("meshes", mesh_names(model, 0..model.meshes.len()))?;
+        dict.set_item("mesh", mesh_fields(py, series, 1, model.meshes.len(), true)?)?;
         dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;
         dict.set_item("bearing_force", table(py, forces, bearings.len(), 2)?)?;
         Ok(dict)
     }
 
     fn default_output_step(&self, duration: f64, speed: &Bound<'_, PyAny>, start: f64) -> PyResult<f64> {
-        let fastest = super::speed::speed(speed)?.fastest(start, start + duration);
-        Ok(simulate::default_output_step(self.model(), duration, fastest))
+        let fastest = speed::speed(speed)?.fastest(start, start + duration);
+        // At least a thousand samples in the run.
+        Ok(round_below(sample_step(self.model(), fastest).min(duration / 1000.0)))
     }
 
-    #[pyo3(signature = (duration, speed, *, method, step, rtol, stages, modes, initial, times, record, geometry, start, progress, checkpoint))]
+    #[pyo3(signature = (*, initial, times, record, progress, checkpoint, **options))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
-        duration: f64,
-        speed: &Bound<'py, PyAny>,
-        method: &str,
-        step: Option<f64>,
-        rtol: Option<f64>,
-        stages: Option<usize>,
-        modes: Option<usize>,
         initial: &Bound<'py, PyAny>,
         times: PyReadonlyArray1<'py, f64>,
-        record: Vec<simulate::Recorded>,
-        geometry: &str,
-        start: f64,
+        record: Vec<RecordEntry>,
         progress: Option<Py<PyAny>>,
         checkpoint: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let options = analysis::simulate::Options {
-            duration,
-            speed: super::speed::speed(speed)?,
-            method: analysis::simulate::Method::named(method)?,
-            step,
-            rtol,
-            stages,
-            modes,
-            initial: state::initial(initial)?,
+        let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
+        let options = Options {
+            duration: given.duration,
+            speed: given.speed.try_into()?,
+            method: Method::named(&given.method)?,
+            step: given.step,
+            rtol: given.rtol,
+            stages: given.stages,
+            modes: given.modes,
+            initial: read_initial(initial)?,
             times: times.as_array().to_vec(),
-            geometry: self::geometry(geometry)?,
-            start,
-            checkpoint: checkpoint.map(state::checkpoint).transpose()?,
+            geometry: mesh_geometry(&given.geometry)?,
+            start: given.start,
+            checkpoint: checkpoint.map(read_checkpoint).transpose()?,
         };
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
         }
-        self.warn_of_ill_conditioning(py, 0.0, options.dense(&self.cached.model))?;
+        self.warn_of_ill_conditioning(py, 0.0, options.dense(self.model()))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }

@@ -1,25 +1,58 @@
-//! Speeds on their way from and to Python: a number, or a dictionary of breaks and coefficients as in SciPy's `PPoly`.
+//! A speed as plain Python data: a number, or a mapping with `breaks` and `coefficients` as in SciPy's `PPoly`.
 
-use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pythonize::depythonize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{Profile, Speed};
 use crate::scene::SceneError;
 
-/// The speed that was given.
-pub fn speed(given: &Bound<'_, PyAny>) -> PyResult<Speed> {
-    if let Ok(speed) = given.extract::<f64>() {
-        return Ok(Speed::Constant(speed));
-    }
-    let item = |key: &str| {
-        let lacking = || SceneError::new("speed", format!("must be a number, or have \"{key}\" as a profile has"));
-        given.get_item(key).map_err(|_| PyErr::from(lacking()))
-    };
-    Ok(Speed::Changing(profile(item("breaks")?.extract()?, &item("coefficients")?.extract::<Vec<Vec<f64>>>()?)?))
+/// A speed of the reference shaft, rad/s.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged, expecting = "must be a number, or a mapping with the lists \"breaks\" and \"coefficients\"")]
+pub enum SpeedEntries {
+    /// A constant speed, rad/s.
+    Constant(f64),
+    /// A piecewise cubic polynomial.
+    Changing {
+        /// Ends of the pieces, s; one more than pieces.
+        breaks: Vec<f64>,
+        /// Coefficients of τ³ to 1 in rows, one column a piece; leading rows may be missing.
+        coefficients: Vec<Vec<f64>>,
+    },
 }
 
-/// The profile whose `rows` hold the coefficients of τ³ to 1, one a piece; upper rows may be missing.
+impl TryFrom<SpeedEntries> for Speed {
+    type Error = SceneError;
+
+    fn try_from(entries: SpeedEntries) -> Result<Self, SceneError> {
+        match entries {
+            SpeedEntries::Constant(speed) => Ok(Self::Constant(speed)),
+            SpeedEntries::Changing { breaks, coefficients } => Ok(Self::Changing(profile(breaks, &coefficients)?)),
+        }
+    }
+}
+
+impl From<&Speed> for SpeedEntries {
+    fn from(speed: &Speed) -> Self {
+        match speed {
+            Speed::Constant(speed) => Self::Constant(*speed),
+            Speed::Changing(profile) => {
+                let (breaks, pieces) = profile.parts();
+                let pieces: Vec<_> = pieces.collect();
+                let row = |power: usize| pieces.iter().map(|piece| piece[power]).collect();
+                Self::Changing { breaks: breaks.to_vec(), coefficients: (0..4).rev().map(row).collect() }
+            }
+        }
+    }
+}
+
+/// Reads a speed.
+pub fn speed(given: &Bound<'_, PyAny>) -> PyResult<Speed> {
+    let entries: SpeedEntries = depythonize(given).map_err(|error| SceneError::new("speed", error))?;
+    Ok(entries.try_into()?)
+}
+
 fn profile(breaks: Vec<f64>, rows: &[Vec<f64>]) -> Result<Profile, SceneError> {
     let pieces = breaks.len().saturating_sub(1);
     if rows.is_empty() || rows.len() > 4 || rows.iter().any(|row| row.len() != pieces) {
@@ -34,23 +67,6 @@ fn profile(breaks: Vec<f64>, rows: &[Vec<f64>]) -> Result<Profile, SceneError> {
         }
     }
     Profile::new(breaks, &coefficients)
-}
-
-/// A speed as plain data.
-pub fn plain<'py>(py: Python<'py>, speed: &Speed) -> PyResult<Bound<'py, PyAny>> {
-    match speed {
-        Speed::Constant(speed) => speed.into_bound_py_any(py),
-        Speed::Changing(profile) => {
-            let (breaks, pieces) = profile.parts();
-            let pieces: Vec<_> = pieces.collect();
-            let rows: Vec<Vec<f64>> =
-                (0..4).rev().map(|power| pieces.iter().map(|piece| piece[power]).collect()).collect();
-            let dict = PyDict::new(py);
-            dict.set_item("breaks", breaks)?;
-            dict.set_item("coefficients", rows)?;
-            dict.into_bound_py_any(py)
-        }
-    }
 }
 
 /// Checks a profile.

@@ -1,179 +1,245 @@
-//! The state that a run left, and where it was stopped, as dictionaries: every entry is checked when it is read. They
-//! may come from a damaged file or from a dictionary that a user wrote.
+//! The final state of a run and its checkpoint, as Python dictionaries of plain entries and NumPy arrays.
+//!
+//! Every entry is checked when it is read: it may come from a damaged file or from a dictionary that a user wrote.
 
 use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
+use pythonize::pythonize;
+use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize};
 
-use super::{model, speed};
-use crate::analysis::simulate::{Checkpoint, Final, Initial, Method, RecorderState};
+use super::entries::{self, any_number, count, counts, finite, list, not_negative, numbers, text};
+use super::speed::SpeedEntries;
+use crate::analysis::simulate::{Checkpoint, Final, Method, RecorderState, StepSetting};
 use crate::integrate::{State, Statistics};
+use crate::mesh::Geometry;
 use crate::motion::{Anchor, DoubleDouble, Speed};
 use crate::scene::SceneError;
 
-/// Counters stay below this, so that what a run adds to them does not overflow 64 bits.
-const COUNT_LIMIT: u64 = 1 << 63;
-
-/// A mapping, and the name with which its errors begin.
-struct Entries<'a, 'py> {
-    name: &'static str,
-    given: &'a Bound<'py, PyAny>,
+/// Plain entries of a final state. The dictionary also holds the arrays `contact_modes`, `memory` and `state`.
+#[derive(Serialize, Deserialize)]
+struct FinalEntries {
+    /// Name of the method.
+    #[serde(deserialize_with = "text")]
+    method: String,
+    /// Time at which the run ended, s.
+    #[serde(deserialize_with = "finite")]
+    time: f64,
+    /// Time at which the run, or the first run that it continues, began, s.
+    #[serde(deserialize_with = "finite")]
+    origin: f64,
+    /// Speed of the reference shaft, rad/s.
+    speed: SpeedEntries,
+    /// A time, s, and the angle of the reference shaft at that time as the sum of two numbers, rad.
+    #[serde(deserialize_with = "anchor", serialize_with = "list")]
+    anchor: [f64; 3],
+    /// "live" or "frozen".
+    #[serde(deserialize_with = "text")]
+    geometry: String,
+    /// The fixed step, s, or the tolerance, as [`Final::setting`].
+    #[serde(deserialize_with = "finite")]
+    setting: f64,
+    /// Number of steps since the origin.
+    #[serde(deserialize_with = "count")]
+    count: u64,
+    /// Time of the state since the origin, s.
+    #[serde(deserialize_with = "not_negative")]
+    elapsed: f64,
+    /// As [`State::carry`], s.
+    #[serde(deserialize_with = "finite")]
+    carry: f64,
+    /// Length of the step to try next, s.
+    #[serde(deserialize_with = "not_negative")]
+    next_step: f64,
+    /// Scaled error of the last step. The step controller accepts every value and limits its effect.
+    #[serde(deserialize_with = "any_number")]
+    previous_error: f64,
 }
 
-impl<'py> Entries<'_, 'py> {
-    fn error(&self, key: &str, message: &str) -> PyErr {
-        SceneError::new(format!("{}.{key}", self.name), message).into()
-    }
+/// What a run needs in addition to its final state to go on after an interruption.
+#[derive(Serialize, Deserialize)]
+struct CheckpointEntries {
+    /// Numbers of steps, rejected steps, evaluations, events and steps at the stability limit.
+    #[serde(deserialize_with = "counts", serialize_with = "list")]
+    counts: [u64; 5],
+    /// Lengths of the shortest and the longest step, s.
+    #[serde(deserialize_with = "numbers", serialize_with = "list")]
+    steps: [f64; 2],
+    /// Number of events recorded.
+    #[serde(deserialize_with = "count")]
+    events: u64,
+    /// For each mesh None, or a time, s, contact ratio − 1, tip clearance, m, and involute clearance, m.
+    #[serde(deserialize_with = "margins")]
+    margins: Vec<Option<Vec<f64>>>,
+    /// Work of each energy source since the start, J.
+    #[serde(deserialize_with = "works", serialize_with = "list")]
+    works: [f64; 6],
+    /// Time since the origin up to which the work is integrated, s.
+    #[serde(deserialize_with = "not_negative")]
+    until: f64,
+}
 
-    fn item(&self, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.given.get_item(key).map_err(|_| {
-            SceneError::new(self.name, format!("lacks \"{key}\", which the final state of a run has")).into()
-        })
-    }
+fn anchor<'de, D: Deserializer<'de>>(source: D) -> Result<[f64; 3], D::Error> {
+    let anchor = numbers(source).ok().filter(|all: &[f64; 3]| all.iter().all(|x| x.is_finite()));
+    anchor.ok_or_else(|| D::Error::custom("must be a time and an angle in two parts, all finite"))
+}
 
-    fn text(&self, key: &str) -> PyResult<String> {
-        self.item(key)?.extract().map_err(|_| self.error(key, "must be a text"))
+fn margins<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<Option<Vec<f64>>>, D::Error> {
+    let margins = Vec::<Option<Vec<f64>>>::deserialize(source).ok();
+    let margins = margins
+        .filter(|margins| margins.iter().flatten().all(|margins| margins.len() == 4))
+        .ok_or_else(|| D::Error::custom("must be None or 4 numbers for each mesh"))?;
+    if margins.iter().flatten().any(|margins| !margins[0].is_finite()) {
+        return Err(D::Error::custom("must have finite times"));
     }
+    Ok(margins)
+}
 
-    fn any_number(&self, key: &str) -> PyResult<f64> {
-        self.item(key)?.extract().map_err(|_| self.error(key, "must be a number"))
-    }
+fn works<'de, D: Deserializer<'de>>(source: D) -> Result<[f64; 6], D::Error> {
+    let works: [f64; 6] = numbers(source)?;
+    if works.iter().any(|work| work.is_nan()) { Err(D::Error::custom("must not be NaN")) } else { Ok(works) }
+}
 
-    fn number(&self, key: &str) -> PyResult<f64> {
-        let value = self.any_number(key)?;
-        if value.is_finite() { Ok(value) } else { Err(self.error(key, "must be finite")) }
-    }
-
-    fn not_negative(&self, key: &str) -> PyResult<f64> {
-        let value = self.number(key)?;
-        if value >= 0.0 { Ok(value) } else { Err(self.error(key, &format!("must not be negative, got {value:e}"))) }
-    }
-
-    /// A list of so many numbers.
-    fn numbers<const N: usize>(&self, key: &str) -> PyResult<[f64; N]> {
-        self.item(key)?.extract().map_err(|_| self.error(key, &format!("must be {N} numbers")))
-    }
-
-    /// A list of so many counters.
-    fn counts<const N: usize>(&self, key: &str) -> PyResult<[u64; N]> {
-        let counts = self.item(key)?.extract::<[u64; N]>().ok();
-        counts
-            .filter(|counts| counts.iter().all(|count| *count < COUNT_LIMIT))
-            .ok_or_else(|| self.error(key, &format!("must be {N} whole numbers, not negative and below 2^63")))
-    }
-
-    fn count(&self, key: &str) -> PyResult<u64> {
-        let count = self.item(key)?.extract::<u64>().ok().filter(|count| *count < COUNT_LIMIT);
-        count.ok_or_else(|| self.error(key, "must be a whole number, not negative and below 2^63"))
-    }
-
-    fn array<T: Element + Copy>(&self, key: &str) -> PyResult<Vec<T>> {
-        let values = self.item(key)?.cast_into::<PyArray1<T>>();
-        let values = values.ok().and_then(|values| values.to_vec().ok());
-        values.ok_or_else(|| self.error(key, "must be a contiguous array of one axis, as a run leaves it"))
+/// Finds a mesh geometry by name.
+pub fn mesh_geometry(name: &str) -> Result<Geometry, SceneError> {
+    match name {
+        "live" => Ok(Geometry::Live),
+        "frozen" => Ok(Geometry::Frozen),
+        _ => Err(SceneError::new("geometry", format!("must be \"live\" or \"frozen\", got \"{name}\""))),
     }
 }
 
-/// The beginning of a run: a name, or the `final` of another run.
-pub fn initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
-    let Ok(name) = given.extract::<String>() else {
-        return Ok(Initial::Continue(Box::new(last(given)?)));
+/// Writes the final state of a run.
+pub fn write_final<'py>(py: Python<'py>, last: &Final) -> PyResult<Bound<'py, PyAny>> {
+    let state = &last.state;
+    let entries = FinalEntries {
+        method: last.method.name().to_owned(),
+        time: last.time,
+        origin: last.origin,
+        speed: (&last.speed).into(),
+        anchor: [last.anchor.time, last.anchor.angle.high, last.anchor.angle.low],
+        geometry: if last.geometry == Geometry::Live { "live" } else { "frozen" }.to_owned(),
+        setting: last.setting.number(last.method),
+        count: state.count,
+        elapsed: state.elapsed,
+        carry: state.time_offset(),
+        next_step: state.next_step,
+        previous_error: state.previous_error,
     };
-    match name.as_str() {
-        "synchronous" => Ok(Initial::Synchronous),
-        "static" => Ok(Initial::Static),
-        "rest" => Ok(Initial::Rest),
-        _ => {
-            let message = format!("must be \"synchronous\", \"static\", \"rest\" or a response, got \"{name}\"");
-            Err(SceneError::new("initial", message).into())
-        }
-    }
+    let dict = pythonize(py, &entries)?;
+    dict.set_item("contact_modes", PyArray1::from_slice(py, &state.contact_modes))?;
+    dict.set_item("memory", PyArray1::from_slice(py, &state.method_numbers()))?;
+    dict.set_item("state", PyArray1::from_slice(py, &state.y))?;
+    Ok(dict)
 }
 
-/// The `final` of a run.
-fn last(given: &Bound<'_, PyAny>) -> PyResult<Final> {
-    let given = Entries { name: "initial", given };
-    let y: Vec<f64> = given.array("state")?;
+/// Reads the final state of a run.
+///
+/// # Errors
+/// A `SceneError` that begins with `initial` and the entry.
+pub fn read_final(given: &Bound<'_, PyAny>) -> PyResult<Final> {
+    let error = |key: &str, message: String| SceneError::new(format!("initial.{key}"), message);
+    let y: Vec<f64> = array(given, "state")?;
     if let Some(index) = y.iter().position(|value| !value.is_finite()) {
-        return Err(SceneError::new(format!("initial.state[{index}]"), "must be finite").into());
+        return Err(error(&format!("state[{index}]"), "must be finite".to_owned()).into());
     }
-    let anchor = given.numbers::<3>("anchor").ok().filter(|all| all.iter().all(|x| x.is_finite()));
-    let Some([time, high, low]) = anchor else {
-        return Err(given.error("anchor", "must be a time and an angle in two parts, all finite"));
+    let entries: FinalEntries = entries::read(given, "initial")?;
+    let speed: Speed = entries.speed.try_into()?;
+    if matches!(speed, Speed::Constant(speed) if !speed.is_finite()) {
+        return Err(error("speed", "must be finite".to_owned()).into());
+    }
+    let [time, high, low] = entries.anchor;
+    // Without the memory of the method, the run starts again from the state.
+    let memory: Vec<f64> = if given.contains("memory").unwrap_or(false) { array(given, "memory")? } else { Vec::new() };
+    let mut state = State {
+        count: entries.count,
+        elapsed: entries.elapsed,
+        next_step: entries.next_step,
+        previous_error: entries.previous_error,
+        contact_modes: array(given, "contact_modes")?,
+        ..State::new(y)
     };
+    state.set_method(entries.carry, &memory);
+    let method = Method::named(&entries.method)?;
     let last = Final {
-        method: Method::named(&given.text("method")?)?,
-        time: given.number("time")?,
-        origin: given.number("origin")?,
-        speed: speed::speed(&given.item("speed")?)?,
+        method,
+        time: entries.time,
+        origin: entries.origin,
+        speed,
         anchor: Anchor { time, angle: DoubleDouble { high, low } },
-        geometry: model::geometry(&given.text("geometry")?)?,
-        setting: given.number("setting")?,
-        state: State {
-            count: given.count("count")?,
-            elapsed: given.not_negative("elapsed")?,
-            carry: given.number("carry")?,
-            next_step: given.not_negative("next_step")?,
-            // The controller takes any number: it limits what follows from it.
-            previous_error: given.any_number("previous_error")?,
-            contact_modes: given.array("contact_modes")?,
-            y,
-            // What a method remembers; without it the run begins anew from the state.
-            memory: if given.given.contains("memory").unwrap_or(false) { given.array("memory")? } else { Vec::new() },
-        },
+        geometry: mesh_geometry(&entries.geometry)?,
+        setting: StepSetting::from_number(entries.setting, method),
+        state,
     };
-    if matches!(last.speed, Speed::Constant(speed) if !speed.is_finite()) {
-        return Err(given.error("speed", "must be finite"));
-    }
-    // A run leaves the state at its last whole step, which is not after its end; time is rounded where it is large.
+    // The state belongs to the last whole step, which lies before the end of the run. The limit allows for the
+    // rounding of large times.
     let span = last.time - last.origin;
     let limit = span + 16.0 * f64::EPSILON * (last.time.abs() + last.origin.abs());
     if limit.is_nan() || last.state.elapsed > limit {
         let message = format!("must not be after the end of the run, {span:e} s, got {:e} s", last.state.elapsed);
-        return Err(given.error("elapsed", &message));
+        return Err(error("elapsed", message).into());
     }
-    if last.state.carry.abs() > limit {
-        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.carry);
-        return Err(given.error("carry", &message));
+    if last.state.time_offset().abs() > limit {
+        let message = format!("must not be longer than the run, {span:e} s, got {:e} s", last.state.time_offset());
+        return Err(error("carry", message).into());
     }
     Ok(last)
 }
 
-/// Where a run was stopped: the `final` and the `checkpoint` of what it had computed.
-pub fn checkpoint((state, seen): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Box<Checkpoint>> {
-    let state = last(&state)?.state;
-    let given = Entries { name: "checkpoint", given: &seen };
-    let [steps, rejected, evaluations, events, at_limit] = given.counts("counts")?;
-    let [shortest, longest] = given.numbers("steps")?;
-    let margins = given.item("margins")?.extract::<Vec<Option<[f64; 4]>>>();
-    let margins = margins.map_err(|_| given.error("margins", "must be nothing or 4 numbers for each mesh"))?;
-    if margins.iter().flatten().any(|[at, ..]| !at.is_finite()) {
-        return Err(given.error("margins", "must have finite times"));
-    }
-    let works: [f64; 6] = given.numbers("works")?;
-    if works.iter().any(|work| work.is_nan()) {
-        return Err(given.error("works", "must be numbers"));
-    }
+fn array<T: Element + Copy>(given: &Bound<'_, PyAny>, key: &str) -> PyResult<Vec<T>> {
+    let missing = |_| SceneError::new("initial", format!("lacks the entry \"{key}\""));
+    let values = given.get_item(key).map_err(missing)?.cast_into::<PyArray1<T>>();
+    let values = values.ok().and_then(|values| values.to_vec().ok());
+    let message = "must be a contiguous array of one axis and of the type that a run returns";
+    Ok(values.ok_or_else(|| SceneError::new(format!("initial.{key}"), message))?)
+}
+
+/// Writes what a run needs in addition to its final state to go on.
+pub fn write_checkpoint<'py>(
+    py: Python<'py>,
+    count: &Statistics,
+    recorder_state: &RecorderState,
+) -> PyResult<Bound<'py, PyAny>> {
+    let margins = recorder_state.margins.iter();
+    let entries = CheckpointEntries {
+        counts: [count.steps, count.rejected, count.evaluations, count.events, count.at_limit],
+        steps: [count.shortest, count.longest],
+        events: recorder_state.events as u64,
+        margins: margins
+            .map(|margins| margins.map(|(at, [ratio, tip, involute])| vec![at, ratio, tip, involute]))
+            .collect(),
+        works: recorder_state.works,
+        until: recorder_state.until,
+    };
+    Ok(pythonize(py, &entries)?)
+}
+
+/// Reads a checkpoint from the final state and the additional entries.
+pub fn read_checkpoint((state, given): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> PyResult<Box<Checkpoint>> {
+    let state = read_final(&state)?.state;
+    let entries: CheckpointEntries = entries::read(&given, "checkpoint")?;
+    let [steps, rejected, evaluations, events, at_limit] = entries.counts;
+    let [shortest, longest] = entries.steps;
+    let too_large = |_| SceneError::new("checkpoint.events", "is too large");
+    let margins = entries.margins.into_iter();
     Ok(Box::new(Checkpoint {
         state,
         statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
         recorder_state: RecorderState {
-            events: usize::try_from(given.count("events")?).map_err(|_| given.error("events", "is too large"))?,
-            margins: margins
-                .into_iter()
-                .map(|margins| margins.map(|[at, ratio, tip, involute]| (at, [ratio, tip, involute])))
-                .collect(),
-            works,
-            until: given.not_negative("until")?,
+            events: usize::try_from(entries.events).map_err(too_large)?,
+            margins: margins.map(|margins| margins.map(|row| (row[0], [row[1], row[2], row[3]]))).collect(),
+            works: entries.works,
+            until: entries.until,
         },
     }))
 }
 
-/// Checks the final state of a run, and where it was stopped, without a model.
+/// Checks the final state of a run, and its checkpoint if there is one, without a model.
 #[pyfunction]
 #[pyo3(signature = (last, checkpoint=None))]
 pub fn check_final(last: Bound<'_, PyAny>, checkpoint: Option<Bound<'_, PyAny>>) -> PyResult<()> {
     match checkpoint {
-        Some(seen) => self::checkpoint((last, seen)).map(|_| ()),
-        None => self::last(&last).map(|_| ()),
+        Some(given) => read_checkpoint((last, given)).map(|_| ()),
+        None => read_final(&last).map(|_| ()),
     }
 }

@@ -1,4 +1,4 @@
-//! Residual bow: the stress-free curve b(x) = b_y + i b_z of a shaft, fixed in the shaft, and its slope b'(x).
+//! Residual bow: the stress-free shape b(x) = b_y + i b_z of a shaft, which rotates with it, and its slope b'(x).
 
 use std::f64::consts::PI;
 
@@ -10,19 +10,19 @@ use super::{EntryPath, SceneError};
 /// A checked residual bow.
 #[derive(Clone, Debug)]
 pub enum Bow {
-    /// `amplitude`·sin(nπx/L): amplitude with its angle, and the wave number nπ/L.
+    /// A sine of n half waves, `amplitude`·sin(nπx/L).
     Waves {
-        /// Largest deflection, m, with its angle in the shaft.
+        /// Largest deflection, m, with its angle in the rotating shaft.
         amplitude: Complex64,
-        /// nπ/L, 1/m.
+        /// Wave number nπ/L, 1/m.
         wave_number: f64,
     },
     /// The static sag of the shaft between its bearings, scaled to `amplitude`.
     Sag {
-        /// Largest deflection, m, with its angle in the shaft.
+        /// Largest deflection, m, with its angle in the rotating shaft.
         amplitude: Complex64,
     },
-    /// Points measured along the shaft, joined by a cubic spline.
+    /// A cubic spline through measured points.
     Points(Spline),
 }
 
@@ -80,10 +80,11 @@ fn points(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Splin
         let place = at.field("positions").index(index);
         place.finite(*x)?;
         if *x < -1e-9 * length || *x > length * (1.0 + 1e-9) {
-            return Err(place.error(format!("{x} m is off the shaft, which is {length} m long")));
+            return Err(place.error(format!("{x} m is outside the shaft, which is {length} m long")));
         }
         if index > 0 && *x <= positions[index - 1] {
-            return Err(place.error(format!("must be above the one before, {} m, got {x} m", positions[index - 1])));
+            return Err(place
+                .error(format!("must be larger than the previous position, {} m, got {x} m", positions[index - 1])));
         }
         let amplitude = at.field("amplitudes").index(index).finite(amplitudes[index])?;
         let phase = at.field("phases").index(index).finite(phases[index])?;
@@ -92,8 +93,8 @@ fn points(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Splin
     Ok(Spline::new(positions.clone(), values))
 }
 
-/// A cubic spline through complex points, not-a-knot at its ends (a parabola through three points, a line through
-/// two), and straight beyond them: nothing was measured there, and a straight shaft is not stressed.
+/// A cubic spline through complex points with not-a-knot ends; a parabola through three points, a line through two.
+/// It is extrapolated as a straight line: a straight part adds no curvature where nothing was measured.
 #[derive(Clone, Debug)]
 pub struct Spline {
     x: Vec<f64>,
@@ -107,7 +108,7 @@ impl Spline {
         Self { x, value, slope }
     }
 
-    /// Value and slope at `x`.
+    /// Deflection, m, and slope at `x`, m.
     pub fn at(&self, x: f64) -> (Complex64, Complex64) {
         let last = self.x.len() - 1;
         if x <= self.x[0] || x >= self.x[last] {
@@ -126,7 +127,7 @@ impl Spline {
     }
 }
 
-/// Slopes at the knots that make the spline twice differentiable (de Boor, A Practical Guide to Splines, ch. IV).
+/// Slopes at the knots for a continuous second derivative (de Boor, A Practical Guide to Splines, chapter IV).
 fn slopes(x: &[f64], value: &[Complex64]) -> Vec<Complex64> {
     let n = x.len();
     let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();

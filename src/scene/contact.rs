@@ -1,17 +1,19 @@
-//! Whether the teeth of a pair can touch at rest, and where on the line of action they do.
+//! Checks of the contact of a pair of gears at rest: path of contact, contact ratio, interference and undercut.
 
 use super::gear::SAME;
 use super::{EntryPath, Gear, SceneError};
 
-/// Beginning and end of the path of contact on a line of action that is `tangent` = C sin α long between the base
-/// circles, m from the interference point of the driver; `tip_reach` is √(tip radius² − base radius²) of driver and
-/// driven gear. Both tips end the path; so does either base circle, below which a flank has no involute.
+/// Begin and end of the path of contact on the line of action, m, measured from the interference point of the driver.
+///
+/// `tangent` = C sin α is the length of the line of action between the base circles, m. `tip_reach` is
+/// √(tip radius² − base radius²) of driver and driven gear, m. The tip circles limit the path. The base circles limit
+/// it too, because a flank has no involute inside its base circle.
 #[inline(always)]
 pub(crate) fn path_of_contact(tangent: f64, tip_reach: [f64; 2]) -> [f64; 2] {
     [(tangent - tip_reach[1]).max(0.0), tip_reach[0].min(tangent)]
 }
 
-/// Refuses a pair that cannot touch at rest; warns of a contact ratio below one and of involute interference.
+/// Refuses a pair without contact at rest. Warns of a contact ratio below one and of involute interference.
 pub(super) fn check_contact(
     [a, b]: [&Gear; 2],
     centre_distance: f64,
@@ -26,10 +28,10 @@ pub(super) fn check_contact(
     let ratio = (high - low) / pitch;
     let names = [&a.body.name, &b.body.name];
     if ratio <= 0.0 {
-        let farthest = base_circles.hypot(reach[0] + reach[1]);
+        let largest = base_circles.hypot(reach[0] + reach[1]);
         let message = format!(
             "the teeth of \"{}\" and \"{}\" cannot touch: their tips reach each other on the line of action up to a \
-             centre distance of {farthest:.6} m, got {centre_distance} m; reduce it, or enlarge tip_radius",
+             centre distance of {largest:.6} m, got {centre_distance} m; reduce it, or enlarge tip_radius",
             names[0], names[1]
         );
         return Err(at.field("centre_distance").error(message));
@@ -37,8 +39,8 @@ pub(super) fn check_contact(
     let standard = a.pitch_radius + b.pitch_radius;
     let mut interferes = false;
     for (of, other) in [(0, 1), (1, 0)] {
-        let beyond = reach[of] - tangent;
-        if beyond > SAME * tangent {
+        let excess = reach[of] - tangent;
+        if excess > SAME * tangent {
             interferes = true;
             let without = (reach[0] + reach[1] - tangent) / pitch;
             warnings.push(format!(
@@ -46,7 +48,7 @@ pub(super) fn check_contact(
                  the line of action; there is no contact there, so the contact ratio is {ratio:.3}, not {without:.3}; \
                  use a larger profile_shift or more teeth on \"{}\", or a smaller tip_radius of \"{}\"",
                 names[of],
-                1e3 * beyond,
+                1e3 * excess,
                 names[other],
                 names[other],
                 names[of]
@@ -70,8 +72,8 @@ pub(super) fn check_contact(
     Ok(())
 }
 
-/// Warns where the rack that generates a gear cuts below the base circle: fewer than 2(1 − x)/sin²α teeth, rounded to
-/// whole ones, as the 17 of unshifted teeth at 20° are in use. The flank then begins above the base circle.
+/// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x)/sin²α
+/// teeth. The limit is rounded to a whole number, as usual: 17 teeth for 20° without profile shift.
 pub(super) fn check_undercut(gear: &Gear, at: &EntryPath, warnings: &mut Vec<String>) {
     let square = gear.pressure_angle.sin().powi(2);
     let limit = (2.0 * (1.0 - gear.profile_shift) / square).round();
@@ -80,7 +82,7 @@ pub(super) fn check_undercut(gear: &Gear, at: &EntryPath, warnings: &mut Vec<Str
         let shift = 1.0 - teeth * square / 2.0;
         warnings.push(format!(
             "{at}: {teeth} teeth with a profile_shift of {} are undercut (fewer than {limit}): the contact ratio is at \
-             most what is reported, and the teeth are weaker at their roots; use a profile_shift of {shift:.3} or more",
+             most the reported value, and the roots of the teeth are weaker; use a profile_shift of {shift:.3} or more",
             gear.profile_shift
         ));
     }

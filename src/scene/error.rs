@@ -1,32 +1,32 @@
-//! What is wrong with a scene, and where.
+//! Errors of a scene and the paths of its entries.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// A description that cannot be: the path of the entry, and what is wrong with it.
+/// An invalid scene or option: the path of the entry and the problem.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{path}: {message}")]
 pub struct SceneError {
-    /// Where it stands, e.g. `shafts[1].bow.amplitude`.
+    /// Path of the entry, for example `shafts[1].bow.amplitude`.
     pub path: String,
-    /// What is wrong, with the value.
+    /// The problem, with the value.
     pub message: String,
 }
 
 impl SceneError {
-    /// An error at `path`.
+    /// Creates an error at `path`.
     pub fn new(path: impl fmt::Display, message: impl fmt::Display) -> Self {
         Self { path: path.to_string(), message: message.to_string() }
     }
 }
 
-/// The path of an entry, written as a user writes it.
+/// The path of an entry in the notation of Python.
 #[derive(Clone, Debug)]
 pub(crate) struct EntryPath(String);
 
 impl EntryPath {
-    /// An entry of the description itself.
+    /// A top-level entry of the description.
     pub fn root(field: &str) -> Self {
         Self(field.to_owned())
     }
@@ -36,7 +36,7 @@ impl EntryPath {
         Self(format!("{field}[{index}]"))
     }
 
-    /// `field` of this entry.
+    /// Field `field` of this entry.
     pub fn field(&self, field: &str) -> Self {
         Self(format!("{}.{field}", self.0))
     }
@@ -46,22 +46,26 @@ impl EntryPath {
         Self(format!("{}[{index}]", self.0))
     }
 
-    /// The error that stands here.
+    /// Creates an error at this path.
     pub fn error(&self, message: impl fmt::Display) -> SceneError {
         SceneError::new(&self.0, message)
     }
 
-    /// `value`, if it is finite.
+    /// Returns `value` if it is finite.
     pub fn finite(&self, value: f64) -> Result<f64, SceneError> {
-        if value.is_finite() { Ok(value) } else { Err(self.error(format!("must be finite, got {}", lower(value)))) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(self.error(format!("must be finite, got {}", lower_case(value))))
+        }
     }
 
-    /// `value`, if it is finite and above zero.
+    /// Returns `value` if it is finite and positive.
     pub fn positive(&self, value: f64) -> Result<f64, SceneError> {
         if self.finite(value)? > 0.0 { Ok(value) } else { Err(self.error(format!("must be positive, got {value}"))) }
     }
 
-    /// `value`, if it is finite and not below zero.
+    /// Returns `value` if it is finite and not negative.
     pub fn non_negative(&self, value: f64) -> Result<f64, SceneError> {
         if self.finite(value)? >= 0.0 {
             Ok(value)
@@ -71,9 +75,10 @@ impl EntryPath {
     }
 }
 
-/// The end of a message that suggests the name nearest to a misspelt one; nothing where none is near.
+/// Returns the end of an error message that suggests the most similar name, or an empty text if no name is similar.
 ///
-/// A name is near when at most a third of the letters, and at least one, must be inserted, deleted, replaced or swapped.
+/// Names are similar if their edit distance (insertions, deletions, replacements and swaps) is at most a third of the
+/// letters, and at least one edit is always allowed.
 pub(crate) fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let distance = |name: &'a str| (strsim::osa_distance(&given.to_lowercase(), &name.to_lowercase()), name);
     let most = (given.chars().count() / 3).max(1);
@@ -83,8 +88,8 @@ pub(crate) fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>)
     }
 }
 
-/// A number that is not finite, as Python and TOML write it.
-fn lower(value: f64) -> String {
+/// Formats infinity and NaN as Python and TOML do.
+fn lower_case(value: f64) -> String {
     value.to_string().to_lowercase()
 }
 

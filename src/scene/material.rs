@@ -1,4 +1,4 @@
-//! Elastic constants of a shaft.
+//! Checks the material of a shaft.
 
 use super::{EntryPath, SceneError, description};
 

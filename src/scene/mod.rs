@@ -1,7 +1,8 @@
-//! What a user describes, checked once: from here on every name is an index and every number makes sense.
+//! The checked description of a rotor system: `description` → [`Scene::new`] → [`Scene`].
 //!
-//! `description` → [`Scene::new`] → [`Scene`]. Shaft positions that carry something are nodes, what was left out has
-//! its value, speeds of all shafts follow from the meshes, and torques are in balance where one was asked to balance.
+//! [`Scene::new`] checks every value, replaces names by indices, fills in defaults, and places a node at every position
+//! of a gear, disk, bearing or torque. It computes the speed ratios of the shafts from the meshes, and the torque that
+//! balances the others.
 
 mod bow;
 mod contact;
@@ -9,9 +10,11 @@ pub mod description;
 mod error;
 mod gear;
 mod material;
+mod mesh;
 mod place;
 mod plausibility;
 mod shaft;
+mod stiffness;
 mod teeth;
 mod train;
 
@@ -19,18 +22,20 @@ use num_complex::Complex64;
 
 pub use bow::Bow;
 pub(crate) use contact::path_of_contact;
-pub use description::{MotionKind, SceneDescription};
+pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
-pub use gear::{Damping, Gear, Mesh};
+pub use gear::Gear;
 pub use material::Material;
+pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, Shaft};
-pub use teeth::{Engagement, Foundation, Phase, Relief, Scale, StiffnessModel, Teeth, TransmissionError};
+pub use stiffness::{Scale, StiffnessModel};
+pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
 
 pub(crate) use error::{EntryPath, nearest};
 use place::Names;
 pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
-/// More elements than this are refused: dense modes of them would not fit any machine's memory.
+/// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
 pub const MAX_ELEMENTS: usize = 10_000;
 
 /// A node of a shaft.
@@ -38,16 +43,16 @@ pub const MAX_ELEMENTS: usize = 10_000;
 pub struct Node {
     /// Index of the shaft.
     pub shaft: usize,
-    /// Index of the node on it, from x = 0.
+    /// Index of the node on the shaft; node 0 is at x = 0.
     pub node: usize,
 }
 
-/// A rigid body on a shaft: a disk, or the body of a gear.
+/// A rigid body on a shaft: a disk or a gear.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Name.
     pub name: String,
-    /// Where it sits.
+    /// Node of the body.
     pub node: Node,
     /// Mass, kg.
     pub mass: f64,
@@ -55,14 +60,14 @@ pub struct Body {
     pub diametral_inertia: f64,
     /// Moment of inertia about the axis, kg m².
     pub polar_inertia: f64,
-    /// Mass times eccentricity, kg m, with its angle in the shaft.
+    /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
     pub unbalance: Complex64,
 }
 
 /// A bearing.
 #[derive(Clone, Debug)]
 pub struct Bearing {
-    /// Where it sits.
+    /// Node of the shaft.
     pub node: Node,
     /// Stiffness over (y, z), N/m.
     pub stiffness: [[f64; 2]; 2],
@@ -70,19 +75,19 @@ pub struct Bearing {
     pub damping: [[f64; 2]; 2],
 }
 
-/// A torque about +x.
+/// A constant torque about +x.
 #[derive(Clone, Debug)]
 pub struct Torque {
-    /// Where it acts.
+    /// Node on which it acts.
     pub node: Node,
-    /// N m.
+    /// Torque, N m.
     pub value: f64,
 }
 
 /// A checked scene.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The shafts, with their nodes and elements.
+    /// Shafts with their nodes and elements, in the order of the description.
     pub shafts: Vec<Shaft>,
     /// Gears, in the order of the description.
     pub gears: Vec<Gear>,
@@ -92,21 +97,21 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Bearings, in the order of the description.
     pub bearings: Vec<Bearing>,
-    /// Torques, balance resolved.
+    /// Torques, in the order of the description, with the value of the balancing torque.
     pub torques: Vec<Torque>,
-    /// Signed spin of each shaft over the reference shaft's.
+    /// Signed speed of each shaft relative to the reference shaft.
     pub speed_ratios: Vec<f64>,
-    /// Damping ratio of every undamped mode; zero where none was given.
+    /// Damping ratio of every undamped mode; zero by default.
     pub modal_damping: f64,
-    /// `[α, β]` of the shafts' own Rayleigh damping.
+    /// Rayleigh damping `[α, β]` of the shafts, 1/s and s.
     pub rayleigh: [f64; 2],
     /// Gravity along y and z, m/s².
     pub gravity: [f64; 2],
-    /// Whether nodes have v, w, B, Γ.
+    /// Whether nodes have the lateral coordinates v, w, B, Γ.
     pub lateral: bool,
-    /// Whether nodes have θ.
+    /// Whether nodes have the twist θ.
     pub torsion: bool,
-    /// What is possible but looks unintended.
+    /// Warnings of implausible values.
     pub warnings: Vec<String>,
 }
 
@@ -114,7 +119,7 @@ impl Scene {
     /// Checks a description.
     ///
     /// # Errors
-    /// [`SceneError`] naming the first entry that cannot be.
+    /// [`SceneError`] at the first invalid entry.
     pub fn new(system: &SceneDescription) -> Result<Self, SceneError> {
         if system.shafts.is_empty() {
             return Err(SceneError::new("shafts", "at least one shaft is needed"));
@@ -124,7 +129,7 @@ impl Scene {
         let shafts = shaft::build(system, &stations)?;
         let mut warnings = Vec::new();
         let gears = gear::gears(system, &names, &shafts)?;
-        let meshes = gear::meshes(system, &shafts, &gears, &mut warnings)?;
+        let meshes = mesh::meshes(system, &shafts, &gears, &mut warnings)?;
         let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
         let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
         let mut scene = Self {
@@ -153,27 +158,38 @@ impl Scene {
         self.gears.iter().map(|gear| &gear.body).chain(&self.disks)
     }
 
-    /// The gear or disk of this name.
+    /// Finds a gear or disk by name.
     pub fn body(&self, name: &str) -> Option<&Body> {
         self.bodies().find(|body| body.name == name)
     }
 
-    /// The shaft of this name.
+    /// Nodes with bearings, each once.
+    pub fn bearing_nodes(&self) -> Vec<Node> {
+        let mut nodes: Vec<Node> = Vec::new();
+        for bearing in &self.bearings {
+            if !nodes.contains(&bearing.node) {
+                nodes.push(bearing.node);
+            }
+        }
+        nodes
+    }
+
+    /// Finds a shaft by name.
     pub fn shaft(&self, name: &str) -> Option<usize> {
         self.shafts.iter().position(|shaft| shaft.name == name)
     }
 
-    /// The shaft of this name, which the entry `at` gave.
+    /// Finds a shaft by the name that the entry `at` contains.
     ///
     /// # Errors
-    /// [`SceneError`] if there is none.
+    /// [`SceneError`] if no shaft has this name.
     pub(crate) fn known_shaft(&self, name: &str, at: &EntryPath) -> Result<usize, SceneError> {
         let names = || self.shafts.iter().map(|shaft| shaft.name.as_str());
         let unknown = || at.error(format!("no shaft is called \"{name}\"{}", nearest(name, names())));
         self.shaft(name).ok_or_else(unknown)
     }
 
-    /// The mesh of these two gears, in either order.
+    /// Finds the mesh of two gears, in either order.
     pub fn mesh(&self, first: &str, second: &str) -> Option<usize> {
         let name = |gear: usize| self.gears[gear].body.name.as_str();
         self.meshes.iter().position(|mesh| {
@@ -182,7 +198,7 @@ impl Scene {
         })
     }
 
-    /// The shortest element: its shaft, where it begins, and its length.
+    /// The shortest element: name of its shaft, position of its begin, m, and length, m.
     pub fn shortest_element(&self) -> (&str, f64, f64) {
         let mut shortest = (self.shafts[0].name.as_str(), 0.0, f64::INFINITY);
         for shaft in &self.shafts {
@@ -195,26 +211,28 @@ impl Scene {
         shortest
     }
 
-    /// Which degrees of freedom the scene requires: bending where something holds, bends or shakes a shaft sideways,
-    /// twist where something turns one, both where nothing says which.
-    fn required_motion(&self, asked: Option<MotionKind>) -> Result<(bool, bool), SceneError> {
+    /// Whether nodes have lateral coordinates and twist: `(lateral, torsion)`.
+    ///
+    /// By default, bearings, bow, unbalance and gravity need lateral coordinates; meshes and torques need twist.
+    fn required_motion(&self, requested: Option<MotionKind>) -> Result<(bool, bool), SceneError> {
         let twisted = !self.meshes.is_empty() || !self.torques.is_empty();
         let bent = self.shafts.iter().any(|shaft| shaft.bow.is_some())
             || self.bodies().any(|body| body.unbalance.norm() > 0.0)
             || self.gravity != [0.0; 2];
-        let held = !self.bearings.is_empty();
+        let supported = !self.bearings.is_empty();
         let motion = EntryPath::root("motion");
-        match asked {
+        match requested {
             Some(MotionKind::Lateral) if twisted => {
-                Err(motion.error("\"lateral\" leaves out the twist that meshes and torques act on"))
+                Err(motion.error("\"lateral\" has no twist, on which meshes and torques act; use \"coupled\""))
             }
             Some(MotionKind::Torsion) if bent => {
-                Err(motion.error("\"torsion\" leaves out the bending that bow, unbalance and gravity act on"))
+                Err(motion
+                    .error("\"torsion\" has no bending, on which bow, unbalance and gravity act; use \"coupled\""))
             }
             Some(MotionKind::Lateral) => Ok((true, false)),
             Some(MotionKind::Torsion) => Ok((false, true)),
             Some(MotionKind::Coupled) => Ok((true, true)),
-            None if held || bent => Ok((true, twisted)),
+            None if supported || bent => Ok((true, twisted)),
             None => Ok((!twisted, true)),
         }
     }
@@ -247,7 +265,7 @@ fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Resul
     system.bearings.iter().enumerate().map(bearing).collect()
 }
 
-/// A finite 2×2 coefficient without a negative diagonal, which would push the shaft away from where it runs.
+/// Checks a 2×2 coefficient. A negative diagonal entry is refused: it drives the shaft away from its rest position.
 fn coefficient(given: Option<description::Coefficient>, at: &EntryPath) -> Result<[[f64; 2]; 2], SceneError> {
     let rows = given.unwrap_or(description::Coefficient::Isotropic(0.0)).rows();
     for (i, row) in rows.iter().enumerate() {

@@ -1,11 +1,11 @@
-//! Names and positions: what stands where, and which positions of a shaft must be nodes.
+//! Names of shafts, gears and disks, and the positions on shafts that need a node.
 
 use std::collections::HashMap;
 
 use super::description::{Place, SceneDescription};
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
-/// The names of a description, each used once.
+/// The names of a description. Each name is unique.
 pub(super) struct Names<'a> {
     shafts: HashMap<&'a str, usize>,
     bodies: HashMap<&'a str, (&'a str, f64)>,
@@ -28,7 +28,9 @@ impl<'a> Names<'a> {
                 return Err(at.field("name").error("must not be empty"));
             }
             if let Some(first) = used.get(name) {
-                return Err(at.field("name").error(format!("\"{name}\" is the name of {first} already")));
+                return Err(at
+                    .field("name")
+                    .error(format!("{first} has the name \"{name}\" too; names must be unique")));
             }
             used.insert(name, at);
         }
@@ -40,14 +42,14 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// The shaft of this name, which the entry `at` gave.
+    /// Finds a shaft by the name that the entry `at` contains.
     pub(super) fn shaft(&self, name: &str, at: &EntryPath) -> Result<usize, SceneError> {
         self.shafts.get(name).copied().ok_or_else(|| {
             at.error(format!("no shaft is called \"{name}\"{}", nearest(name, self.shafts.keys().copied())))
         })
     }
 
-    /// The node at a position that [`Self::stations`] made one.
+    /// The node at a position of [`Self::stations`].
     pub(super) fn node(
         &self,
         shafts: &[Shaft],
@@ -58,11 +60,11 @@ impl<'a> Names<'a> {
         let shaft = self.shaft(shaft, &at.field("shaft"))?;
         let node = shafts[shaft]
             .node_at(position)
-            .ok_or_else(|| at.field("position").error(format!("no node stands at {position} m")))?;
+            .ok_or_else(|| at.field("position").error(format!("there is no node at {position} m")))?;
         Ok(Node { shaft, node })
     }
 
-    /// The node of a place.
+    /// The node at a gear, a disk or a position of a shaft.
     pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &EntryPath) -> Result<Node, SceneError> {
         let (shaft, position) = self.shaft_and_position(place, at)?;
         self.node(shafts, shaft, position, at)
@@ -80,7 +82,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// For every shaft, the positions that must be nodes, with the entry that asks for each.
+    /// Positions that need a node, m, with the path of the entry, for every shaft.
     pub(super) fn stations(&self, system: &SceneDescription) -> Result<Vec<Vec<(f64, EntryPath)>>, SceneError> {
         let mut stations = vec![Vec::new(); system.shafts.len()];
         let gears = system.gears.iter().map(|gear| (gear.shaft.as_str(), gear.position));

@@ -1,12 +1,12 @@
-//! Shafts as nodes and elements.
+//! Checks shafts and divides them into nodes and elements.
 
 use super::description::{self, STEEL, SceneDescription};
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 
-/// Positions nearer than this part of the shaft's length are one node.
+/// Positions closer than this fraction of the length of the shaft share a node.
 const SAME_POSITION: f64 = 1e-9;
 
-/// A piece of a shaft between two nodes: a hollow circular cylinder.
+/// A hollow circular cylinder between two nodes of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
     /// Length l, m.
@@ -24,7 +24,7 @@ pub struct Shaft {
     pub name: String,
     /// Positions of the nodes, ascending from 0, m.
     pub nodes: Vec<f64>,
-    /// The elements between them, one fewer than nodes.
+    /// Elements between successive nodes.
     pub elements: Vec<Element>,
     /// Material.
     pub material: Material,
@@ -40,20 +40,20 @@ impl Shaft {
         self.nodes.last().copied().unwrap_or(0.0)
     }
 
-    /// Outer radius at a node: the larger one at a step.
+    /// Outer radius at a node, m; at a step the larger one.
     pub fn radius_at(&self, node: usize) -> f64 {
         let around = &self.elements[node.saturating_sub(1)..(node + 1).min(self.elements.len())];
         around.iter().map(|element| element.outer_radius).fold(0.0, f64::max)
     }
 
-    /// The node at a position, if there is one.
+    /// Finds the node at a position, m.
     pub fn node_at(&self, position: f64) -> Option<usize> {
         let tolerance = SAME_POSITION * self.length();
         self.nodes.iter().position(|x| (x - position).abs() <= tolerance)
     }
 }
 
-/// Builds all shafts, with a node at every station.
+/// Builds all shafts with a node at every station.
 pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>]) -> Result<Vec<Shaft>, SceneError> {
     let mut elements = 0;
     let mut shafts = Vec::with_capacity(system.shafts.len());
@@ -66,7 +66,7 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>
         elements = elements.saturating_add(stations[index].len());
         if elements > MAX_ELEMENTS {
             return Err(at.error(format!(
-                "{elements} elements and positions up to here, more than the {MAX_ELEMENTS} that one system may have"
+                "the shafts up to this one have {elements} elements and positions, a system may have at most {MAX_ELEMENTS}; use fewer elements"
             )));
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
@@ -74,7 +74,7 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>
     Ok(shafts)
 }
 
-/// The segments of a shaft, a uniform one being a single segment.
+/// The segments of a shaft. A uniform shaft is one segment.
 fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<description::Segment>, SceneError> {
     let uniform = [
         ("length", given.length.is_some()),
@@ -85,7 +85,7 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
     let (segments, path): (_, Box<dyn Fn(usize) -> EntryPath>) = match &given.segments {
         Some(segments) => {
             if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
-                return Err(at.field(name).error("stands beside segments, which say it"));
+                return Err(at.field(name).error("cannot be combined with segments; give it in the segments"));
             }
             if segments.is_empty() {
                 return Err(at.field("segments").error("at least one segment is needed"));
@@ -144,7 +144,7 @@ fn shaft(
         path.finite(*position)?;
         if *position < -tolerance || *position > length + tolerance {
             return Err(
-                path.error(format!("{position} m is off the shaft \"{}\", which is {length} m long", given.name))
+                path.error(format!("{position} m is outside the shaft \"{}\", which is {length} m long", given.name))
             );
         }
         let next = nodes.partition_point(|x| *x < position - tolerance);

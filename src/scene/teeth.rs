@@ -1,108 +1,75 @@
-//! What the teeth of a mesh do: stiffness, engagement, relief, backlash and unloaded error, checked.
+//! Checks how the teeth of a mesh are described: engagement, tip relief, backlash and transmission error.
 
-use super::description::{self, StiffnessKind};
-use super::gear::SAME;
+use super::description::{self, Foundation, StiffnessKind};
+use super::stiffness::{StiffnessModel, stiffness_model};
 use super::{EntryPath, Gear, SceneError};
 
-/// How a pair of teeth enters and leaves the path of contact.
+/// How a pair of teeth enters and leaves contact at the ends of the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Engagement {
-    /// At once: the stiffness jumps, and a step of the integration ends there.
+    /// Instantaneously: the stiffness jumps, and a time step ends at the jump.
     Sharp,
-    /// Over this part of the base pitch, half of it before and half after the end of the path.
+    /// Over this fraction of the base pitch, centred on the end of the path of contact.
     Smooth(f64),
 }
 
-pub use super::description::Foundation;
-
-/// What moves the teeth along the path of contact.
+/// Motions on which the position of the teeth along the path of contact depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Spin, twist and centres, with the force ½δ² ∂k/∂q that belongs to them: energy is conserved, so that what
-    /// damping takes from the vibration slows the rolling of a train whose torques are in balance.
+    /// Rotation of the shafts, twist and motion of the gear centres, with the force ½δ² ∂k/∂q that follows. Energy is
+    /// conserved: if the torques balance, damping of the vibration slows the rigid-body rotation.
     Twist,
-    /// Spin and centres; the stiffness is prescribed, and what holds the speed does work through it.
+    /// Rotation of the shafts and motion of the gear centres. The stiffness is prescribed, and the drive that keeps the
+    /// speed does work through it.
     Prescribed,
 }
 
-/// Tip relief: how far the flank stands back near both ends of the path of contact.
+/// Tip relief: removal of flank material near both ends of the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relief {
-    /// At the very end, m.
+    /// Relief at the end of the path of contact, m.
     pub amount: f64,
-    /// Along the path from its end, m.
+    /// Length of the relief along the path of contact, from its end, m.
     pub length: f64,
-    /// 1 for a straight relief, 2 for a parabolic one.
+    /// Exponent of the relief curve: 1 is linear, 2 is parabolic.
     pub exponent: i32,
 }
 
-/// What a stiffness is known by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// The mean of the mesh, N/m.
-    Mean(f64),
-    /// One pair, where it is stiffest, N/m.
-    Pair(f64),
-}
-
-/// A stiffness model.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StiffnessModel {
-    /// Constant, N/m.
-    Mean(f64),
-    /// Constant, from ISO 6336-1 for this face width, m.
-    Iso6336(f64),
-    /// Pairs of the same stiffness along the path.
-    Square(Scale),
-    /// Pairs whose stiffness falls as a parabola to this part of it at the ends of the path.
-    Parabolic(Scale, f64),
-    /// Pairs from their teeth by potential energy, for this face width, m, and radii at which the blanks are held, m.
-    PotentialEnergy(f64, [f64; 2], Foundation),
-    /// Values of the whole mesh at equal parts of its cycle, N/m.
-    Table(Vec<f64>),
-    /// Mean of the whole mesh, N/m, and amplitude, N/m, and phase, rad, of its harmonics.
-    Fourier(f64, Vec<[f64; 2]>),
-}
-
-/// Harmonics of an unloaded transmission error: amplitude, m, and phase, rad, of the orders 1, 2, ….
+/// Unloaded transmission error. Harmonic k of a list is `[amplitude, phase]` of order k + 1, in m and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TransmissionError {
-    /// Of the mesh frequency.
+    /// Harmonics of the mesh frequency.
     pub tooth: Vec<[f64; 2]>,
-    /// Of the driver's shaft.
+    /// Harmonics of the rotation of the driver shaft.
     pub driver: Vec<[f64; 2]>,
-    /// Of the driven shaft.
+    /// Harmonics of the rotation of the driven shaft.
     pub driven: Vec<[f64; 2]>,
-    /// Values at equal parts of the mesh cycle, m; empty for none.
+    /// Values at equal intervals of the mesh cycle, m; may be empty.
     pub table: Vec<f64>,
 }
 
-/// All of it.
+/// The checked teeth of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Teeth {
-    /// Stiffness.
+    /// Stiffness model.
     pub stiffness: StiffnessModel,
-    /// Engagement of the pairs.
+    /// Engagement of tooth pairs.
     pub engagement: Engagement,
-    /// What moves them along the path.
+    /// Motions that move the teeth along the path of contact.
     pub phase: Phase,
-    /// Tip relief.
+    /// Tip relief of both gears.
     pub relief: Option<Relief>,
-    /// Backlash along the line of action, m; none for a mesh that never parts.
+    /// Backlash along the line of action, m; None if the flanks never separate.
     pub backlash: Option<f64>,
     /// Unloaded transmission error.
     pub error: Option<TransmissionError>,
 }
 
-/// Engagement over a tenth of the base pitch needs no event to be integrated to 1e-7.
+/// Default engagement, as a fraction of the base pitch. The integration to 1e-7 then needs no event.
 const DEFAULT_ENGAGEMENT: f64 = 0.1;
-/// Stiffness of a parabolic pair at the ends of the path, as a part of that in the middle.
-const DEFAULT_END_RATIO: f64 = 0.6;
-/// Root radius over bore radius for which the fillet-foundation deflection was fitted: 1.4 to 7, which the source prints
-/// with two digits, so that ratios that round to them count as inside.
-const FOUNDATION_RANGE: [f64; 2] = [1.35, 7.05];
 
 impl Teeth {
+    /// Checks the teeth of a mesh between the gears of `pair` on shafts of these outer radii, m.
     pub(super) fn new(
         given: &description::Mesh,
         pair: [&Gear; 2],
@@ -119,39 +86,14 @@ impl Teeth {
             },
             Some(description::Stiffness::Model(model)) => model.clone(),
         };
-        unused(&model, &place)?;
-        let stiffness = stiffness(&model, pair, shaft_radii, &place, warnings)?;
-        let engagement = match &model.engagement {
-            None => Engagement::Smooth(DEFAULT_ENGAGEMENT),
-            Some(description::Engagement::Smooth(width)) => {
-                let at = place.field("engagement");
-                if at.positive(*width)? > 0.5 {
-                    return Err(at.error(format!("must be at most half a base pitch, 0.5, got {width}")));
-                }
-                Engagement::Smooth(*width)
-            }
-            Some(description::Engagement::Named(name)) if name == "sharp" => Engagement::Sharp,
-            Some(description::Engagement::Named(name)) => {
-                let message = format!("must be \"sharp\" or a part of the base pitch, got \"{name}\"");
-                return Err(place.field("engagement").error(message));
-            }
-        };
-        let phase = match (model.phase, engagement) {
-            (Some(description::Phase::Twist), Engagement::Sharp) => {
-                let message = "\"twist\" needs a smooth engagement: a jump that depends on the motion is a blow";
-                return Err(place.field("phase").error(message));
-            }
-            (Some(description::Phase::Twist), Engagement::Smooth(_)) => Phase::Twist,
-            _ => Phase::Prescribed,
-        };
-        let pairs = match stiffness {
-            StiffnessModel::PotentialEnergy(.., Foundation::Shared) if given.tip_relief.is_some() => {
-                let message = "\"shared\" cannot be combined with tip_relief; use \"separate\"";
-                return Err(place.field("foundation").error(message));
-            }
-            StiffnessModel::Square(_) | StiffnessModel::Parabolic(..) | StiffnessModel::PotentialEnergy(..) => true,
-            _ => false,
-        };
+        let stiffness = stiffness_model(&model, pair, shaft_radii, &place, warnings)?;
+        let engagement = engagement(model.engagement.as_ref(), &place.field("engagement"))?;
+        let phase = phase(model.phase, engagement, &place.field("phase"))?;
+        if matches!(stiffness, StiffnessModel::PotentialEnergy(.., Foundation::Shared)) && given.tip_relief.is_some() {
+            let message = "\"shared\" cannot be combined with tip_relief; use \"separate\"";
+            return Err(place.field("foundation").error(message));
+        }
+        let pairs = stiffness.has_tooth_pairs();
         let relief = given.tip_relief.as_ref().map(|relief| self::relief(relief, pairs, &at.field("tip_relief")));
         let error = given.error.as_ref().map(|error| transmission_error(error, &at.field("error")));
         Ok(Self {
@@ -165,126 +107,31 @@ impl Teeth {
     }
 }
 
-/// Parameters that the model does not have are errors, not ignored.
-fn unused(model: &description::StiffnessModel, at: &EntryPath) -> Result<(), SceneError> {
-    use StiffnessKind::{Constant, Fourier, Parabolic, PotentialEnergy, Square, Table};
-    let pairs = [Square, Parabolic, PotentialEnergy];
-    let varies = [Square, Parabolic, PotentialEnergy, Table, Fourier];
-    let fields: [(&str, bool, &[StiffnessKind]); 10] = [
-        ("mean", model.mean.is_some(), &[Constant, Square, Parabolic, Fourier]),
-        ("pair", model.pair.is_some(), &[Square, Parabolic]),
-        ("end_ratio", model.end_ratio.is_some(), &[Parabolic]),
-        ("values", model.values.is_some(), &[Table]),
-        ("amplitudes", model.amplitudes.is_some(), &[Fourier]),
-        ("phases", model.phases.is_some(), &[Fourier]),
-        ("bore_radii", model.bore_radii.is_some(), &[PotentialEnergy]),
-        ("foundation", model.foundation.is_some(), &[PotentialEnergy]),
-        ("engagement", model.engagement.is_some(), &pairs),
-        ("phase", model.phase.is_some(), &varies),
-    ];
-    for (name, given, kinds) in fields {
-        if given && !kinds.contains(&model.model) {
-            return Err(at.field(name).error("is not a parameter of this stiffness model"));
+fn engagement(given: Option<&description::Engagement>, at: &EntryPath) -> Result<Engagement, SceneError> {
+    match given {
+        None => Ok(Engagement::Smooth(DEFAULT_ENGAGEMENT)),
+        Some(description::Engagement::Smooth(width)) => {
+            if at.positive(*width)? > 0.5 {
+                return Err(at.error(format!("must be at most half a base pitch, 0.5, got {width}")));
+            }
+            Ok(Engagement::Smooth(*width))
+        }
+        Some(description::Engagement::Named(name)) if name == "sharp" => Ok(Engagement::Sharp),
+        Some(description::Engagement::Named(name)) => {
+            Err(at.error(format!("must be \"sharp\" or a fraction of the base pitch, got \"{name}\"")))
         }
     }
-    Ok(())
 }
 
-fn stiffness(
-    model: &description::StiffnessModel,
-    pair: [&Gear; 2],
-    shaft_radii: [f64; 2],
-    at: &EntryPath,
-    warnings: &mut Vec<String>,
-) -> Result<StiffnessModel, SceneError> {
-    let needed = |value: Option<f64>, name: &str| {
-        at.field(name).positive(value.ok_or_else(|| at.error(format!("needs {name}")))?)
-    };
-    let scale = || match (model.mean, model.pair) {
-        (Some(mean), None) => Ok(Scale::Mean(at.field("mean").positive(mean)?)),
-        (None, Some(pair)) => Ok(Scale::Pair(at.field("pair").positive(pair)?)),
-        _ => Err(at.error("needs one of mean and pair")),
-    };
-    let face_width = || match pair.map(|gear| gear.face_width) {
-        [Some(a), Some(b)] => Ok(a.min(b)),
-        _ => Err(at.error("needs the face_width of both gears, or a number [N/m]")),
-    };
-    let list = |values: &Option<Vec<f64>>, name: &str| {
-        let values = values.clone().ok_or_else(|| at.error(format!("needs {name}")))?;
-        for (index, value) in values.iter().enumerate() {
-            at.field(name).index(index).finite(*value)?;
+fn phase(given: Option<description::Phase>, engagement: Engagement, at: &EntryPath) -> Result<Phase, SceneError> {
+    match (given, engagement) {
+        (Some(description::Phase::Twist), Engagement::Sharp) => {
+            Err(at
+                .error("\"twist\" needs a smooth engagement: a stiffness jump that depends on the motion is an impact"))
         }
-        Ok::<_, SceneError>(values)
-    };
-    Ok(match model.model {
-        // A number is the whole stiffness: what is wrong with it is wrong there.
-        StiffnessKind::Constant => {
-            StiffnessModel::Mean(at.positive(model.mean.ok_or_else(|| at.error("needs mean"))?)?)
-        }
-        StiffnessKind::Iso6336 => StiffnessModel::Iso6336(face_width()?),
-        StiffnessKind::Square => StiffnessModel::Square(scale()?),
-        StiffnessKind::Parabolic => {
-            let ratio = needed(model.end_ratio.or(Some(DEFAULT_END_RATIO)), "end_ratio")?;
-            if ratio > 1.0 {
-                return Err(at.field("end_ratio").error(format!("must be at most 1, got {ratio}")));
-            }
-            StiffnessModel::Parabolic(scale()?, ratio)
-        }
-        StiffnessKind::PotentialEnergy => {
-            let mut radii = model.bore_radii.unwrap_or(shaft_radii);
-            for (index, (radius, gear)) in radii.iter_mut().zip(pair).enumerate() {
-                let root = gear.root_radius();
-                if root >= gear.tip_radius {
-                    let message = format!(
-                        "\"{}\" has no tooth between its tip radius of {} m and its root radius of {root} m",
-                        gear.body.name, gear.tip_radius
-                    );
-                    return Err(at.error(message));
-                }
-                let at = at.field("bore_radii").index(index);
-                if at.positive(*radius)? >= root {
-                    let message = format!("{radius} m leaves no blank below the root radius of {root} m");
-                    return Err(at.error(message));
-                }
-                let ratio = root / *radius;
-                if !(FOUNDATION_RANGE[0] - SAME..=FOUNDATION_RANGE[1] + SAME).contains(&ratio) {
-                    warnings.push(format!(
-                        "{at}: the root radius of \"{}\" is {ratio:.3} times the radius of {radius} m at which its \
-                         blank is held; the compliance of fillet and blank was fitted for 1.4 to 7 (Sainsot, Velex and \
-                         Duverger 2004): give bore_radii in that range, or another stiffness model",
-                        gear.body.name
-                    ));
-                }
-            }
-            StiffnessModel::PotentialEnergy(face_width()?, radii, model.foundation.unwrap_or(Foundation::Separate))
-        }
-        StiffnessKind::Table => {
-            let values = list(&model.values, "values")?;
-            if values.len() < 3 {
-                return Err(at.field("values").error(format!("at least three are needed, got {}", values.len())));
-            }
-            for (index, value) in values.iter().enumerate() {
-                at.field("values").index(index).non_negative(*value)?;
-            }
-            if values.iter().sum::<f64>() <= 0.0 {
-                return Err(at.field("values").error("their mean must be positive"));
-            }
-            StiffnessModel::Table(values)
-        }
-        StiffnessKind::Fourier => {
-            let mean = needed(model.mean, "mean")?;
-            let amplitudes = list(&model.amplitudes, "amplitudes")?;
-            let phases = match &model.phases {
-                Some(_) => list(&model.phases, "phases")?,
-                None => vec![0.0; amplitudes.len()],
-            };
-            if phases.len() != amplitudes.len() {
-                let message = format!("has {} entries for {} amplitudes", phases.len(), amplitudes.len());
-                return Err(at.field("phases").error(message));
-            }
-            StiffnessModel::Fourier(mean, amplitudes.into_iter().zip(phases).map(|(a, p)| [a, p]).collect())
-        }
-    })
+        (Some(description::Phase::Twist), Engagement::Smooth(_)) => Ok(Phase::Twist),
+        _ => Ok(Phase::Prescribed),
+    }
 }
 
 fn relief(given: &description::TipRelief, pairs: bool, at: &EntryPath) -> Result<Relief, SceneError> {

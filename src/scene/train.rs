@@ -1,13 +1,13 @@
-//! The train: how fast every shaft turns, and what torque keeps it in balance.
+//! Speed ratios of the shafts and the balance of the torques.
 
 use super::description::SceneDescription;
 use super::place::Names;
 use super::{EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
 
-/// Ratios around a loop that agree to this part are the same number.
+/// Relative difference below which speed ratios around a loop of meshes count as equal.
 const SAME: f64 = 1e-9;
 
-/// Signed spin of each shaft over the reference shaft's: every external mesh multiplies by −z_a/z_b.
+/// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
 pub(super) fn speed_ratios(
     system: &SceneDescription,
     names: &Names,
@@ -16,7 +16,7 @@ pub(super) fn speed_ratios(
 ) -> Result<Vec<f64>, SceneError> {
     let reference = reference(system, names)?;
     let teeth = |gear: usize| f64::from(gears[gear].teeth);
-    let ratios = follow(system.shafts.len(), reference, gears, meshes, teeth);
+    let ratios = ratios_by(system.shafts.len(), reference, gears, meshes, teeth);
     let of = |shaft: usize| {
         let name = |shaft: usize| &system.shafts[shaft].name;
         ratios[shaft].ok_or_else(|| {
@@ -31,10 +31,10 @@ pub(super) fn speed_ratios(
     let ratios = (0..system.shafts.len()).map(of).collect::<Result<Vec<_>, _>>()?;
     for (index, mesh) in meshes.iter().enumerate() {
         let (a, b) = (gears[mesh.driver].body.node.shaft, gears[mesh.driven].body.node.shaft);
-        let asked = -ratios[a] * teeth(mesh.driver) / teeth(mesh.driven);
-        if (asked - ratios[b]).abs() > SAME * asked.abs() {
+        let expected = -ratios[a] * teeth(mesh.driver) / teeth(mesh.driven);
+        if (expected - ratios[b]).abs() > SAME * expected.abs() {
             let message = format!(
-                "closes a loop that cannot turn: it asks shaft \"{}\" for a speed ratio of {asked}, the other meshes for {}",
+                "closes a loop that cannot rotate: it gives shaft \"{}\" the speed ratio {expected}, the other meshes give {}",
                 system.shafts[b].name, ratios[b]
             );
             return Err(EntryPath::entry("meshes", index).error(message));
@@ -43,10 +43,10 @@ pub(super) fn speed_ratios(
     Ok(ratios)
 }
 
-/// All torques, with the value of the one that balances the others.
+/// All torques, with the value of the torque that balances the others.
 ///
-/// Balance is that of the rolling motion, which leaves every mesh undeflected: it follows the base radii, which
-/// published data may round differently from the tooth numbers.
+/// Balanced torques do no work on the rigid-body rotation, which does not deflect any mesh. That rotation follows from
+/// the base radii, which published data may round differently from the tooth numbers.
 pub(super) fn torques(
     system: &SceneDescription,
     names: &Names,
@@ -55,7 +55,7 @@ pub(super) fn torques(
     meshes: &[Mesh],
 ) -> Result<Vec<Torque>, SceneError> {
     let radius = |gear: usize| gears[gear].base_radius;
-    let rolling = follow(shafts.len(), reference(system, names)?, gears, meshes, radius);
+    let rotation = ratios_by(shafts.len(), reference(system, names)?, gears, meshes, radius);
     let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
     let mut balance: Option<usize> = None;
     let mut power = 0.0;
@@ -66,18 +66,18 @@ pub(super) fn torques(
             (Some(value), false) => at.field("value").finite(value)?,
             (None, true) => {
                 if let Some(first) = balance.replace(index) {
-                    return Err(at.error(format!("torques[{first}] balances the others already")));
+                    return Err(at.error(format!("torques[{first}] is a balancing torque too; only one is possible")));
                 }
                 0.0
             }
             _ => return Err(at.error("needs a value, or balance = true")),
         };
-        power += value * rolling[node.shaft].unwrap_or(0.0);
+        power += value * rotation[node.shaft].unwrap_or(0.0);
         torques.push(Torque { node, value });
     }
     if let Some(index) = balance {
-        // Every shaft is connected to the reference: `speed_ratios` has seen to that.
-        torques[index].value = -power / rolling[torques[index].node.shaft].unwrap_or(1.0);
+        // `speed_ratios` has checked that meshes connect every shaft to the reference shaft.
+        torques[index].value = -power / rotation[torques[index].node.shaft].unwrap_or(1.0);
     }
     Ok(torques)
 }
@@ -86,8 +86,9 @@ fn reference(system: &SceneDescription, names: &Names) -> Result<usize, SceneErr
     system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &EntryPath::root("reference")))
 }
 
-/// Follows the meshes from shaft `start`, whose ratio is 1; `size` of a gear is its teeth or its radius.
-fn follow(
+/// Speed ratio of each shaft to shaft `start`; None if no meshes connect them. `size` of a gear is its number of teeth
+/// or its base radius.
+fn ratios_by(
     shafts: usize,
     start: usize,
     gears: &[Gear],
@@ -96,7 +97,7 @@ fn follow(
 ) -> Vec<Option<f64>> {
     let mut ratios: Vec<Option<f64>> = vec![None; shafts];
     ratios[start] = Some(1.0);
-    // Pass after pass in the order of the description, so that a loop is closed by its last mesh.
+    // Repeated passes in the order of the description, so that the last mesh of a loop closes it.
     loop {
         let mut found = false;
         for mesh in meshes {

@@ -190,7 +190,9 @@ def test_a_mistake_of_units_is_a_warning(name):
     assert len(found) == 1, texts
     assert cause in found[0]
     assert (
-        "usual is" in found[0] or "more than a turn" in found[0] or "of the stiffness" in found[0]
+        "usual is" in found[0]
+        or "more than a full turn" in found[0]
+        or "of the stiffness" in found[0]
     )
 
 
@@ -262,7 +264,7 @@ def test_all_lengths_in_millimetres():
     for where in ("shafts[0].length", "shafts[0].outer_diameter", "gears[0].module"):
         (text,) = [text for text in texts if text.startswith(where)]
         assert "is it in millimetres?" in text
-        assert f"(the same of {where.replace('[0]', '[1]')})" in text
+        assert f"(also {where.replace('[0]', '[1]')})" in text
 
 
 def test_the_warning_has_value_range_and_cause():

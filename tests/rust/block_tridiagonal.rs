@@ -1,11 +1,11 @@
-//! The chain of nodes against the same matrix, dense.
+//! Block-tridiagonal matrices, compared with the same matrices in dense form.
 
 use crate::common::{Noise, largest};
 use gearbow::linalg::{BlockTridiagonal, NotPositiveDefinite, load};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// A random symmetric positive definite chain, and the same matrix assembled densely beside it.
+/// A random symmetric positive definite matrix, in block-tridiagonal and in dense form.
 fn chain<const B: usize>(nodes: usize, noise: &mut Noise) -> (BlockTridiagonal<B>, DMatrix<f64>) {
     let mut chain = BlockTridiagonal::<B>::zeros(nodes);
     let mut dense = DMatrix::zeros(nodes * B, nodes * B);
@@ -18,15 +18,15 @@ fn chain<const B: usize>(nodes: usize, noise: &mut Noise) -> (BlockTridiagonal<B
     }
     for node in 0..nodes {
         for i in 0..B {
-            let own = 0.2 + noise.next().abs();
-            chain.add_at_node(node, i, i, own);
-            dense[(node * B + i, node * B + i)] += own;
+            let value = 0.2 + noise.next().abs();
+            chain.add_at_node(node, i, i, value);
+            dense[(node * B + i, node * B + i)] += value;
         }
     }
     (chain, dense)
 }
 
-/// `dense` acting alike on `L` interleaved lanes.
+/// Matrix that applies `dense` to each of `lanes` interleaved lanes.
 fn in_lanes(dense: &DMatrix<f64>, lanes: usize) -> DMatrix<f64> {
     dense.kronecker(&DMatrix::identity(lanes, lanes))
 }
@@ -41,7 +41,7 @@ fn agrees_with_dense<const B: usize, const L: usize>(nodes: usize, seed: u64) ->
     let lanes = in_lanes(&dense, L);
     let x = DVector::from_vec(noise.vector(nodes * B * L, 1.0));
     let size = lanes.norm() * x.norm();
-    // Sums of at most 3B products, in another order than nalgebra's.
+    // Sums of at most 3B products; nalgebra adds them in a different order.
     let round_off = 1e-14 * size;
 
     let product = &lanes * &x;
@@ -59,11 +59,11 @@ fn agrees_with_dense<const B: usize, const L: usize>(nodes: usize, seed: u64) ->
         );
         prop_assert_eq!(loaded.as_flattened(), &x.as_slice()[range]);
     }
-    prop_assert!((chain.quadratic::<L>(x.as_slice()) - x.dot(&product)).abs() < round_off * x.norm());
+    prop_assert!((chain.quadratic_form::<L>(x.as_slice()) - x.dot(&product)).abs() < round_off * x.norm());
 
     let mut solution = product.clone();
     chain.factor().unwrap().solve::<L>(solution.as_mut_slice());
-    // A factor of explicit inverses loses the condition of its pivot blocks, here at most a few hundred.
+    // Explicit inverses of the pivot blocks multiply round-off by their condition numbers, here at most a few hundred.
     let residual = (&lanes * &solution - &product).norm();
     prop_assert!(residual < 1e-12 * size, "{residual:e} of {size:e}");
     let condition = dense.norm() * dense.clone().cholesky().unwrap().inverse().norm();
@@ -90,12 +90,12 @@ proptest! {
     }
 
     #[test]
-    fn any_other_block_agrees_with_dense(nodes in 1_usize..10, seed: u64) {
+    fn larger_blocks_and_more_lanes_agree_with_dense(nodes in 1_usize..10, seed: u64) {
         agrees_with_dense::<3, 4>(nodes, seed)?;
     }
 
     #[test]
-    fn sums_are_those_of_the_matrices(nodes in 1_usize..10, seed: u64, factor in -3.0..3.0) {
+    fn scaled_sum_agrees_with_dense(nodes in 1_usize..10, seed: u64, factor in -3.0..3.0) {
         let mut noise = Noise::new(seed);
         let (mut sum, mut expected) = chain::<2>(nodes, &mut noise);
         let (other, dense) = chain::<2>(nodes, &mut noise);
@@ -103,7 +103,7 @@ proptest! {
         expected += factor * dense;
         let mut found = DMatrix::zeros(expected.nrows(), expected.ncols());
         sum.for_each(|row, column, value| found[(row, column)] += value);
-        // Entries are below 20, and one product and one sum apart.
+        // Entries are below 20; the results differ by the round-off of one product and one sum.
         prop_assert!((found - &expected).amax() < 20.0 * 4.0 * f64::EPSILON);
     }
 }
@@ -127,7 +127,7 @@ fn a_matrix_that_is_not_positive_definite_is_reported_with_its_node() {
             assert_eq!(failure(&chain), Err(NotPositiveDefinite { node: 3 }), "{wrong} at unknown {unknown}");
         }
     }
-    // Positive on the diagonal, but not in the 2×2 minor across two nodes.
+    // The diagonal is positive, but a 2 × 2 minor across two nodes is not.
     let mut coupled = identity(5);
     coupled.add_element(1, |i, j| if i.abs_diff(j) == 2 { 2.0 } else { 0.0 });
     assert_eq!(failure(&coupled), Err(NotPositiveDefinite { node: 2 }));
@@ -136,7 +136,7 @@ fn a_matrix_that_is_not_positive_definite_is_reported_with_its_node() {
 }
 
 #[test]
-fn zero_is_zero() {
+fn is_zero_detects_any_entry() {
     let mut chain = BlockTridiagonal::<1>::zeros(3);
     assert!(chain.is_zero());
     assert_eq!(chain.nodes(), 3);
@@ -146,7 +146,8 @@ fn zero_is_zero() {
 
 #[test]
 fn long_chains_solve_to_round_off() {
-    // Free twist of 2000 elements on one spring at the end: the condition is 4e6, and the factor must not add to it.
+    // 2000 torsional springs in series with a spring to ground at the end. The condition number is 4e6; the
+    // factorization must not add to the error that it causes.
     let nodes = 2001;
     let mut chain = BlockTridiagonal::<1>::zeros(nodes);
     (0..nodes - 1).for_each(|first| chain.add_element(first, |i, j| if i == j { 1.0 } else { -1.0 }));
@@ -154,8 +155,8 @@ fn long_chains_solve_to_round_off() {
     let mut x = vec![0.0; nodes];
     x[0] = 1.0;
     chain.factor().unwrap().solve::<1>(&mut x);
-    // A unit torque at the far end twists every spring by one.
+    // A unit torque at the free end twists every spring by one.
     let errors: Vec<f64> = x.iter().enumerate().map(|(node, value)| value - (nodes - node) as f64).collect();
-    // Integers, but for pivots 1 + 1/k that are not: each of the 2000 adds an ulp of the result at most.
+    // All numbers are integers except the pivots 1 + 1/k. Each of the 2000 pivots adds at most one ulp of the result.
     assert!(largest(&errors) < 2001.0 * 2001.0 * f64::EPSILON, "{:e}", largest(&errors));
 }

@@ -1,4 +1,4 @@
-//! Eigenvalues: known spectra, the scaled first-order form, and motions without stiffness.
+//! Eigenvalues: known spectra, the first-order form in modal coordinates, and rigid-body modes.
 
 use crate::common::{Noise, cached, free_train, largest, train};
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
@@ -7,15 +7,15 @@ use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Coefficient;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Backward error of a decomposition of matrices of up to a hundred rows, relative to their norm.
+/// Backward error of a decomposition relative to the norm of the matrix, for up to a hundred rows.
 const BACKWARD: f64 = 1e-13;
 
-/// Eigenvalues of `matrix`, each near one of `expected` and the other way round; checks A v = λ v on the way.
+/// Checks that every eigenvalue is near an expected one, that every expected one is found, and that A v = λ v.
 fn assert_spectrum(matrix: &DMatrix<f64>, expected: &[Complex<f64>], tolerance: f64) {
     let found = eigen(matrix).unwrap();
     let complex = matrix.map(|value| Complex::new(value, 0.0));
     for (value, vector) in found.values.iter().zip(found.vectors.column_iter()) {
-        assert!((vector.norm() - 1.0).abs() < 1e-14, "vectors are normalised");
+        assert!((vector.norm() - 1.0).abs() < 1e-14, "eigenvectors have unit length");
         assert!((&complex * vector - vector * *value).norm() < BACKWARD * matrix.norm().max(1.0));
     }
     assert_eq!(found.values.len(), expected.len());
@@ -23,7 +23,7 @@ fn assert_spectrum(matrix: &DMatrix<f64>, expected: &[Complex<f64>], tolerance: 
         all.iter().map(|other| (value - other).norm()).fold(f64::INFINITY, f64::min)
     };
     for value in found.values.iter() {
-        assert!(nearest(value, expected) < tolerance, "{value} is no eigenvalue");
+        assert!(nearest(value, expected) < tolerance, "{value} is not an expected eigenvalue");
     }
     for value in expected {
         assert!(nearest(value, found.values.as_slice()) < tolerance, "{value} is missing");
@@ -32,13 +32,13 @@ fn assert_spectrum(matrix: &DMatrix<f64>, expected: &[Complex<f64>], tolerance: 
 
 #[test]
 fn general_matrices_have_their_known_spectra() {
-    let turn = |angle: f64| Complex::from_polar(1.0, angle);
-    // A shift of n entries: the n-th roots of one. A normal matrix, so eigenvalues are right to round-off.
+    let phasor = |angle: f64| Complex::from_polar(1.0, angle);
+    // A cyclic shift has the n-th roots of unity. It is a normal matrix, so the eigenvalues are accurate to round-off.
     let n = 12;
     let shift = DMatrix::from_fn(n, n, |i, j| if (i + 1) % n == j { 1.0 } else { 0.0 });
-    let roots: Vec<_> = (0..n).map(|k| turn(2.0 * std::f64::consts::PI * k as f64 / n as f64)).collect();
+    let roots: Vec<_> = (0..n).map(|k| phasor(2.0 * std::f64::consts::PI * k as f64 / n as f64)).collect();
     assert_spectrum(&shift, &roots, BACKWARD);
-    // Triangular, far from normal: the diagonal. Condition of the eigenvalues about 1e2.
+    // A triangular matrix has the eigenvalues on its diagonal. It is not normal: their condition number is about 1e2.
     let triangle = DMatrix::from_fn(6, 6, |i, j| match j.cmp(&i) {
         std::cmp::Ordering::Less => 0.0,
         std::cmp::Ordering::Equal => 1.0 + i as f64,
@@ -46,7 +46,7 @@ fn general_matrices_have_their_known_spectra() {
     });
     let diagonal: Vec<_> = (1..7).map(|value| Complex::new(f64::from(value), 0.0)).collect();
     assert_spectrum(&triangle, &diagonal, 1e-11);
-    // Damped oscillators turned into each other by an orthogonal matrix.
+    // Damped oscillators, coupled by an orthogonal transformation.
     let mut noise = Noise::new(3);
     let q = DMatrix::from_fn(8, 8, |_, _| noise.next()).qr().q();
     let mut blocks = DMatrix::zeros(8, 8);
@@ -61,41 +61,42 @@ fn general_matrices_have_their_known_spectra() {
 }
 
 #[test]
-fn equal_eigenvalues_have_vectors_of_their_own() {
-    // Oscillators, three of each kind, damped up to a tenth, turned into each other: y = (x, ẋ/ω) of all of them.
+fn repeated_eigenvalues_have_independent_eigenvectors() {
+    // Ten damped oscillators, each three times, coupled by an orthogonal transformation; y = (x, ẋ/ω).
     let mut noise = Noise::new(11);
     let n = 30;
     let q = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().q();
     let frequency = |k: usize| 10.0_f64.powf((k / 3) as f64 / 4.0);
-    let turned = |of: &dyn Fn(usize) -> f64| {
-        &q * DMatrix::from_fn(n, n, |i, j| if i == j { of(i) } else { 0.0 }) * q.transpose()
+    let transformed = |diagonal: &dyn Fn(usize) -> f64| {
+        &q * DMatrix::from_fn(n, n, |i, j| if i == j { diagonal(i) } else { 0.0 }) * q.transpose()
     };
     let mut matrix = DMatrix::zeros(2 * n, 2 * n);
-    matrix.view_mut((0, n), (n, n)).copy_from(&turned(&frequency));
-    matrix.view_mut((n, 0), (n, n)).copy_from(&turned(&|k| -frequency(k)));
-    matrix.view_mut((n, n), (n, n)).copy_from(&turned(&|k| -0.1 * frequency(k)));
+    matrix.view_mut((0, n), (n, n)).copy_from(&transformed(&frequency));
+    matrix.view_mut((n, 0), (n, n)).copy_from(&transformed(&|k| -frequency(k)));
+    matrix.view_mut((n, n), (n, n)).copy_from(&transformed(&|k| -0.1 * frequency(k)));
     let found = eigen(&matrix).unwrap();
     let complex = matrix.map(Complex::from);
     for (value, vector) in found.values.iter().zip(found.vectors.column_iter()) {
         assert!((&complex * vector - vector * *value).norm() < BACKWARD * matrix.norm());
     }
-    // Independent: orthogonal vectors would have the root of their number, and equals may be a tenth from parallel.
+    // The inverse of 2n orthogonal unit vectors has the norm √(2n). A factor of ten allows vectors of equal eigenvalues
+    // at an angle of a tenth.
     let inverse = found.vectors.clone().try_inverse().unwrap();
     assert!(inverse.norm() < 10.0 * (2.0 * n as f64).sqrt(), "{:e}", inverse.norm());
 }
 
 #[test]
-fn defective_empty_and_impossible_matrices_have_an_answer() {
-    // A Jordan block of three spreads its eigenvalue by the cube root of round-off, 6e-6.
+fn defective_empty_nan_and_huge_matrices_are_handled() {
+    // Round-off changes the triple eigenvalue of a Jordan block by its cube root, 6e-6.
     let jordan = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 2.0]);
     let near = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]);
-    let turned = near.clone() * jordan * near.try_inverse().unwrap();
-    assert_spectrum(&turned, &[Complex::new(2.0, 0.0); 3], 1e-4);
+    let similar = near.clone() * jordan * near.try_inverse().unwrap();
+    assert_spectrum(&similar, &[Complex::new(2.0, 0.0); 3], 1e-4);
     assert_eq!(eigen(&DMatrix::zeros(0, 0)).unwrap().values.len(), 0);
     assert_spectrum(&DMatrix::zeros(2, 2), &[Complex::new(0.0, 0.0); 2], f64::MIN_POSITIVE);
     let nan = DMatrix::from_element(4, 4, f64::NAN);
     assert!(eigen(&nan).is_err_and(|error| error == DecompositionError::Eigenvalues));
-    // One entry near overflow among ordinary ones, in a matrix large enough for the blocked algorithm.
+    // One entry near overflow, in a matrix large enough for the blocked algorithm.
     let mut huge = DMatrix::from_fn(150, 150, |i, j| ((7 * i + 3 * j) % 11) as f64 - 5.0);
     huge[(0, 0)] = 1e308;
     let largest = eigen(&huge).map(|found| found.values.map(|value| value.norm()).max());
@@ -103,7 +104,7 @@ fn defective_empty_and_impossible_matrices_have_an_answer() {
 }
 
 #[test]
-fn pencil_without_null_motions_is_orthonormal() {
+fn eigenvectors_of_a_pencil_without_null_space_are_orthonormal() {
     let n = 40;
     let mut noise = Noise::new(7);
     let mut positive = |shift: f64| {
@@ -114,15 +115,15 @@ fn pencil_without_null_motions_is_orthonormal() {
     let pencil = symmetric_pencil(&stiffness, &mass, &DMatrix::zeros(n, 0)).unwrap();
     assert!(pencil.values.as_slice().windows(2).all(|pair| pair[0] <= pair[1]), "ascending");
     let over = |matrix: &DMatrix<f64>| pencil.vectors.transpose() * matrix * &pencil.vectors;
-    // The mass has condition 30, which Cholesky's triangular solves may lose.
+    // M has the condition number 30, by which the triangular solves may multiply round-off.
     assert!((over(&mass) - DMatrix::identity(n, n)).amax() < 1e-12);
     let highest = pencil.values.max();
     assert!((over(&stiffness) - DMatrix::from_diagonal(&pencil.values)).amax() < 1e-12 * highest);
 }
 
 #[test]
-fn null_motions_of_a_pencil_are_exact() {
-    // Free masses on springs in a row, twice, with masses of their own: two rigid translations.
+fn null_vectors_of_a_pencil_are_exact() {
+    // Two separate chains of different masses and springs, both free: two rigid-body translations.
     let n = 12;
     let mut stiffness = DMatrix::zeros(2 * n, 2 * n);
     for i in (0..2 * n - 1).filter(|i| *i != n - 1) {
@@ -134,8 +135,8 @@ fn null_motions_of_a_pencil_are_exact() {
     }
     let mass = DMatrix::from_fn(2 * n, 2 * n, |i, j| if i == j { 1.0 + 0.3 * i as f64 } else { 0.0 });
     let null = DMatrix::from_fn(2 * n, 2, |i, j| {
-        let whole: f64 = (0..n).map(|k| mass[(j * n + k, j * n + k)]).sum();
-        if i / n == j { 1.0 / whole.sqrt() } else { 0.0 }
+        let total: f64 = (0..n).map(|k| mass[(j * n + k, j * n + k)]).sum();
+        if i / n == j { 1.0 / total.sqrt() } else { 0.0 }
     });
     let pencil = symmetric_pencil(&stiffness, &mass, &null).unwrap();
     assert_eq!(pencil.values.as_slice()[..2], [0.0; 2]);
@@ -144,14 +145,14 @@ fn null_motions_of_a_pencil_are_exact() {
     assert!((over(&mass) - DMatrix::identity(2 * n, 2 * n)).amax() < 1e-13);
     let highest = pencil.values.max();
     assert!((over(&stiffness) - DMatrix::from_diagonal(&pencil.values)).amax() < BACKWARD * highest);
-    assert!(pencil.values[2] > 1e-4 * highest, "the third motion is elastic");
+    assert!(pencil.values[2] > 1e-4 * highest, "the third mode is elastic");
 
     let negative = -mass;
     let error = symmetric_pencil(&stiffness, &negative, &DMatrix::zeros(2 * n, 0)).unwrap_err();
     assert_eq!(error, DecompositionError::Mass(0));
 }
 
-/// A shaft of 30 elements with a heavy disk, on two bearings.
+/// A shaft of 30 elements with a heavy disk, on two bearings with `damping` in N s/m.
 fn rotor(damping: f64) -> CachedModel {
     let text = format!(
         r#"
@@ -172,17 +173,18 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
     let highest = undamped.real_modes(0.0).unwrap().highest();
     for speed in [0.0, 1.0, 400.0, -400.0, 5000.0] {
         let modes = modal::modes(&undamped, speed).unwrap();
-        assert_eq!(modes.len(), undamped.model.len(), "one mode a degree of freedom");
+        assert_eq!(modes.len(), undamped.model.len(), "one mode per degree of freedom");
         let growth = largest(&modes.iter().map(|mode| mode.eigenvalue.re).collect::<Vec<_>>());
-        // The scaled matrix is skew, so its eigenvalues are right to a few ε·ω_max; unscaled they are off by 1e-4.
+        // The matrix in modal coordinates is skew-symmetric, so the error of its eigenvalues is a few ε·ω_max. In
+        // physical coordinates the error would be 1e-4.
         assert!(growth < 1e-9 * highest, "{growth:e} 1/s at {speed} rad/s");
     }
-    // With dampers the same rotor decays in every mode.
+    // With damped bearings every mode decays.
     assert!(modal::modes(&rotor(100.0), 400.0).unwrap().iter().all(|mode| mode.eigenvalue.re < 0.0));
 }
 
 #[test]
-fn modes_solve_the_quadratic_problem() {
+fn modes_satisfy_the_quadratic_eigenproblem() {
     let (cached, speed) = (rotor(100.0), 400.0);
     let model = &cached.model;
     let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(speed));
@@ -194,7 +196,7 @@ fn modes_solve_the_quadratic_problem() {
         let inertia = &mass * shape * (value * value);
         let elastic = &stiffness * shape;
         let residual: DVector<Complex<f64>> = &inertia + &rate * shape * value + &elastic;
-        // φ is right to ε·ω_max²/ω² against the stiffest motions: 1e7 between them here, seen through K.
+        // The error of φ in the directions of the stiffest modes is ε·ω_max²/ω², up to ε·1e7 here. K amplifies it.
         assert!(
             residual.norm()
                 < 1e-9 * (complex(&model.stiffness_matrix(speed)) * shape.map(|z| Complex::new(z.norm(), 0.0))).norm()
@@ -204,33 +206,33 @@ fn modes_solve_the_quadratic_problem() {
 }
 
 #[test]
-fn a_train_has_exactly_one_null_motion_and_it_rolls() {
+fn a_train_has_exactly_one_rigid_body_mode_its_rotation() {
     let cached = cached(&train());
     let (model, real) = (&cached.model, cached.real_modes(100.0).unwrap());
     assert_eq!(real.null, 1);
     assert_eq!(real.frequencies[0], 0.0);
     assert!(real.frequencies[1] > 1.0, "{} rad/s", real.frequencies[1]);
-    let rolling = real.vectors.column(0);
-    let scale = rolling.amax();
+    let rotation = real.vectors.column(0);
+    let scale = rotation.amax();
     for dof in model.numbering.dofs() {
         let ratio = if dof.kind.is_lateral() { 0.0 } else { model.scene.speed_ratios[dof.node.shaft] };
-        let turned = rolling[model.numbering.torsion(0).unwrap()] * ratio;
-        // Nothing but round-off of the small eigenproblem that finds it.
-        assert!((rolling[dof.index] - turned).abs() < 1e-13 * scale, "{dof:?}");
+        let expected = rotation[model.numbering.torsion(0).unwrap()] * ratio;
+        // Round-off of the small eigenproblem for rigid-body modes.
+        assert!((rotation[dof.index] - expected).abs() < 1e-13 * scale, "{dof:?}");
     }
-    // The softest and the stiffest bearings that there are, together: they hold all the same.
+    // Very soft and very stiff bearings in one train still constrain all shafts.
     let mut system = train();
     for (index, bearing) in system.bearings.iter_mut().enumerate() {
         bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 });
     }
     assert_eq!(crate::common::cached(&system).real_modes(100.0).unwrap().null, 1);
     let modes = modal::modes(&cached, 100.0).unwrap();
-    let still = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
-    assert_eq!(still.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);
+    let rigid = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
+    assert_eq!(rigid.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);
 }
 
 #[test]
-fn free_shafts_have_four_null_motions_in_bending_and_one_in_twist() {
+fn free_shafts_have_four_rigid_body_modes_in_bending_and_one_in_torsion() {
     let free = |motion: &str| {
         let text = format!(
             "motion = \"{motion}\"\nshafts = [{{ name = \"s\", length = 1.0, outer_diameter = 0.05, elements = 6 }}]"
@@ -238,20 +240,20 @@ fn free_shafts_have_four_null_motions_in_bending_and_one_in_twist() {
         cached(&SceneDescription::from_toml(&text).unwrap()).real_modes(0.0).unwrap().null
     };
     assert_eq!([free("lateral"), free("torsion"), free("coupled")], [4, 1, 5]);
-    // Without bearings the three shafts of the train have fifteen rigid motions; each mesh holds one of them.
-    let mut unheld = free_train();
-    unheld.bearings.clear();
-    unheld.motion = Some(gearbow::scene::MotionKind::Coupled);
-    assert_eq!(cached(&unheld).real_modes(0.0).unwrap().null, 13);
-    // One isotropic bearing more holds two translations.
-    unheld.bearings = vec![train().bearings[0].clone()];
-    assert_eq!(cached(&unheld).real_modes(0.0).unwrap().null, 11);
+    // Without bearings the three shafts of the train have fifteen rigid motions. Each of the two meshes constrains one.
+    let mut unsupported = free_train();
+    unsupported.bearings.clear();
+    unsupported.motion = Some(gearbow::scene::MotionKind::Coupled);
+    assert_eq!(cached(&unsupported).real_modes(0.0).unwrap().null, 13);
+    // One isotropic bearing constrains two more.
+    unsupported.bearings = vec![train().bearings[0].clone()];
+    assert_eq!(cached(&unsupported).real_modes(0.0).unwrap().null, 11);
 }
 
 #[test]
-fn real_modes_of_a_train_are_orthonormal() {
-    // 75 coordinates, and 255: beyond 128 faer's own choice, divide and conquer, fails on the repeated frequencies of
-    // two bending planes alike.
+fn undamped_modes_of_a_train_are_orthonormal() {
+    // 75 and 255 coordinates. Above 128 the default of faer, divide and conquer, would be inaccurate for the repeated
+    // frequencies of the two bending planes.
     for elements in [4, 16] {
         let mut system = train();
         system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(elements));
@@ -259,7 +261,7 @@ fn real_modes_of_a_train_are_orthonormal() {
         let real = cached.real_modes(0.0).unwrap();
         let over = |matrix: DMatrix<f64>| real.vectors.transpose() * matrix * &real.vectors;
         let n = real.frequencies.len();
-        // Masses of the elements and of the gears stand 1e3 apart.
+        // Masses of elements and gears differ by a factor of 1e3.
         assert!((over(cached.model.mass_matrix()) - DMatrix::identity(n, n)).amax() < 1e-11);
         let squares = real.frequencies.map(|frequency| frequency * frequency);
         let stiffness = over(cached.model.stiffness_matrix(0.0)) - DMatrix::from_diagonal(&squares);

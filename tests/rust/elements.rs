@@ -1,4 +1,4 @@
-//! Identities of one shaft element, against closed forms that the element does not use.
+//! Matrices of one shaft element, compared with closed forms that its implementation does not use.
 
 use std::f64::consts::PI;
 
@@ -10,14 +10,18 @@ use proptest::prelude::*;
 const STEEL: Material =
     Material { youngs_modulus: 207e9, shear_modulus: 207e9 / 2.6, poisson_ratio: 0.3, density: 7850.0 };
 
-/// A few operations on numbers of one size: what their round-off may add up to, relative.
+/// Relative round-off of a few operations on numbers of similar size.
 const ROUND_OFF: f64 = 1e-13;
 
-/// What a section gives: ρA, ρI, EI and κGA.
+/// Properties of a section.
 struct Section {
+    /// ρA, kg/m.
     mass: f64,
+    /// ρI, kg m.
     rotary: f64,
+    /// EI, N m².
     bending: f64,
+    /// κGA, N.
     shear: f64,
 }
 
@@ -38,19 +42,20 @@ fn solid(length: f64, outer_radius: f64) -> Element {
     Element { length, outer_radius, inner_radius: 0.0 }
 }
 
-/// The largest difference of entries, each relative to √(aᵢᵢ aⱼⱼ) of `expected`: metres and radians alike.
+/// Largest difference of entries relative to √(aᵢᵢ aⱼⱼ) of `expected`, which has the unit of the entry.
 fn difference(found: &Matrix4<f64>, expected: &Matrix4<f64>) -> f64 {
     let scale = |i: usize, j: usize| (expected[(i, i)] * expected[(j, j)]).sqrt();
     Matrix4::from_fn(|i, j| (found[(i, j)] - expected[(i, j)]).abs() / scale(i, j)).max()
 }
 
-/// Upper triangle by rows, times `factor`.
+/// Symmetric matrix from its upper triangle by rows, times `factor`.
 fn symmetric(factor: f64, entries: [f64; 10]) -> Matrix4<f64> {
     let [a, b, c, d, e, f, g, h, i, j] = entries;
     factor * Matrix4::new(a, b, c, d, b, e, f, g, c, f, h, i, d, g, i, j)
 }
 
-/// Mass of the Timoshenko element (Przemieniecki 1968, eqs. 11.33 and 11.34): translation, then rotary inertia.
+/// Mass matrices of translation and of rotary inertia of the Timoshenko element (Przemieniecki 1968, eqs. 11.33 and
+/// 11.34).
 fn published_mass(section: &Section, l: f64, phi: f64) -> [Matrix4<f64>; 2] {
     let square = phi * phi;
     let a = 13.0 / 35.0 + 7.0 * phi / 10.0 + square / 3.0;
@@ -69,7 +74,7 @@ fn published_mass(section: &Section, l: f64, phi: f64) -> [Matrix4<f64>; 2] {
 }
 
 #[test]
-fn mass_is_the_published_one_and_the_gyroscopic_matrix_twice_its_rotary_part() {
+fn mass_and_gyroscopic_matrices_equal_the_published_ones() {
     for (length, inner_radius, shear) in [(0.1, 0.0, true), (0.02, 0.015, true), (0.3, 0.01, false)] {
         let element = Element { length, outer_radius: 0.025, inner_radius };
         let section = section(&element, &STEEL);
@@ -82,7 +87,7 @@ fn mass_is_the_published_one_and_the_gyroscopic_matrix_twice_its_rotary_part() {
 }
 
 #[test]
-fn stiffness_without_shear_is_that_of_the_textbook() {
+fn stiffness_without_shear_is_that_of_the_euler_bernoulli_beam() {
     let element = solid(0.2, 0.01);
     let l = element.length;
     let expected = symmetric(
@@ -93,47 +98,47 @@ fn stiffness_without_shear_is_that_of_the_textbook() {
 }
 
 #[test]
-fn shear_vanishes_with_a_rigid_section_and_with_slenderness() {
-    // φ = 12EI/(κGAl²) is 1e-18 here: nothing of it is left in a double.
+fn shear_deformation_vanishes_for_large_shear_modulus_and_for_slender_elements() {
+    // φ = 12EI/(κGAl²) is 1e-18 here, which is below round-off.
     let rigid = Material { shear_modulus: 1e30, ..STEEL };
     let element = solid(0.1, 0.02);
     let (with, without) = (Beam::new(&element, &rigid, true), Beam::new(&element, &rigid, false));
     assert!(difference(&with.stiffness, &without.stiffness) < ROUND_OFF);
     assert!(difference(&with.mass, &without.mass) < ROUND_OFF);
 
-    // Slender: the difference is φ to first order, so it falls with the square of the length.
-    let gap = |length: f64| {
+    // For a slender element the difference is φ to first order, so it decreases with the square of the length.
+    let deviation = |length: f64| {
         let element = solid(length, 0.02);
         difference(&Beam::new(&element, &STEEL, true).stiffness, &Beam::new(&element, &STEEL, false).stiffness)
     };
-    let ratio = gap(2.0) / gap(4.0);
-    // φ is 1e-3 at 2 m; terms of second order change the ratio of 4 by as much.
+    let ratio = deviation(2.0) / deviation(4.0);
+    // φ is 1e-3 at 2 m. Terms of second order change the ratio by a similar relative amount.
     assert!((ratio - 4.0).abs() < 1e-2, "{ratio}");
 }
 
 #[test]
-fn a_cantilever_of_one_element_bends_exactly() {
+fn a_cantilever_of_one_element_has_the_exact_flexibility() {
     for (element, shear) in [(solid(0.8, 0.02), true), (solid(0.03, 0.02), true), (solid(0.03, 0.02), false)] {
         let section = section(&element, &STEEL);
         let l = element.length;
-        let yielding = if shear { l / section.shear } else { 0.0 };
+        let shear_flexibility = if shear { l / section.shear } else { 0.0 };
         let stiffness = Beam::new(&element, &STEEL, shear).stiffness;
         let free: Matrix2<f64> = stiffness.fixed_view::<2, 2>(2, 2).into();
         let flexibility = free.try_inverse().unwrap();
         // Tip deflection and section rotation for a unit force and a unit moment at the tip.
         let expected = Matrix2::new(
-            l.powi(3) / (3.0 * section.bending) + yielding,
+            l.powi(3) / (3.0 * section.bending) + shear_flexibility,
             l * l / (2.0 * section.bending),
             l * l / (2.0 * section.bending),
             l / section.bending,
         );
-        // The inverse of a 2×2 matrix whose determinant is a difference of like numbers.
+        // The determinant of the inverted 2 × 2 matrix is a difference of numbers of similar size.
         assert!((flexibility - expected).component_div(&expected).amax() < 1e-12);
     }
 }
 
 #[test]
-fn twist_has_the_stiffness_and_the_inertia_of_a_tube() {
+fn torsion_has_the_stiffness_and_the_inertia_of_a_tube() {
     let element = Element { length: 0.3, outer_radius: 0.03, inner_radius: 0.02 };
     let beam = Beam::new(&element, &STEEL, true);
     let polar = PI / 2.0 * (0.03_f64.powi(4) - 0.02_f64.powi(4));
@@ -142,17 +147,17 @@ fn twist_has_the_stiffness_and_the_inertia_of_a_tube() {
     let expected = Matrix2::new(1.0, -1.0, -1.0, 1.0) * stiffness;
     assert!((beam.torsional_stiffness - expected).amax() < ROUND_OFF * stiffness);
     assert!((beam.torsional_mass.sum() - inertia).abs() < ROUND_OFF * inertia);
-    // A linear twist from 0 to 1 has ∫ξ² = 1/3 of the inertia.
+    // For a rotation that increases linearly from 0 to 1 the effective inertia is ∫ξ² dξ = 1/3 of the total inertia.
     assert!((beam.torsional_mass[(1, 1)] - inertia / 3.0).abs() < ROUND_OFF * inertia);
     assert!((beam.twist.stiffness - stiffness).abs() < ROUND_OFF * stiffness);
 }
 
 #[test]
-fn shear_coefficient_is_that_of_cowper() {
+fn shear_coefficient_agrees_with_cowper() {
     let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
     for nu in [0.0, 0.25, 0.3, 0.5] {
         close(shear_coefficient(nu, 0.0), 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu));
-        // The thin-walled round tube of the same paper.
+        // Thin-walled circular tube (Cowper 1966).
         close(shear_coefficient(nu, 1.0), 2.0 * (1.0 + nu) / (4.0 + 3.0 * nu));
     }
     // m = 1/2, ν = 0.3: 6·1.3·1.5625/(8.8·1.5625 + 23.6·0.25).
@@ -160,13 +165,13 @@ fn shear_coefficient_is_that_of_cowper() {
 }
 
 #[test]
-fn a_tube_is_the_solid_shaft_less_its_core() {
-    // Without shear everything is linear in A and I; with it κ is not.
-    let [tube, whole, core] = [(0.03, 0.02), (0.03, 0.0), (0.02, 0.0)].map(|(outer_radius, inner_radius)| {
+fn a_tube_equals_the_solid_shaft_minus_its_core() {
+    // Without shear all matrices are linear in A and I. With shear κ depends on the ratio of radii.
+    let [tube, solid, core] = [(0.03, 0.02), (0.03, 0.0), (0.02, 0.0)].map(|(outer_radius, inner_radius)| {
         Beam::new(&Element { length: 0.1, outer_radius, inner_radius }, &STEEL, false)
     });
-    for of in [|beam: &Beam| beam.mass, |beam: &Beam| beam.stiffness, |beam: &Beam| beam.gyroscopic] {
-        assert!(difference(&of(&tube), &(of(&whole) - of(&core))) < ROUND_OFF);
+    for matrix in [|beam: &Beam| beam.mass, |beam: &Beam| beam.stiffness, |beam: &Beam| beam.gyroscopic] {
+        assert!(difference(&matrix(&tube), &(matrix(&solid) - matrix(&core))) < ROUND_OFF);
     }
 }
 
@@ -174,7 +179,7 @@ proptest! {
     #![proptest_config(crate::common::cases(200))]
 
     #[test]
-    fn rigid_motion_is_free_and_weighs_what_it_should(
+    fn rigid_motions_have_no_elastic_force_and_the_exact_inertia(
         length in 1e-3..2.0, outer_radius in 1e-3..0.5, bore in 0.0..0.95, nu in -0.5..0.5, shear: bool,
     ) {
         let element = Element { length, outer_radius, inner_radius: bore * outer_radius };
@@ -182,36 +187,36 @@ proptest! {
         let beam = Beam::new(&element, &material, shear);
         let section = section(&element, &material);
         prop_assert_eq!(beam.stiffness, beam.stiffness.transpose());
-        // Sums over Gauss points in one order for both triangles, but of products in two.
+        // Both triangles are summed over the Gauss points in the same order, but their products round differently.
         prop_assert!(difference(&beam.mass, &beam.mass.transpose()) < 1e-15);
 
-        let shift = Vector4::new(1.0, 0.0, 1.0, 0.0);
-        let tilt = Vector4::new(-length / 2.0, 1.0, length / 2.0, 1.0);
-        for motion in [shift, tilt] {
+        let translation = Vector4::new(1.0, 0.0, 1.0, 0.0);
+        let rotation = Vector4::new(-length / 2.0, 1.0, length / 2.0, 1.0);
+        for motion in [translation, rotation] {
             let force = beam.stiffness * motion;
             let acting = beam.stiffness.abs() * motion.abs();
             prop_assert!(force.abs().component_div(&acting).max() < 1e-15);
         }
         let mass = section.mass * length;
         let inertia = mass * length * length / 12.0 + section.rotary * length;
-        // Rotary inertia cancels out of a short element's mass: round-off is relative to what is summed.
+        // Rotary inertia of a short element cancels in these sums, so round-off is relative to the sum of magnitudes.
         let form = |matrix: &Matrix4<f64>, a: &Vector4<f64>, b: &Vector4<f64>, expected: f64| {
             (a.dot(&(matrix * b)) - expected).abs() < ROUND_OFF * a.abs().dot(&(matrix.abs() * b.abs()))
         };
-        prop_assert!(form(&beam.mass, &shift, &shift, mass));
-        prop_assert!(form(&beam.mass, &tilt, &tilt, inertia));
-        prop_assert!(form(&beam.mass, &shift, &tilt, 0.0));
-        // A tilting element has its whole polar inertia 2ρIl as gyroscopic moment, a shifting one none.
-        prop_assert!(form(&beam.gyroscopic, &tilt, &tilt, 2.0 * section.rotary * length));
-        prop_assert!(form(&beam.gyroscopic, &shift, &shift, 0.0));
+        prop_assert!(form(&beam.mass, &translation, &translation, mass));
+        prop_assert!(form(&beam.mass, &rotation, &rotation, inertia));
+        prop_assert!(form(&beam.mass, &translation, &rotation, 0.0));
+        // The gyroscopic moment of a rotation has the polar inertia 2ρIl; a translation has none.
+        prop_assert!(form(&beam.gyroscopic, &rotation, &rotation, 2.0 * section.rotary * length));
+        prop_assert!(form(&beam.gyroscopic, &translation, &translation, 0.0));
     }
 
     #[test]
-    fn strains_give_the_force_and_the_energy_of_the_matrix(
+    fn strains_give_the_same_force_and_energy_as_the_matrix(
         length in 1e-2..2.0, outer_radius in 1e-3..0.2, q in prop::array::uniform8(-1.0..1.0),
     ) {
         let beam = Beam::new(&solid(length, outer_radius), &STEEL, true);
-        // Two lanes of (u₁, φ₁, u₂, φ₂), which must not mix.
+        // Two lanes of (u₁, φ₁, u₂, φ₂) must stay independent.
         let at = |lane: usize| Vector4::from_fn(|i, _| q[2 * i + lane]);
         let node = |first: usize| [[q[first], q[first + 1]], [q[first + 2], q[first + 3]]];
         let forces = beam.bending.forces::<2>(&node(0), &node(4));
@@ -225,13 +230,13 @@ proptest! {
             form += at(lane).dot(&(beam.stiffness * at(lane)));
         }
         let acting = beam.stiffness.amax() * q.iter().map(|value| value * value).sum::<f64>();
-        prop_assert!((beam.bending.form::<2>(&node(0), &node(4)) - form).abs() < 1e-14 * acting);
+        prop_assert!((beam.bending.quadratic_form::<2>(&node(0), &node(4)) - form).abs() < 1e-14 * acting);
 
         let torques = [q[2] - q[0], q[3] - q[1]].map(|twist| beam.twist.stiffness * twist);
         let found = beam.twist.forces::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
         prop_assert_eq!(found, [[torques], [torques.map(|torque| -torque)]]);
         let squares = (q[2] - q[0]).powi(2) + (q[3] - q[1]).powi(2);
-        let form = beam.twist.form::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
+        let form = beam.twist.quadratic_form::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
         prop_assert!((form - beam.twist.stiffness * squares).abs() <= 1e-15 * form);
     }
 }

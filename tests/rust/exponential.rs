@@ -48,7 +48,7 @@ fn moves_by(
     let n = model.len();
     let mut noise = Noise::new(seed);
     let (q, v) = (noise.vector(n, 1e-6), noise.vector(n, 1e-2));
-    let z = linear.state(cached, &q, &v);
+    let z = linear.state(&cached.model, &q, &v);
     let (q_back, v_back) = linear.motion(z.as_slice());
     let (q, v) = (DVector::from_vec(q), DVector::from_vec(v));
     // Round-off of a product of eigenvectors, which loses as many digits as its condition has.
@@ -98,7 +98,7 @@ proptest! {
         let cached = cached(&damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], 0.0));
         let model = &cached.model;
         // Where two eigenvalues of a bearing's damping all but meet, modes do not carry it.
-        let Some(linear) = cached.linear_of_parts(speed).unwrap() else {
+        let Some(linear) = cached.linear_without_meshes(speed).unwrap() else {
             return Ok(());
         };
         let stiffness = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
@@ -215,11 +215,14 @@ fn a_table_without_modes_is_that_of_the_modes() {
             let pairs = PropagatorCache::new(&linear, rule.clone(), maps.clone(), time_grid, field.spins());
             let matrices = PropagatorCache::new(&whole, rule, maps, time_grid, field.spins());
             let mut z = vec![0.0; linear.len()];
-            let noise =
-                linear.state(&cached, &Noise::new(5).vector(cached.model.len(), 1e-6), &vec![0.0; cached.model.len()]);
+            let noise = linear.state(
+                &cached.model,
+                &Noise::new(5).vector(cached.model.len(), 1e-6),
+                &vec![0.0; cached.model.len()],
+            );
             z.copy_from_slice(noise.as_slice());
             let arch = pulp::Arch::new();
-            let p = vec![0.0; stages * field.loads()];
+            let p = vec![0.0; stages * field.load_count()];
             for level in 0..=time_grid.finest {
                 let (a, b) = (pairs.propagator(level), matrices.propagator(level));
                 let (seen_a, seen_b) = (pairs.stage_response(level), matrices.stage_response(level));
@@ -318,7 +321,7 @@ impl Observer for Last {
 
 /// The motion that a train settles to but for its meshes, disturbed.
 fn disturbed(cached: &CachedModel, geometry: Geometry) -> [DVector<f64>; 2] {
-    let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.carried(0.0);
+    let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.reference_motion(0.0);
     let noise = Noise::new(8).vector(q.len(), 1e-7);
     [q + DVector::from_vec(noise), v]
 }
@@ -339,9 +342,9 @@ fn integrate(
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect() };
     let mut output = OutputMap::new(&field, form, selection);
     let table = PropagatorCache::new(form, QuadratureRule::gauss(stages), maps, time_grid, field.spins());
-    let (carried, turning) = field.carried(0.0);
+    let (carried, turning) = field.reference_motion(0.0);
     let [q, v] = disturbed(cached, geometry);
-    let z = form.state(cached, (q - carried).as_slice(), (v - turning).as_slice());
+    let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
     let mut stepper = Stepper::new(field, table);
     let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
@@ -385,7 +388,7 @@ fn runs_in_any_coordinates_are_the_same() {
             assert!(gap < 1e-7, "{name}, {geometry:?}: {gap:e}");
             assert_eq!(motion(&whole, &[8.3e-4, 2e-3]), without, "{name}, {geometry:?}");
             // Nor does it matter whether the linear motion contains the meshes.
-            let shafts = cached.linear_of_parts(SPEED).unwrap().unwrap();
+            let shafts = cached.linear_without_meshes(SPEED).unwrap().unwrap();
             let gap = apart(&of_modes, &motion(&shafts, &[2e-3]));
             // Then every step adds an error to the swing of the teeth as well, and events are met to 1e-6 by this clock.
             assert!(gap < 1e-5, "{name}, {geometry:?}, in parts: {gap:e}");

@@ -226,7 +226,7 @@ fn exponential(
         exponential::LevelControl::Fixed
     };
     let mut noise = Noise::new(6);
-    let z = linear.state(&cached, &noise.vector(n, 1e-7), &noise.vector(n, 0.01));
+    let z = linear.state(&cached.model, &noise.vector(n, 1e-7), &noise.vector(n, 0.01));
     let mut state = State::new(z.as_slice().to_vec());
     let mut go = |steps: u32| {
         let mut statistics = Statistics::new();

@@ -1,4 +1,4 @@
-//! A speed that changes: its integral, and the equation of motion that follows it.
+//! Variable speed: its integral, and the equation of motion at a variable speed.
 
 use crate::common::{Noise, cached, everything, train};
 use gearbow::integrate::FirstOrderSystem as _;
@@ -7,7 +7,8 @@ use gearbow::motion::{Anchor, DoubleDouble, EquationOfMotion, Profile, ShaftRota
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-/// Pieces between `breaks` that join without a jump.
+/// Continuous profile of cubic pieces between `breaks`, s, with the value `first` at the first break, rad/s. `rest`
+/// holds the coefficients of τ, τ² and τ³ of each piece.
 fn profile(breaks: &[f64], first: f64, rest: &[[f64; 3]]) -> Profile {
     let mut start = first;
     let mut coefficients = Vec::new();
@@ -19,22 +20,22 @@ fn profile(breaks: &[f64], first: f64, rest: &[[f64; 3]]) -> Profile {
     Profile::new(breaks.to_vec(), &coefficients).unwrap()
 }
 
-fn course(profile: Profile, origin: f64, end: f64) -> ShaftRotation {
+fn shaft_rotation(profile: Profile, origin: f64, end: f64) -> ShaftRotation {
     let speed = Speed::Changing(profile);
     ShaftRotation { fastest: speed.fastest(origin, end), speed, anchor: Anchor::default(), origin }
 }
 
 #[test]
 fn the_angle_is_the_exact_integral() {
-    // 12 + 6t + 3t² − 4t³ for a second, then 17 + 2τ for two, all with integrals that are whole numbers.
+    // 12 + 6t + 3t² − 4t³ for 1 s, then 17 + 2τ for 2 s; all integrals are integers.
     let speed = Speed::Changing(profile(&[0.0, 1.0, 3.0], 12.0, &[[6.0, 3.0, -4.0], [2.0, 0.0, 0.0]]));
     assert_eq!(speed.turned(0.0, 1.0).high, 15.0);
     assert_eq!(speed.turned(0.0, 3.0).high, 15.0 + 38.0);
     assert_eq!(speed.turned(3.0, 0.0).high, -53.0);
-    assert_eq!(speed.turned(-2.0, 0.0).high, 24.0, "held before");
-    assert_eq!(speed.turned(3.0, 7.0).high, 84.0, "held after");
+    assert_eq!(speed.turned(-2.0, 0.0).high, 24.0, "constant before the first break");
+    assert_eq!(speed.turned(3.0, 7.0).high, 84.0, "constant after the last break");
     assert_eq!((speed.at(-1.0), speed.at(0.5), speed.at(2.0), speed.at(9.0)), (12.0, 15.25, 19.0, 21.0));
-    // A third of a turn a second for a year, and a little: 1e7 rad with an ulp of 2e-9 rad.
+    // 1/3 rad/s for one year: about 1e7 rad, where one ulp is 2e-9 rad.
     let (third, year) = (1.0 / 3.0, 31_557_600.0);
     let slow = Speed::Changing(profile(&[0.0, 1.0], third, &[[0.0; 3]]));
     assert_eq!(slow.turned(0.0, year + 0.5), DoubleDouble::product(third, year + 0.5));
@@ -42,22 +43,26 @@ fn the_angle_is_the_exact_integral() {
 }
 
 #[test]
-fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
+fn the_shaft_angle_does_not_depend_on_the_origin_of_time() {
     let cached = cached(&train());
     let n = cached.model.len();
     let pieces = profile(&[0.0, 0.5, 2.0], 40.0, &[[30.0, -20.0, 16.0], [-7.0, 5.0, -1.0]]);
     let speed = Speed::Changing(pieces.clone());
     for origin in [-1.0, 0.0, 0.3, 0.5, 1.7, 5.0] {
-        let mut motion =
-            EquationOfMotion::along(&cached, Geometry::Live, &course(pieces.clone(), origin, 9.0), DVector::zeros(n))
-                .unwrap();
+        let mut motion = EquationOfMotion::along(
+            &cached,
+            Geometry::Live,
+            &shaft_rotation(pieces.clone(), origin, 9.0),
+            DVector::zeros(n),
+        )
+        .unwrap();
         for time in [-1.0, 0.1, 0.5, 0.9, 1.9, 2.5, 8.0_f64].into_iter().filter(|time| *time >= origin) {
             let (elapsed, y, mut contact_modes) = (time - origin, vec![0.0; 2 * n], Vec::new());
             motion.contact_modes_at(elapsed, &y, &mut contact_modes).unwrap();
             motion.set_contact_modes(&contact_modes);
             for (index, shaft) in cached.model.shafts.iter().enumerate() {
                 let expected = Complex64::from_polar(1.0, shaft.ratio * speed.turned(0.0, time).high);
-                // 400 rad, rounded some times.
+                // Round-off of angles up to 400 rad.
                 assert!((motion.turn(index, elapsed) - expected).norm() < 1e-12, "{index} at {time} from {origin}");
             }
             let turning = motion.turning(0, elapsed);
@@ -68,14 +73,15 @@ fn a_shaft_stands_where_the_integral_says_whatever_the_origin() {
 }
 
 #[test]
-fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
+fn derivative_uses_the_current_spin_angle_and_angular_acceleration() {
     let cached = cached(&everything());
     let (model, n) = (&cached.model, cached.model.len());
     let pieces = profile(&[0.0, 0.25, 1.0], 150.0, &[[800.0, -900.0, 400.0], [300.0, 0.0, -100.0]]);
     let speed = Speed::Changing(pieces.clone());
     let origin = 0.1;
     let mut motion =
-        EquationOfMotion::along(&cached, Geometry::Frozen, &course(pieces, origin, 2.0), DVector::zeros(n)).unwrap();
+        EquationOfMotion::along(&cached, Geometry::Frozen, &shaft_rotation(pieces, origin, 2.0), DVector::zeros(n))
+            .unwrap();
     let mut noise = Noise::new(4);
     for time in [0.1, 0.2, 0.6, 1.5_f64] {
         let y = [noise.vector(n, 1e-4), noise.vector(n, 0.1)].concat();
@@ -96,9 +102,9 @@ fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
             let (spin, rate) = (shaft.ratio * now, shaft.ratio * acceleration);
             for excitation in &shaft.excitations {
                 let amplitude = excitation.bow + excitation.unbalance * Complex64::new(spin * spin, -rate);
-                let turned = amplitude * Complex64::from_polar(1.0, shaft.ratio * angle);
-                force[excitation.index] += turned.re;
-                force[excitation.index + 1] += turned.im;
+                let rotated = amplitude * Complex64::from_polar(1.0, shaft.ratio * angle);
+                force[excitation.index] += rotated.re;
+                force[excitation.index + 1] += rotated.im;
             }
         }
         let rate = cached.damping_matrix(now).unwrap() + model.gyroscopic_matrix() * now;
@@ -106,30 +112,30 @@ fn derivative_has_spin_angle_and_acceleration_of_the_instant() {
         let a = DVector::from_column_slice(&derivative[n..]);
         let residual = &mass * &a + &rate * &v + &stiffness * &q - &force;
         let acting = mass.abs() * a.abs() + rate.abs() * v.abs() + stiffness.abs() * q.abs() + force.abs();
-        // Backward error, row by row: sums of twenty terms, and the factor of a mass of condition 1e3.
-        let worst = residual.abs().component_div(&acting).max();
-        assert!(worst < 1e-12, "{worst:e} at {time} s");
+        // Backward error of each row: sums of twenty terms, and the factorization of M with the condition number 1e3.
+        let largest = residual.abs().component_div(&acting).max();
+        assert!(largest < 1e-12, "{largest:e} at {time} s");
     }
 }
 
 #[test]
-fn the_largest_speed_is_found_within_pieces_and_has_the_sign_of_the_run() {
-    // 27τ − τ³ is largest at τ = 3, where it is 54.
+fn the_largest_speed_is_found_within_pieces_and_keeps_its_sign() {
+    // 27τ − τ³ has its maximum 54 at τ = 3.
     let speed = Speed::Changing(profile(&[0.0, 5.0, 6.0], 0.0, &[[27.0, 0.0, -1.0], [0.0; 3]]));
     assert_eq!(speed.fastest(0.0, 10.0), 54.0);
-    // The limits of the step are the same in every part of a run.
+    // The result does not depend on the end of the run, so the step limits are the same in all parts of a run.
     assert_eq!(speed.fastest(0.0, 1.0), 54.0);
     let other = Speed::Changing(profile(&[0.0, 4.0], -3.0, &[[2.0, 0.0, 0.0]]));
     assert_eq!((other.fastest(0.0, 1.0), other.fastest(2.0, 3.0)), (-5.0, 5.0));
     let stopping = Speed::Changing(profile(&[0.0, 1.0], -8.0, &[[16.0, -8.0, 0.0]]));
     assert_eq!(stopping.fastest(0.0, 1.0), -8.0);
-    // At rest after a run backwards the teeth press as they did.
+    // At rest after negative speed the loaded flanks are those of the negative speed.
     assert_eq!(stopping.fastest(1.0, 2.0), -8.0);
     assert_eq!(Speed::Constant(0.0).fastest(0.0, 1.0), 0.0);
 }
 
 #[test]
-fn a_speed_that_changes_its_sign_names_the_time() {
+fn a_change_of_sign_is_an_error_that_names_the_time() {
     let speed = Speed::Changing(profile(&[0.0, 4.0], 3.0, &[[-2.0, 0.0, 0.0]]));
     for (start, end) in [(0.0, 1.5), (1.5, 4.0), (0.2, 1.0), (2.0, 9.0)] {
         speed.check(start, end).unwrap();
@@ -137,13 +143,13 @@ fn a_speed_that_changes_its_sign_names_the_time() {
     let error = speed.check(0.0, 4.0).unwrap_err();
     assert_eq!(error.path, "speed");
     assert!(error.message.contains("at 1.5 s"), "{error}");
-    // One that touches zero goes on.
+    // A speed that touches zero without a change of sign is valid.
     let touching = Speed::Changing(profile(&[0.0, 2.0], 1.0, &[[-2.0, 1.0, 0.0]]));
     touching.check(0.0, 2.0).unwrap();
 }
 
 #[test]
-fn an_impossible_profile_is_refused() {
+fn an_invalid_profile_is_an_error() {
     let [one, two] = [[[1.0, 0.0, 0.0, 0.0]; 1].to_vec(), [[1.0, 0.0, 0.0, 0.0]; 2].to_vec()];
     let jump = vec![[1.0, 0.0, 0.0, 0.0], [1.1, 0.0, 0.0, 0.0]];
     let cases = [

@@ -1,8 +1,9 @@
-//! The energy audit: works are integrated over the motion of every step by the three-point Gauss rule. Its error is of
-//! higher order than that of a motion which steps resolve. Where steps are longer than what moves within them, the rules
-//! of seven and of fifteen points that contain it (Patterson 1968) follow until two of them agree, and the latter counts;
-//! a step on which none do is halved. The same holds for teeth with tip relief, whatever the step: the relief begins
-//! within a step, and the power of the teeth jumps there.
+//! Energy audit: integrates the power of every source of energy over each step.
+//!
+//! If the steps resolve every mode, the three-point Gauss rule is sufficient, because its error is of higher order than
+//! that of the motion. Otherwise the nested rules of seven and fifteen points (Patterson 1968) follow until two rules
+//! agree. A step on which none agree is halved. This also applies to teeth with tip relief, because the relief starts
+//! within a step and the power of the teeth jumps there.
 
 use std::ops::Range;
 
@@ -30,47 +31,50 @@ const RULES: [(f64, [f64; 3]); 15] = [
     (0.944_229_616_436_128_5, [0.0, 0.0, 0.046_463_597_657_562_27]),
     (0.996_915_981_606_377_5, [0.0, 0.0, 0.008_500_859_814_970_13]),
 ];
-/// How many of them each rule uses.
+/// Number of abscissae of each rule.
 const POINTS: [usize; 3] = [3, 7, 15];
 
-/// Two rules agree where they differ by this part of all that has been done.
-const SAME: f64 = 1e-8;
-/// How often a step is halved at most.
-const HALVINGS: usize = 20;
+/// Two rules agree if they differ by less than this fraction of the total work.
+const AGREEMENT: f64 = 1e-8;
+/// Largest number of halvings of a step.
+const MAX_HALVINGS: usize = 20;
 
 /// Indices of the works of teeth and damping.
 const TEETH: usize = 4;
 const DAMPING: usize = 5;
 
-/// Works over a part of a step by each rule, and the sum of their sizes had nothing cancelled, J.
+/// Works over a part of a step, J.
 #[derive(Clone, Copy, Debug, Default)]
 struct Works {
-    by: [[f64; 6]; 3],
-    size: [f64; 3],
+    /// Work of every source, for each rule.
+    by_rule: [[f64; 6]; 3],
+    /// Integral of the absolute powers, for each rule.
+    magnitude: [f64; 3],
 }
 
 /// Works since the start of a run, J.
 #[derive(Clone, Debug)]
 pub(super) struct Audit {
     works: [f64; 6],
-    /// Elapsed time up to which they count.
+    /// Elapsed time up to which the works are integrated, s.
     until: f64,
+    /// Indices of all coordinates.
     coordinates: Vec<usize>,
-    /// Whether powers may jump within a step: tip relief begins at instants that no step ends at.
-    kinked: bool,
-    /// At the instants of a rule, one after the other.
+    /// Whether powers can jump within a step, because tip relief starts within it.
+    has_jumps: bool,
+    /// Scratch: displacements and velocities at the abscissae of a rule, one vector after the other.
     q: Vec<f64>,
     v: Vec<f64>,
-    /// The laws of the steps that are counted; none before the first.
+    /// Contact modes of the current step as integer codes; none before the first step.
     contact_modes: Option<Vec<i64>>,
 }
 
 impl Audit {
-    /// An audit that begins at `start` (elapsed time).
+    /// Creates an audit that begins at the elapsed time `start`, s.
     pub fn new(start: f64, model: &Model) -> Self {
         let len = model.len();
         Self {
-            kinked: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
+            has_jumps: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
             works: [0.0; 6],
             until: start,
             coordinates: (0..len).collect(),
@@ -80,18 +84,18 @@ impl Audit {
         }
     }
 
-    /// Goes on from what the same run has counted.
-    pub fn take_up(&mut self, seen: &RecorderState) {
-        (self.works, self.until) = (seen.works, seen.until);
+    /// Continues from a checkpoint.
+    pub fn resume(&mut self, recorder_state: &RecorderState) {
+        (self.works, self.until) = (recorder_state.works, recorder_state.until);
     }
 
-    /// Works, and the elapsed time up to which they count.
-    pub fn counted(&self) -> ([f64; 6], f64) {
+    /// Works since the start, J, and the elapsed time up to which they are integrated, s.
+    pub fn works(&self) -> ([f64; 6], f64) {
         (self.works, self.until)
     }
 
-    /// Counts what is done within a step, up to `end`; returns the works until then.
-    pub fn count(
+    /// Integrates the works over a step up to `end`. Returns the works since the start of the run, J.
+    pub fn integrate(
         &mut self,
         motion: &mut EquationOfMotion,
         step: &mut impl Trajectory,
@@ -99,50 +103,51 @@ impl Audit {
     ) -> Result<[f64; 6], Halt> {
         let begin = self.until.max(step.begin());
         if end > begin {
-            if step.is_resolved() && !self.kinked {
+            if step.is_resolved() && !self.has_jumps {
                 let mut works = Works::default();
-                self.work(motion, step, (begin, end - begin), 0..POINTS[0], &mut works)?;
-                self.add(works.by[0]);
+                self.add_points(motion, step, (begin, end - begin), 0..POINTS[0], &mut works)?;
+                self.add(works.by_rule[0]);
             } else {
-                self.count_part(motion, step, (begin, end - begin), HALVINGS)?;
+                self.integrate_part(motion, step, (begin, end - begin), MAX_HALVINGS)?;
             }
             self.until = end;
         }
         Ok(self.works)
     }
 
-    /// Counts what is done within a part of a step, which is halved so often at most.
-    fn count_part(
+    /// Integrates the works over a part of a step, with at most this number of halvings.
+    fn integrate_part(
         &mut self,
         motion: &mut EquationOfMotion,
         step: &mut impl Trajectory,
         (begin, length): (f64, f64),
         halvings: usize,
     ) -> Result<(), Halt> {
-        let so_far: f64 = self.works.iter().map(|work| work.abs()).sum();
+        let total: f64 = self.works.iter().map(|work| work.abs()).sum();
         let mut works = Works::default();
-        let mut done = 0;
+        let mut evaluated = 0;
         for (rule, points) in POINTS.into_iter().enumerate().skip(1) {
-            self.work(motion, step, (begin, length), done..points, &mut works)?;
-            done = points;
-            let missed: f64 = works.by[rule].iter().zip(works.by[rule - 1]).map(|(a, b)| (a - b).abs()).sum();
-            let is_last = halvings == 0 && done == RULES.len();
-            if is_last || missed <= SAME * (so_far + works.size[rule]) {
-                self.add(works.by[rule]);
+            self.add_points(motion, step, (begin, length), evaluated..points, &mut works)?;
+            evaluated = points;
+            let difference: f64 =
+                works.by_rule[rule].iter().zip(works.by_rule[rule - 1]).map(|(a, b)| (a - b).abs()).sum();
+            let is_last = halvings == 0 && evaluated == RULES.len();
+            if is_last || difference <= AGREEMENT * (total + works.magnitude[rule]) {
+                self.add(works.by_rule[rule]);
                 return Ok(());
             }
         }
         let half = length / 2.0;
-        self.count_part(motion, step, (begin, half), halvings - 1)?;
-        self.count_part(motion, step, (begin + half, half), halvings - 1)
+        self.integrate_part(motion, step, (begin, half), halvings - 1)?;
+        self.integrate_part(motion, step, (begin + half, half), halvings - 1)
     }
 
     fn add(&mut self, works: [f64; 6]) {
-        self.works.iter_mut().zip(works).for_each(|(work, done)| *work += done);
+        self.works.iter_mut().zip(works).for_each(|(work, added)| *work += added);
     }
 
-    /// Adds what these points tell of a part of a step to its works.
-    fn work(
+    /// Adds the contribution of some abscissae to the works over a part of a step.
+    fn add_points(
         &mut self,
         motion: &mut EquationOfMotion,
         step: &mut impl Trajectory,
@@ -158,18 +163,19 @@ impl Audit {
         for ((_, weights), (elapsed, q, v)) in RULES[points].iter().zip(at_each(instants, q, v)) {
             let powers = motion.powers(elapsed, q, v);
             let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
-            for ((by, size), weight) in works.by.iter_mut().zip(&mut works.size).zip(weights) {
-                for (work, power) in by.iter_mut().zip(powers) {
+            for ((by_rule, magnitude), weight) in works.by_rule.iter_mut().zip(&mut works.magnitude).zip(weights) {
+                for (work, power) in by_rule.iter_mut().zip(powers) {
                     *work += weight * length * power;
-                    *size += weight * length * power.abs();
+                    *magnitude += weight * length * power.abs();
                 }
             }
         }
         Ok(())
     }
 
-    /// Sets the laws of the steps to come. Pairs that come into contact in a jump bring energy with them, which is work
-    /// of the teeth; flanks that part while their damping still holds them drop what they store, which is damping.
+    /// Sets the contact modes of the following steps. The mesh energy jumps at a contact change. The jump counts as work of
+    /// the teeth if tooth pairs enter or leave contact. It counts as dissipation if flanks separate, because damping can
+    /// hold flanks together that still store energy.
     pub fn switch(
         &mut self,
         motion: &mut EquationOfMotion,
@@ -189,7 +195,7 @@ impl Audit {
             contact_modes.chunks_exact(ContactMode::CODE).map(|code| code[0]).collect::<Vec<_>>()
         };
         let source = if flanks(&old) == flanks(contact_modes) { TEETH } else { DAMPING };
-        // Base circles that overlap stop the run elsewhere.
+        // The integrator reports overlapping base circles.
         if let (Ok(before), Ok(after)) = (before, motion.mesh_energy(elapsed, q, v)) {
             self.works[source] += after - before;
         }
@@ -204,13 +210,13 @@ mod tests {
     fn rules_integrate_polynomials() {
         for (rule, (points, degree)) in POINTS.into_iter().zip([5, 11, 23]).enumerate() {
             assert!(RULES[points..].iter().all(|(_, weights)| weights[rule] == 0.0));
-            // About the middle: odd powers vanish.
+            // Integrals of odd powers about the middle vanish.
             let integral = |power: i32| {
                 RULES.iter().map(|(at, weights)| weights[rule] * (2.0 * at - 1.0).powi(power)).sum::<f64>()
             };
             let exact = |power: i32| if power % 2 == 0 { 1.0 / f64::from(power + 1) } else { 0.0 };
             let error = |power: i32| (integral(power) - exact(power)).abs();
-            // As many terms as points are rounded.
+            // Each point contributes one rounding error.
             assert!((0..=degree).all(|power| error(power) < points as f64 * f64::EPSILON));
             assert!(error(degree + 1) > 1e-9);
         }

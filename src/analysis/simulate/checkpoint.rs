@@ -1,32 +1,32 @@
-//! Where a run was stopped, so that the same run goes on as if it had not been: beside the state that it left, what it
-//! has counted and seen. Everything else follows from the options again.
+//! Data with which a run that was stopped continues with identical results: the state, the statistics and the state of
+//! the recorder. Everything else follows from the options.
 
 use crate::integrate::{State, Statistics};
 
-/// Contact ratio of a mesh less one, tip clearance and involute clearance in metres, with the elapsed time at which they
-/// were seen.
+/// Elapsed time of an evaluation (s), and the contact ratio of a mesh minus one, its tip clearance (m) and its involute
+/// clearance (m) then.
 pub type Margins = (f64, [f64; 3]);
 
-/// What a recorder has seen.
+/// The state of a recorder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecorderState {
-    /// EventRecorder so far.
+    /// Number of events so far.
     pub events: usize,
-    /// What every mesh was last seen with.
+    /// Last margins of every mesh.
     pub margins: Vec<Option<Margins>>,
     /// Works of [`SOURCES`](crate::motion::SOURCES) since the start, J; zero where energy is not recorded.
     pub works: [f64; 6],
-    /// Elapsed time up to which they count, s.
+    /// Elapsed time up to which the works are integrated, s.
     pub until: f64,
 }
 
-/// Where a run was stopped.
+/// The point at which a run was stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// The state that it left.
+    /// The state of the integration.
     pub state: State,
-    /// What it had cost.
+    /// The statistics up to then.
     pub statistics: Statistics,
-    /// What it had seen.
+    /// The state of the recorder.
     pub recorder_state: RecorderState,
 }

@@ -1,25 +1,25 @@
-//! Events of a mesh: separation and contact of flanks, a contact ratio below one, tips that touch the other root or reach
-//! beyond the other base circle.
+//! Events of a mesh: flanks separate or meet, the contact ratio falls below one, a tip touches the root of the other gear or
+//! reaches beyond its base circle.
 //!
 //! A contact event is a change of the contact mode after the start of the run. The mode at the start is not an event.
-//! Flanks that touch at the start have a deflection of round-off, whose sign depends on the method. So a change of mode
-//! also belongs to the start as long as the gears have moved by no more than round-off since then.
+//! Flanks that touch at the start have a deflection at the level of round-off, and its sign depends on the method. Therefore
+//! a change also belongs to the start if the gears have moved by no more than round-off.
 
 use super::checkpoint::{Margins, RecorderState};
 use crate::integrate::Trajectory;
 use crate::mesh::{Centres, ContactMode, Flank, GearMesh};
 use crate::motion::EquationOfMotion;
 
-/// What happened.
+/// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// The drive flanks meet.
     Contact,
     /// The back flanks meet.
     BackContact,
-    /// The flanks part.
+    /// The flanks separate.
     Separation,
-    /// Both flanks press: the centres have closed by more than the backlash.
+    /// Both flanks are in contact: the gear centres are too close for the backlash.
     Tight,
     /// The contact ratio falls below one.
     RatioBelowOne,
@@ -27,7 +27,7 @@ pub enum EventKind {
     RatioAboveOne,
     /// A tip touches the root of the other gear.
     TipInterference,
-    /// The tips are clear again.
+    /// The tips have clearance again.
     TipClearance,
     /// A tip reaches beyond the base circle of the other gear: it ends the path of contact.
     InvoluteInterference,
@@ -36,7 +36,7 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// The name that users read.
+    /// Name in the Python package.
     pub fn name(self) -> &'static str {
         match self {
             Self::Contact => "contact",
@@ -53,42 +53,45 @@ impl EventKind {
     }
 }
 
-/// When, to which mesh, what.
+/// An event of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Time, s.
     pub time: f64,
     /// Index of the mesh.
     pub mesh: usize,
-    /// What happened.
+    /// Kind of the event.
     pub kind: EventKind,
 }
 
-/// More events than this are counted in the statistics alone.
-const MOST: usize = 1_000_000;
+/// Largest number of listed events. The statistics count further ones.
+const MAX_EVENTS: usize = 1_000_000;
 
 /// A motion of the gears below this part of the driver's base radius is round-off. Measured deflections of touching
 /// flanks at the start are below 1e-16 of it.
 const TOUCHING: f64 = 1e-12;
 
-/// Watches the meshes.
+/// Records the events of all meshes.
 #[derive(Clone, Debug)]
 pub(super) struct EventRecorder {
+    /// Events since the run started or continued.
     pub list: Vec<Event>,
-    /// How many the same run had listed before it was paused.
+    /// Number of events before the checkpoint from which the run continued.
     before: usize,
+    /// Time at which the elapsed time is zero, s.
     origin: f64,
     /// Elapsed time at which the run starts, s.
     start: f64,
+    /// Flank contact of each mesh; none before the first evaluation.
     flanks: Vec<Option<Flank>>,
     /// Whether the gears of each mesh have moved by more than round-off since the start.
     moved: Vec<bool>,
-    /// Contact ratio minus one, tip clearance and involute clearance at the last sample, m.
+    /// Last contact ratio minus one, tip clearance and involute clearance (m) of each mesh.
     margins: Vec<Option<Margins>>,
 }
 
 impl EventRecorder {
-    /// EventRecorder of a run that begins at `start` (elapsed time, which counts from `origin`).
+    /// Creates the recorder of a run that begins at the elapsed time `start`, s. Elapsed time counts from `origin`, s.
     pub fn new(motion: &EquationOfMotion, origin: f64, start: f64) -> Self {
         let meshes = motion.model().meshes.len();
         Self {
@@ -102,14 +105,14 @@ impl EventRecorder {
         }
     }
 
-    /// Goes on from what the same run has seen.
-    pub fn take_up(&mut self, seen: &RecorderState) {
-        self.before = seen.events;
-        self.margins.copy_from_slice(&seen.margins);
+    /// Continues from a checkpoint.
+    pub fn resume(&mut self, recorder_state: &RecorderState) {
+        self.before = recorder_state.events;
+        self.margins.copy_from_slice(&recorder_state.margins);
     }
 
-    /// What was seen; the works are another's.
-    pub fn seen(&self) -> RecorderState {
+    /// State of the recorder, without the works of the energy audit.
+    pub fn state(&self) -> RecorderState {
         RecorderState {
             events: self.before + self.list.len(),
             margins: self.margins.clone(),
@@ -118,19 +121,19 @@ impl EventRecorder {
         }
     }
 
-    /// Whether there is a mesh to watch at every step; the others are seen when they are recorded.
+    /// Whether a mesh must be evaluated at every step. Other meshes are evaluated at output times.
     pub fn watches(motion: &EquationOfMotion) -> bool {
         motion.model().meshes.iter().any(GearMesh::varies)
     }
 
     fn push(&mut self, elapsed: f64, mesh: usize, kind: EventKind) {
-        if self.before + self.list.len() < MOST {
+        if self.before + self.list.len() < MAX_EVENTS {
             self.list.push(Event { time: self.origin + elapsed, mesh, kind });
         }
     }
 
-    /// Takes over the laws of the steps to come; `read` writes displacements and velocities at that instant, which are
-    /// asked for only where they decide whether a change belongs to the start.
+    /// Adopts the contact modes of the following steps. `read` writes displacements and velocities at that instant. They are
+    /// read only if they decide whether a change belongs to the start.
     pub fn switched(
         &mut self,
         motion: &EquationOfMotion,
@@ -165,21 +168,21 @@ impl EventRecorder {
         }
     }
 
-    /// Sees the end of a step, for meshes whose teeth are modelled.
+    /// Evaluates the end of a step for meshes with varying stiffness.
     pub fn step(&mut self, motion: &EquationOfMotion, step: &impl Trajectory) {
         let Some(q) = step.end_displacement() else {
             return;
         };
         for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
-            // Centres that overlap stop the run elsewhere.
-            if let Ok(apart) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
-                self.see(motion, index, step.end(), &apart);
+            // The integrator reports overlapping base circles.
+            if let Ok(centres) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
+                self.check(motion, index, step.end(), &centres);
             }
         }
     }
 
-    /// Sees the centres of a mesh.
-    pub fn see(&mut self, motion: &EquationOfMotion, index: usize, elapsed: f64, centres: &Centres) {
+    /// Evaluates the margins of a mesh from its gear centres.
+    pub fn check(&mut self, motion: &EquationOfMotion, index: usize, elapsed: f64, centres: &Centres) {
         let pair = &motion.model().scene.meshes[index];
         let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
         let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());

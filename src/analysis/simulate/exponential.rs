@@ -1,4 +1,4 @@
-//! Runs of the exponential method: its clock and its tables.
+//! Runs of the exponential method: the time grid and the propagators.
 
 use std::f64::consts::TAU;
 
@@ -11,38 +11,39 @@ use crate::exponential::{
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::mesh::GearMesh;
-use crate::modal::{CachedModel, Form, ModalStateSpace, WORST};
+use crate::modal::{CachedModel, Form, MAX_CONDITION, ModalStateSpace};
 use crate::model::Model;
 use crate::scene::SceneError;
 
-/// Steps in a cycle of teeth whose force depends on where they are, of a revolution, or of the slowest mode, at least.
-const STEPS_A_CYCLE: f64 = 8.0;
-/// Steps in a cycle of teeth that only come and go.
-const STEPS_A_PAIR: f64 = 2.0;
-/// Steps in a revolution where bow and unbalance act as loads.
-const STEPS_A_RESONANT_TURN: f64 = 64.0;
-/// The radians that the fastest mode turns in the shortest step that events use, at most.
-const TICK: f64 = 0.8;
-/// How often the longest step is halved for an event, at least and at most.
-const EVENT: [f64; 2] = [4.0, 30.0];
-/// Fixed steps meet events to this part of the motion.
-const EXACT: f64 = 1e-12;
-/// How often it can be halved further, for accuracy.
-const FURTHER: usize = 12;
-/// The same where a step is a matrix.
-const FURTHER_DENSE: usize = 4;
-/// Samples in the shortest period among shafts and teeth.
-const SAMPLES: f64 = 20.0;
-/// Steps of ETDRK4 in such a period, unless a step is asked for.
-const STEPS_A_SWING: f64 = 40.0;
-/// Steps of ETDRK4 are this part of the longest, unless one is asked for.
-const EXPLICIT: f64 = 0.1;
-/// Ticks are counted in 64 bits; one is left for the last step.
-const MOST_TICKS: f64 = 9.2e18;
-/// Gauss nodes of a step.
-const STAGES: usize = 3;
+/// Smallest number of steps per revolution, per period of the slowest mode, and per tooth whose force depends on its
+/// position.
+const STEPS_PER_CYCLE: f64 = 8.0;
+/// Smallest number of steps per tooth whose stiffness is constant while it is engaged.
+const STEPS_PER_TOOTH: f64 = 2.0;
+/// Steps per revolution where bow and unbalance act as loads.
+const STEPS_PER_RESONANT_REVOLUTION: f64 = 64.0;
+/// Largest rotation of the fastest mode within the shortest step at which contact changes end a step, rad.
+const MAX_EVENT_ROTATION: f64 = 0.8;
+/// Smallest and largest number of halvings from the longest step to that step.
+const EVENT_HALVINGS: [f64; 2] = [4.0, 30.0];
+/// Tolerance of contact changes with fixed steps, relative to the motion.
+const FIXED_EVENT_TOLERANCE: f64 = 1e-12;
+/// Number of further halvings that the error control can use.
+const FURTHER_HALVINGS: usize = 12;
+/// The same for the dense form, whose propagators are expensive.
+const FURTHER_HALVINGS_DENSE: usize = 4;
+/// Output samples in the shortest period among shafts and teeth.
+const SAMPLES_PER_PERIOD: f64 = 20.0;
+/// Default number of ETDRK4 steps per period on the mesh stiffness, where flanks can separate.
+const STEPS_PER_MESH_PERIOD: f64 = 40.0;
+/// Default step of ETDRK4, as a fraction of the longest step.
+const EXPLICIT_FRACTION: f64 = 0.1;
+/// Units are counted in 64 bits, of which one bit is reserved for the last step.
+const MAX_UNITS: f64 = 9.2e18;
+/// Default number of stages.
+const DEFAULT_STAGES: usize = 3;
 
-/// Runs from `start` to `end` (elapsed time); the state that it leaves, and why it stopped early, if it did.
+/// Runs from `start` to `end` (elapsed time, s). Returns the final state and the reason for an early stop.
 pub(super) fn run(
     cached: &CachedModel,
     options: &Options,
@@ -52,16 +53,16 @@ pub(super) fn run(
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
-    let ModalSetup { linear, field, maps, mut output } = coordinates;
-    if options.is_explicit() && linear.condition > WORST {
+    let ModalSetup { linear, nonlinear_loads, maps, mut output } = coordinates;
+    if options.is_explicit() && linear.condition > MAX_CONDITION {
         let message = format!(
             "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
             linear.condition
         );
         return Err(SceneError::new("method", message).into());
     }
-    let time_grid = time_grid(cached, options, &linear, &field)?;
-    if end / time_grid.tick() > MOST_TICKS {
+    let time_grid = time_grid(cached, options, &linear, &nonlinear_loads)?;
+    if end / time_grid.unit() > MAX_UNITS {
         let longest = time_grid.longest;
         let message =
             format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
@@ -70,46 +71,47 @@ pub(super) fn run(
     let rule = if options.is_explicit() {
         QuadratureRule::explicit()
     } else {
-        QuadratureRule::gauss(options.stages.unwrap_or(STAGES))
+        QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
     };
-    let table = PropagatorCache::new(&linear, rule, maps, time_grid, field.spins());
-    let mut state = enter(cached, &linear, &field, start);
-    let mut stepper = Stepper::new(field, table);
+    let propagators = PropagatorCache::new(&linear, rule, maps, time_grid, nonlinear_loads.spins());
+    let mut state = enter(cached, &linear, &nonlinear_loads, start);
+    let mut stepper = Stepper::new(nonlinear_loads, propagators);
     let control = match options.step {
         None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
         _ => LevelControl::Fixed,
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
-    Ok((leave(state, &linear, &stepper.field), outcome))
+    Ok((leave(state, &linear, stepper.nonlinear_loads()), outcome))
 }
 
-/// The clock of a run: the step that was asked for, or a round number that resolves what is prescribed.
+/// The time grid of a run. Its longest step is the given fixed step, or a round number that resolves the excitation.
 fn time_grid(
     cached: &CachedModel,
     options: &Options,
     linear: &ModalStateSpace,
-    field: &NonlinearLoads<'_>,
+    nonlinear_loads: &NonlinearLoads<'_>,
 ) -> Result<TimeGrid, AnalysisError> {
-    let swing = field.motion.fastest_swing();
+    let mesh_frequency = nonlinear_loads.motion.fastest_swing();
     let longest = match options.step {
         Some(step) => step,
         None => {
             let model = &cached.model;
             let slowest = cached.real_modes(options.fastest())?.frequencies.iter().copied().find(|value| *value > 0.0);
-            let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
+            let resonant =
+                if nonlinear_loads.is_resonant() { STEPS_PER_RESONANT_REVOLUTION / STEPS_PER_CYCLE } else { 1.0 };
             let speed = options.fastest().abs();
-            let turning = model.fastest_turn() * speed * resonant;
-            let travelling = model.fastest_teeth_of(GearMesh::travels) * speed;
-            let engaging = model.fastest_teeth_of(GearMesh::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
+            let turning = model.max_speed_ratio() * speed * resonant;
+            let travelling = model.max_mesh_order_of(GearMesh::travels) * speed;
+            let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
             let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
-            let mut most = TAU / (STEPS_A_CYCLE * fastest);
+            let mut most = TAU / (STEPS_PER_CYCLE * fastest);
             if options.is_explicit() {
-                most *= EXPLICIT;
-                if field.motion.parts() {
-                    most = most.min(TAU / (STEPS_A_SWING * swing));
+                most *= EXPLICIT_FRACTION;
+                if nonlinear_loads.motion.parts() {
+                    most = most.min(TAU / (STEPS_PER_MESH_PERIOD * mesh_frequency));
                 }
             }
-            // Halved so many times, it is what responses are recorded at unless they are asked for otherwise.
+            // The default output step, doubled or halved, so that steps end at output times.
             let sample = sample_step(model, speed);
             if sample.is_finite() {
                 sample * 2.0_f64.powi((most / sample).log2().floor() as i32)
@@ -118,30 +120,31 @@ fn time_grid(
             }
         }
     };
-    let [least, most] = EVENT;
-    // What an event leaves of its jump over the rest τ of a short step is some (ω τ)³/20 of it, ω that of the teeth.
-    let tolerance = if options.step.is_some() { EXACT } else { options.tolerance() };
-    let fine = swing / (2.0 * tolerance).cbrt();
-    let event = (longest * (linear.radius / TICK).max(fine)).log2().ceil().clamp(least, most) as usize;
-    // A step that is a matrix takes long to make.
-    let further = if matches!(linear.form, Form::Dense(_)) { FURTHER_DENSE } else { FURTHER };
+    let [least, most] = EVENT_HALVINGS;
+    // The error of a contact change at τ after a unit is about (ωτ)³/20 of the jump, with the frequency ω of the gears on
+    // the mesh stiffness.
+    let tolerance = if options.step.is_some() { FIXED_EVENT_TOLERANCE } else { options.tolerance() };
+    let fine = mesh_frequency / (2.0 * tolerance).cbrt();
+    let event = (longest * (linear.radius / MAX_EVENT_ROTATION).max(fine)).log2().ceil().clamp(least, most) as usize;
+    let is_dense = matches!(linear.form, Form::Dense(_));
+    let further = if is_dense { FURTHER_HALVINGS_DENSE } else { FURTHER_HALVINGS };
     Ok(TimeGrid { longest, finest: event + further, event })
 }
 
-/// A twentieth of the shortest period among shafts and teeth, as a round number; infinite at rest.
+/// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.
 pub fn sample_step(model: &Model, speed: f64) -> f64 {
-    let fastest = model.fastest_turn().max(model.fastest_teeth()) * speed.abs();
-    round_below(TAU / (fastest * SAMPLES))
+    let fastest = model.max_speed_ratio().max(model.max_mesh_order()) * speed.abs();
+    round_below(TAU / (fastest * SAMPLES_PER_PERIOD))
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `value`: steps then meet the times that people ask
-/// for. Zero stays zero, and infinity what it is.
+/// The largest of 1, 2 and 5 times a power of ten that does not exceed `value`, so that steps end at round times. Values
+/// that are not positive, or not finite, are returned unchanged.
 pub fn round_below(value: f64) -> f64 {
     if value <= 0.0 || !value.is_finite() {
         return value;
     }
     let power = value.log10().floor();
-    // 10⁻ⁿ as a quotient: a power with a negative exponent is a bit off.
+    // 10⁻ⁿ as a quotient, because a power with a negative exponent has a rounding error.
     let scaled = |digit: f64| {
         if power < 0.0 { digit / 10.0_f64.powi(-power as i32) } else { digit * 10.0_f64.powi(power as i32) }
     };

@@ -1,4 +1,4 @@
-//! The state that a run begins with.
+//! The initial state of a run.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -15,30 +15,33 @@ use crate::model::DofKind;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
 
-/// A tolerance is relative to no less than this part of the energy norm of the equilibrium: what round-off leaves of it.
-const FLOOR: f64 = 1e-9;
+/// A tolerance is relative to at least this fraction of the energy norm of the equilibrium, the level of round-off.
+const FLOOR_FRACTION: f64 = 1e-9;
 
-/// From the last whole step of a run to its end, the fastest motion turns by no more radians than this. Steps of the
-/// exponential method are a tenth of a period of the slowest motion or as long as asked for, so that the limit is wide;
-/// it keeps an invalid state from being followed for ever.
-const MOST_CATCHING_UP: f64 = 1e12;
+/// Largest rotation of the fastest mode from the last whole step of a run to its end, rad. Steps of the exponential method
+/// can contain many periods of the fastest mode, so that the limit is wide. It rejects an invalid state whose end would
+/// never be reached.
+const MAX_REMAINING_ROTATION: f64 = 1e12;
 
-/// Where and how a run begins.
+/// The beginning of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
-    /// How the reference shaft turns; elapsed time counts from its origin.
+    /// Rotation of the reference shaft. Elapsed time counts from its origin.
     pub course: ShaftRotation,
-    /// The equilibrium that deviations are measured from.
+    /// Displacements of the equilibrium, from which deviations are measured.
     pub equilibrium: DVector<f64>,
-    /// The smallest energy norm that a tolerance is relative to.
+    /// Smallest energy norm that a tolerance is relative to.
     pub floor: f64,
-    /// The state.
+    /// The initial state.
     pub state: State,
-    /// Whether a run with the same method and setting left it.
+    /// Whether a run with the same method and setting left the state.
     pub resumes: bool,
 }
 
-/// The beginning that the options ask for.
+/// Displacements of the equilibrium, initial state, and rotation of the reference shaft.
+type Beginning = (DVector<f64>, State, ShaftRotation);
+
+/// Prepares the beginning of a run.
 pub(super) fn start(
     cached: &CachedModel,
     options: &Options,
@@ -48,54 +51,27 @@ pub(super) fn start(
     let model = &cached.model;
     let n = model.len();
     let fastest = options.fastest();
-    let found = equilibrium(cached, options.geometry, fastest);
     let zero = || DVector::zeros(n);
-    let course = |origin: f64, anchor: Anchor| ShaftRotation { speed: options.speed.clone(), anchor, origin, fastest };
-    let absolute = course(options.start, Anchor::default());
+    let rest = || State::new(vec![0.0; 2 * n]);
+    let found = equilibrium(cached, options.geometry, fastest);
+    let absolute =
+        ShaftRotation { speed: options.speed.clone(), anchor: Anchor::default(), origin: options.start, fastest };
     let (displacement, state, course) = match &options.initial {
-        // From rest a scene may move that has no equilibrium; tolerances are then relative to the motion itself.
-        Initial::Rest => (found.unwrap_or_else(|_| zero()), State::new(vec![0.0; 2 * n]), absolute),
+        // A run from rest needs no equilibrium. Without one, tolerances are relative to the motion itself.
+        Initial::Rest => (found.unwrap_or_else(|_| zero()), rest(), absolute),
         Initial::Continue(last) => {
-            if last.state.y.len() != 2 * n {
-                let message = format!("has {} degrees of freedom, this system has {n}", last.state.y.len() / 2);
-                return Err(SceneError::new("initial", message).into());
-            }
-            let rest = last.time - last.origin - last.state.elapsed;
-            if rest * spectrum.radius() > MOST_CATCHING_UP {
-                let message = format!("is {rest:e} s before the end of the run, which no step is as long as");
-                return Err(SceneError::new("initial.elapsed", message).into());
-            }
-            check_flanks(cached, last, fastest)?;
-            let displacement = found.unwrap_or_else(|_| zero());
-            if options.speed != last.speed {
-                let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
-                (displacement, State::new(arrive(cached, last, watch)?), course(last.time, anchor))
-            } else if options.resumes(last) {
-                (displacement, last.state.clone(), course(last.origin, last.anchor))
-            } else {
-                let at = last.origin + last.state.elapsed;
-                (displacement, State::new(last.state.y.clone()), course(at, last.anchor))
-            }
+            continued(cached, options, (last, spectrum), found.unwrap_or_else(|_| zero()), watch)?
         }
         Initial::Static => {
             let found = found?;
             let y = [found.as_slice(), zero().as_slice()].concat();
             (found, State::new(y), absolute)
         }
-        Initial::Synchronous => {
-            let found = found?;
-            let speed = options.speed.at(options.start);
-            let amplitudes = with_flanks(cached, speed, fastest)?;
-            check_size(cached, &amplitudes)?;
-            let turns: Vec<_> = model.shafts.iter().map(|shaft| absolute.phasor_at_origin(shaft.ratio)).collect();
-            let (q, v) = motion(cached, speed, &amplitudes, &turns);
-            let y = [(&found + q).as_slice(), v.as_slice()].concat();
-            (found, State::new(y), absolute)
-        }
+        Initial::Synchronous => synchronous(cached, options, found?, absolute)?,
     };
     let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &course, zero())?;
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
-    let floor = FLOOR * norm.norm(&whole);
+    let floor = FLOOR_FRACTION * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
     let continues =
         matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));
@@ -122,8 +98,58 @@ fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), 
     Err(SceneError::new("initial", message))
 }
 
-/// A linear synchronous motion as long as the shafts is that of an unbalance in wrong units, or of a critical speed with
-/// too little damping.
+/// The beginning of a run that continues another one.
+fn continued(
+    cached: &CachedModel,
+    options: &Options,
+    (last, spectrum): (&Final, &Spectrum),
+    displacement: DVector<f64>,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Beginning, AnalysisError> {
+    let n = cached.model.len();
+    if last.state.y.len() != 2 * n {
+        let message = format!("has {} degrees of freedom, this system has {n}", last.state.y.len() / 2);
+        return Err(SceneError::new("initial", message).into());
+    }
+    let rest = last.time - last.origin - last.state.elapsed;
+    if rest * spectrum.radius() > MAX_REMAINING_ROTATION {
+        let message = format!(
+            "is {rest:e} s before the end of the run, which is longer than any step; give the final state of a run unchanged"
+        );
+        return Err(SceneError::new("initial.elapsed", message).into());
+    }
+    let (speed, fastest) = (options.speed.clone(), options.fastest());
+    check_flanks(cached, last, fastest)?;
+    let course = |origin: f64, anchor: Anchor| ShaftRotation { speed, anchor, origin, fastest };
+    if options.speed != last.speed {
+        let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
+        Ok((displacement, State::new(complete(cached, last, watch)?), course(last.time, anchor)))
+    } else if options.resumes(last) {
+        Ok((displacement, last.state.clone(), course(last.origin, last.anchor)))
+    } else {
+        let at = last.origin + last.state.elapsed;
+        Ok((displacement, State::new(last.state.y.clone()), course(at, last.anchor)))
+    }
+}
+
+/// The equilibrium plus the linear synchronous motion.
+fn synchronous(
+    cached: &CachedModel,
+    options: &Options,
+    found: DVector<f64>,
+    course: ShaftRotation,
+) -> Result<Beginning, AnalysisError> {
+    let speed = options.speed.at(options.start);
+    let amplitudes = with_flanks(cached, speed, options.fastest())?;
+    check_size(cached, &amplitudes)?;
+    let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
+    let (q, v) = motion(cached, speed, &amplitudes, &phasors);
+    let y = [(&found + q).as_slice(), v.as_slice()].concat();
+    Ok((found, State::new(y), course))
+}
+
+/// Refuses a synchronous motion larger than the shafts are long: its unbalance is in a wrong unit, or the speed is a
+/// critical speed with too little damping.
 fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
     let model = &cached.model;
     let longest = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
@@ -147,9 +173,9 @@ fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Resul
     Err(SceneError::new("initial", message))
 }
 
-/// The state of a run at its end, for one that goes on at another speed from there: what a run leaves is the state at
-/// its last whole step.
-fn arrive(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bool) -> Result<Vec<f64>, AnalysisError> {
+/// Integrates from the final state of a run, which belongs to its last whole step, to the end of the run. A run at another
+/// speed continues from there.
+fn complete(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bool) -> Result<Vec<f64>, AnalysisError> {
     let n = cached.model.len();
     let rest = (last.time - last.origin) - last.state.elapsed;
     let mut state = State::new(last.state.y.clone());
@@ -160,16 +186,16 @@ fn arrive(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bool
         let mut motion = EquationOfMotion::along(cached, last.geometry, &course, DVector::zeros(n))?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
-        run(&mut motion, &mut method, &control, &mut state, end, &mut Underway(watch), &mut Statistics::new())
+        run(&mut motion, &mut method, &control, &mut state, end, &mut Heartbeat(watch), &mut Statistics::new())
             .map_err(|halted| explain(cached, &halted, course.origin))?;
     }
     Ok(state.y)
 }
 
-/// Asks whether to go on, and sees nothing.
-struct Underway<'a>(&'a mut dyn FnMut(f64) -> bool);
+/// An observer that only asks whether to continue.
+struct Heartbeat<'a>(&'a mut dyn FnMut(f64) -> bool);
 
-impl Observer for Underway<'_> {
+impl Observer for Heartbeat<'_> {
     fn next(&self) -> Option<f64> {
         None
     }

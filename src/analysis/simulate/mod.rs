@@ -1,4 +1,4 @@
-//! The motion in time: initial state, method, what is recorded, and what stopped a run.
+//! Time integration: options, initial state, methods, recording, events, energy audit, and the reason of an early stop.
 
 mod audit;
 mod checkpoint;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 pub use checkpoint::{Checkpoint, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
-pub use options::{Final, Initial, Method, Options};
+pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use record_plan::{Point, RecordPlan, Request};
 
@@ -29,37 +29,38 @@ use crate::integrate::{
 use crate::modal::CachedModel;
 use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
+use initial::Start;
 use modal_setup::{ModalSetup, enter, leave};
 use record::Recorder;
 
-/// How often a run asks whether to go on.
+/// Interval at which a run asks whether to continue.
 const HEARTBEAT: Duration = Duration::from_millis(50);
 
-/// A response.
+/// The result of a run.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// What was recorded.
+    /// The recorded motion.
     pub record: Record,
     /// The state to continue from.
     pub last: Final,
-    /// What was seen on the way, for the same run to go on where it was stopped.
+    /// State of the recorder, with which a run that was stopped continues.
     pub recorder_state: RecorderState,
-    /// What it cost.
+    /// Numbers of steps and evaluations.
     pub statistics: Statistics,
-    /// The fastest motion of the scene.
+    /// Bounds of the fastest motion of the model.
     pub spectrum: Spectrum,
-    /// What set the length of most steps.
+    /// What limited the length of most steps.
     pub limited_by: StepLimit,
-    /// Condition number of the modes, where they carried the motion.
+    /// Condition number of the modes, if the run used modal coordinates.
     pub condition: Option<f64>,
 }
 
-/// A run that stopped early, with what it had computed.
+/// A run that stopped early, with its partial result.
 #[derive(Clone, Debug)]
 pub struct Stopped {
-    /// Why.
+    /// The reason.
     pub error: AnalysisError,
-    /// What there is, if the run had begun.
+    /// The result up to then, if the run had begun.
     pub response: Option<Box<Response>>,
 }
 
@@ -69,10 +70,10 @@ impl<E: Into<AnalysisError>> From<E> for Stopped {
     }
 }
 
-/// Simulates; `watch` is called with the part done at most every 50 ms and says whether to go on.
+/// Simulates. `watch` receives the completed fraction of the run, at most every 50 ms, and returns whether to continue.
 ///
 /// # Errors
-/// [`Stopped`], with what was computed until then.
+/// [`Stopped`], with the result up to then.
 pub fn simulate(
     cached: &CachedModel,
     options: &Options,
@@ -83,8 +84,7 @@ pub fn simulate(
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.course.origin;
-    let equilibrium = start.equilibrium.clone();
-    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.course, equilibrium)?;
+    let motion = EquationOfMotion::along(cached, options.geometry, &start.course, start.equilibrium.clone())?;
     if !motion.accepts_laws(&start.state.contact_modes) {
         let contact_modes = start.state.contact_modes.len();
         let message = format!(
@@ -92,40 +92,21 @@ pub fn simulate(
         );
         return Err(SceneError::new("initial.contact_modes", message).into());
     }
-    let mut state = start.state.clone();
     let end = options.start + options.duration - origin;
     let mut observer = RunObserver {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, options.start - origin),
         watch,
         span: (options.start - origin, end),
-        asked: Instant::now() - HEARTBEAT,
+        last_check: Instant::now() - HEARTBEAT,
     };
-    let (mut statistics, mut condition) = (Statistics::new(), None);
+    let mut statistics = Statistics::new();
     if let Some(checkpoint) = &options.checkpoint {
         statistics = checkpoint.statistics;
-        observer.recorder.take_up(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
+        observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
-    let exact = matches!(options.method, Method::Exponential | Method::ExactRk4);
     let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
-    let outcome = if options.in_modes(&cached.model) {
-        let selection = plan.selection(&cached.model);
-        let coordinates = ModalSetup::new(cached, options, motion, &start, selection)?;
-        condition = Some(coordinates.linear.condition);
-        let ended = if exact {
-            exponential::run(cached, options, coordinates, &start, end, &mut observer, &mut statistics)?
-        } else {
-            let ModalSetup { linear, field, maps, output } = coordinates;
-            let mut state = enter(cached, &linear, &field, &start);
-            let mut system = InModes::new(field, &linear, maps, output);
-            let outcome = run.runge_kutta(&mut system, &mut state, &mut observer, &mut statistics)?;
-            (leave(state, &linear, system.field()), outcome)
-        };
-        state = ended.0;
-        ended.1
-    } else {
-        run.runge_kutta(&mut motion, &mut state, &mut observer, &mut statistics)?
-    };
-    // What was stopped goes on from where it stands.
+    let Ended { state, condition, outcome } = run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
+    // A run that was stopped continues from the state that it reached.
     let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
     let (record, recorder_state) = observer.recorder.finish();
     let response = Response {
@@ -143,16 +124,61 @@ pub fn simulate(
     }
 }
 
-/// What a Runge–Kutta run needs to know.
+/// What a run leaves.
+struct Ended {
+    /// The final state, in displacements and velocities.
+    state: State,
+    /// Condition number of the modes, if the run used modal coordinates.
+    condition: Option<f64>,
+    /// The reason for an early stop.
+    outcome: Result<(), Halted>,
+}
+
+/// Constants of a run.
 struct Run<'a> {
     cached: &'a CachedModel,
     options: &'a Options,
     spectrum: &'a Spectrum,
+    /// Smallest energy norm that a tolerance is relative to.
     floor: f64,
+    /// Elapsed time at the end, s.
     end: f64,
 }
 
 impl Run<'_> {
+    /// Integrates in displacements and velocities, or in modal coordinates.
+    fn integrate<'m>(
+        &self,
+        mut motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+        observer: &mut impl Observer,
+        statistics: &mut Statistics,
+    ) -> Result<Ended, AnalysisError>
+    where
+        Self: 'm,
+    {
+        let Self { cached, options, .. } = *self;
+        let is_exponential = matches!(options.method, Method::Exponential | Method::ExactRk4);
+        if !options.in_modes(&cached.model) {
+            let mut state = start.state.clone();
+            let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
+            return Ok(Ended { state, condition: None, outcome });
+        }
+        let setup = ModalSetup::new(cached, options, motion, start, plan.selection(&cached.model))?;
+        let condition = Some(setup.linear.condition);
+        if is_exponential {
+            let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
+            return Ok(Ended { state, condition, outcome });
+        }
+        let ModalSetup { linear, nonlinear_loads, maps, output } = setup;
+        let mut state = enter(cached, &linear, &nonlinear_loads, start);
+        let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
+        let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
+        Ok(Ended { state: leave(state, &linear, system.nonlinear_loads()), condition, outcome })
+    }
+
+    /// Integrates with a Runge–Kutta method.
     fn runge_kutta(
         &self,
         system: &mut impl FirstOrderSystem,
@@ -181,7 +207,7 @@ impl Run<'_> {
     }
 }
 
-/// The step of a method with a fixed one: what was asked for, if it is stable, or one that resolves ω_max.
+/// The fixed step of `"rk4"`, s: the given one if it is stable, or 1/|λ| of the fastest motion.
 fn fixed_step(cached: &CachedModel, options: &Options, spectrum: &Spectrum) -> Result<f64, AnalysisError> {
     let Some(step) = options.step else {
         return Ok(1.0 / spectrum.radius());
@@ -190,7 +216,8 @@ fn fixed_step(cached: &CachedModel, options: &Options, spectrum: &Spectrum) -> R
     Ok(step)
 }
 
-/// A step above the limit is refused before the run: at hω = 2.83 the growth takes thousands of steps to show.
+/// Refuses a step above the stability limit before the run. Slightly above it, the growth shows only after thousands of
+/// steps.
 fn check_step<const S: usize>(
     cached: &CachedModel,
     step: f64,
@@ -208,6 +235,7 @@ fn check_step<const S: usize>(
     )))
 }
 
+/// What limited the length of most steps.
 fn limited_by(options: &Options, statistics: &Statistics) -> StepLimit {
     let at_limit = 2 * statistics.at_limit >= statistics.steps;
     match options.method {
@@ -220,6 +248,7 @@ fn limited_by(options: &Options, statistics: &Statistics) -> StepLimit {
     }
 }
 
+/// The error that a stopped run reports.
 fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError {
     let time = origin + halted.elapsed;
     match halted.halt {
@@ -232,12 +261,13 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
     }
 }
 
-/// Records what the plan asks for, and asks now and then whether to go on.
+/// Records the motion, and asks at intervals whether to continue.
 struct RunObserver<'a, 'm> {
     recorder: Recorder<'a, 'm>,
     watch: &'a mut dyn FnMut(f64) -> bool,
+    /// Elapsed time at the beginning and at the end, s.
     span: (f64, f64),
-    asked: Instant,
+    last_check: Instant,
 }
 
 impl Observer for RunObserver<'_, '_> {
@@ -258,10 +288,10 @@ impl Observer for RunObserver<'_, '_> {
     }
 
     fn go_on(&mut self, elapsed: f64) -> bool {
-        if self.asked.elapsed() < HEARTBEAT {
+        if self.last_check.elapsed() < HEARTBEAT {
             return true;
         }
-        self.asked = Instant::now();
+        self.last_check = Instant::now();
         let (start, end) = self.span;
         let done = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
         (self.watch)(done)

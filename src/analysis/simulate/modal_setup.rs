@@ -1,4 +1,4 @@
-//! Runs in the coordinates of the modes at speed: states to and from them.
+//! Runs in the coordinates of the modes at speed, and the conversion of states.
 
 use std::sync::Arc;
 
@@ -14,16 +14,20 @@ use crate::modal::{CachedModel, ModalStateSpace};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
-/// What a run in the coordinates of the modes is made of.
+/// The parts of a run in modal coordinates.
 pub(super) struct ModalSetup<'m> {
+    /// The linear motion ż = A z.
     pub linear: Arc<ModalStateSpace>,
-    pub field: NonlinearLoads<'m>,
+    /// The loads on it.
+    pub nonlinear_loads: NonlinearLoads<'m>,
+    /// The maps between both.
     pub maps: InterfaceMaps,
+    /// The map to the recorded coordinates.
     pub output: OutputMap,
 }
 
 impl<'m> ModalSetup<'m> {
-    /// The coordinates of a motion, for a run that looks at a selection of it.
+    /// Sets up a run of a motion that records a selection of coordinates.
     pub fn new(
         cached: &'m CachedModel,
         options: &Options,
@@ -38,10 +42,11 @@ impl<'m> ModalSetup<'m> {
             );
             return Err(SceneError::new("method", message).into());
         };
-        // Teeth that part and whose stiffness varies leave little of the mean mesh for the linear motion to be exact about.
+        // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
+        // contains the shafts alone.
         let linear = match options.method {
             Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
-                cached.linear_of_parts(speed)?
+                cached.linear_without_meshes(speed)?
             }
             _ => None,
         };
@@ -53,85 +58,82 @@ impl<'m> ModalSetup<'m> {
                 known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
         }
-        let field = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (field, maps) = field.map_err(|(mesh, overlap)| {
+        let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
+        let (nonlinear_loads, maps) = loads.map_err(|(mesh, overlap)| {
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
         let (linear, maps) = match options.modes {
-            Some(count) => keeping(cached, &linear, &field, &maps, count)?,
+            Some(count) => keep_modes(cached, &linear, &nonlinear_loads, &maps, count)?,
             None => (linear, maps),
         };
-        let output = OutputMap::new(&field, &linear, selection);
-        Ok(Self { linear, field, maps, output })
+        let output = OutputMap::new(&nonlinear_loads, &linear, selection);
+        Ok(Self { linear, nonlinear_loads, maps, output })
     }
 }
 
-/// The linear motion of the modes that the loads of a scene move most, and its ports. What is carried beside it, the
-/// equilibrium and the synchronous motion, is that of all modes.
-fn keeping(
+/// Reduces the linear motion and its maps to the modes that the loads excite most. The equilibrium and the synchronous
+/// motion keep all modes.
+fn keep_modes(
     cached: &CachedModel,
     linear: &ModalStateSpace,
-    field: &NonlinearLoads<'_>,
+    nonlinear_loads: &NonlinearLoads<'_>,
     maps: &InterfaceMaps,
     count: usize,
 ) -> Result<(Arc<ModalStateSpace>, InterfaceMaps), AnalysisError> {
     let constant: Vec<(usize, f64)> = cached.model.constant_load.iter().copied().enumerate().collect();
-    let turning = field.motion.sources().flat_map(|shaft| field.motion.turning_forces(shaft));
+    let motion = &nonlinear_loads.motion;
+    let turning = motion.sources().flat_map(|shaft| motion.turning_forces(shaft));
     let other = turning.chain([constant]).map(|load| linear.column(&load));
     let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
-    let slots = linear.most_moved(&loads, count);
-    let Some(kept) = linear.keeping(&slots) else {
+    let slots = linear.most_excited(&loads, count);
+    let Some(kept) = linear.select_pairs(&slots) else {
         let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
         return Err(SceneError::new("modes", message).into());
     };
-    let pick = |row: &Vec<f64>| kept.of_kept(row, &slots);
+    let pick = |row: &Vec<f64>| kept.select_entries(row, &slots);
     let [rows, columns] = [&maps.rows, &maps.columns].map(|list| list.iter().map(pick).collect());
     let maps = InterfaceMaps { rows, columns, parts: kept.parts.clone(), ..maps.clone() };
     Ok((Arc::new(kept), maps))
 }
 
-/// The state that a run begins with, in coordinates of the modes.
+/// Converts the initial state to modal coordinates.
 pub(super) fn enter(
     cached: &CachedModel,
     linear: &ModalStateSpace,
-    field: &NonlinearLoads<'_>,
+    nonlinear_loads: &NonlinearLoads<'_>,
     start: &Start,
 ) -> State {
     let mut state = start.state.clone();
-    let own = linear.len();
-    // The coordinates that a run left are taken up if they stand for the state beside them, to the last bit.
+    let modal = std::mem::take(&mut state.modal);
+    // The stored z is used only if it gives exactly the stored displacements and velocities.
     let resumes = start.resumes
-        && state.memory.len() >= own
-        && physical(linear, field, state.elapsed, &state.memory[..own]) == state.y;
+        && modal.len() == linear.len()
+        && physical(linear, nonlinear_loads, state.elapsed, &modal) == state.y;
     if resumes {
-        let memory = state.memory.split_off(own);
-        state.y = std::mem::replace(&mut state.memory, memory);
-    } else {
-        let (q, v) = field.carried(state.elapsed);
-        let half = q.len();
-        let less = |given: &[f64], carried: &[f64]| -> Vec<f64> {
-            given.iter().zip(carried).map(|(given, carried)| given - carried).collect()
-        };
-        let (q, v) = (less(&state.y[..half], q.as_slice()), less(&state.y[half..], v.as_slice()));
-        let y = linear.state(cached, &q, &v).as_slice().to_vec();
-        // Steps count anew from here.
-        state = State { elapsed: state.elapsed, ..State::new(y) };
+        return State { y: modal, ..state };
     }
-    state
+    let (reference_q, reference_v) = nonlinear_loads.reference_motion(state.elapsed);
+    let half = reference_q.len();
+    let minus = |given: &[f64], reference: &[f64]| -> Vec<f64> {
+        given.iter().zip(reference).map(|(given, reference)| given - reference).collect()
+    };
+    let (q, v) = (minus(&state.y[..half], reference_q.as_slice()), minus(&state.y[half..], reference_v.as_slice()));
+    let y = linear.state(&cached.model, &q, &v).as_slice().to_vec();
+    // The step count starts at zero.
+    State { elapsed: state.elapsed, ..State::new(y) }
 }
 
-/// A state in displacements and velocities, the coordinates of the modes in its memory.
-pub(super) fn leave(mut state: State, linear: &ModalStateSpace, field: &NonlinearLoads<'_>) -> State {
-    let y = physical(linear, field, state.elapsed, &state.y);
-    let z = std::mem::replace(&mut state.y, y);
-    state.memory = [z, state.memory].concat();
+/// Converts the final state to displacements and velocities, and keeps its modal coordinates.
+pub(super) fn leave(mut state: State, linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>) -> State {
+    let y = physical(linear, nonlinear_loads, state.elapsed, &state.y);
+    state.modal = std::mem::replace(&mut state.y, y);
     state
 }
 
 /// Displacements and velocities of a state z.
-fn physical(linear: &ModalStateSpace, field: &NonlinearLoads<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
+fn physical(linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
     let (q, v) = linear.motion(z);
-    let (carried_q, carried_v) = field.carried(elapsed);
-    [(q + carried_q).as_slice(), (v + carried_v).as_slice()].concat()
+    let (reference_q, reference_v) = nonlinear_loads.reference_motion(elapsed);
+    [(q + reference_q).as_slice(), (v + reference_v).as_slice()].concat()
 }

@@ -1,8 +1,8 @@
-//! What a run is asked to do, and the state that it leaves.
+//! Options of a run, and the final state that it leaves.
 
 use super::Checkpoint;
 use crate::analysis::Dense;
-use crate::exponential::MOST_STAGES;
+use crate::exponential::MAX_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
@@ -16,9 +16,9 @@ pub enum Method {
     Rk4,
     /// Dormand–Prince 5(4) with error control.
     Rk45,
-    /// Exact where the motion is linear, the classical Runge–Kutta method where it is not: ETDRK4.
+    /// ETDRK4: exact for the linear motion, explicit Runge–Kutta for the mesh forces.
     ExactRk4,
-    /// Exact where the motion is linear, Gauss collocation of the mesh forces.
+    /// Exact for the linear motion, Gauss collocation for the mesh forces.
     Exponential,
 }
 
@@ -26,7 +26,7 @@ impl Method {
     /// The method of this name.
     ///
     /// # Errors
-    /// [`SceneError`] for a name that is none.
+    /// [`SceneError`] for an unknown name.
     pub fn named(name: &str) -> Result<Self, SceneError> {
         match name {
             "rk4" => Ok(Self::Rk4),
@@ -40,7 +40,7 @@ impl Method {
         }
     }
 
-    /// Its name.
+    /// Name in the Python package.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rk4 => "rk4",
@@ -51,32 +51,32 @@ impl Method {
     }
 }
 
-/// The tolerance where none is given.
+/// Default relative tolerance.
 const DEFAULT_RTOL: f64 = 1e-6;
-/// The smallest tolerance that round-off leaves to a step.
+/// Smallest relative tolerance: the round-off of a step.
 const SMALLEST_RTOL: f64 = 1e-13;
 
-/// Where a run begins.
+/// The initial state of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// Static equilibrium plus the linear synchronous response: the shortest transient.
+    /// Static equilibrium plus the linear synchronous response, which gives the shortest transient.
     Synchronous,
     /// Static equilibrium, no velocity.
     Static,
     /// q = q̇ = 0.
     Rest,
-    /// Where another run ended, at its speed or at another one.
+    /// The final state of another run, at its speed or at another one.
     Continue(Box<Final>),
 }
 
-/// The state a run leaves, to continue from.
+/// The final state of a run, from which another run can continue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Final {
     /// The method that left it.
     pub method: Method,
     /// Time at which the run ended, s.
     pub time: f64,
-    /// Time at which the run began, or the run that it continued, s.
+    /// Time at which the run began, or the first of the runs that it continued, s.
     pub origin: f64,
     /// Speed of the reference shaft.
     pub speed: Speed,
@@ -84,44 +84,78 @@ pub struct Final {
     pub anchor: Anchor,
     /// Whether the line of action followed the centres.
     pub geometry: Geometry,
-    /// The fixed step, or the tolerance.
-    pub setting: f64,
-    /// State of the integration, at the last step before `time`.
+    /// How the method chose its steps.
+    pub setting: StepSetting,
+    /// State of the integration at the last step before `time`.
     pub state: State,
+}
+
+/// How a method chooses its steps. A run continues bit by bit only with the same setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepSetting {
+    /// The default fixed step of the method.
+    DefaultStep,
+    /// A fixed step, s.
+    Step(f64),
+    /// Error control with this relative tolerance.
+    Tolerance(f64),
+}
+
+impl StepSetting {
+    /// The setting as one number, as a final state stores it: the step, zero for the default step, or the tolerance with a
+    /// minus sign. `"rk45"`, which has no fixed step, stores its tolerance without the sign.
+    pub fn number(self, method: Method) -> f64 {
+        match self {
+            Self::DefaultStep => 0.0,
+            Self::Step(step) => step,
+            Self::Tolerance(rtol) if method == Method::Rk45 => rtol,
+            Self::Tolerance(rtol) => -rtol,
+        }
+    }
+
+    /// Reads a stored number.
+    pub fn from_number(number: f64, method: Method) -> Self {
+        match method {
+            Method::Rk45 => Self::Tolerance(number),
+            _ if number < 0.0 => Self::Tolerance(-number),
+            _ if number > 0.0 => Self::Step(number),
+            _ => Self::DefaultStep,
+        }
+    }
 }
 
 /// All options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// How long, s.
+    /// Duration, s.
     pub duration: f64,
     /// Speed of the reference shaft.
     pub speed: Speed,
-    /// Method.
+    /// Integration method.
     pub method: Method,
-    /// Fixed step, s; one that resolves the fastest motion if not given.
+    /// Fixed step, s; if none, the method chooses.
     pub step: Option<f64>,
-    /// Tolerance of a method that chooses its steps; 1e-6 if not given.
+    /// Relative tolerance of a method with error control; 1e-6 if none.
     pub rtol: Option<f64>,
-    /// Gauss nodes of the exponential method; 3 if not given.
+    /// Number of stages of the exponential method; 3 if none.
     pub stages: Option<usize>,
-    /// Modes that the exponential method keeps; all if not given.
+    /// Number of modes that the exponential method keeps; all if none.
     pub modes: Option<usize>,
-    /// Where it begins.
+    /// Initial state.
     pub initial: Initial,
-    /// Times at which to record, ascending, s.
+    /// Output times, ascending, s.
     pub times: Vec<f64>,
     /// Whether the line of action follows the centres.
     pub geometry: Geometry,
-    /// Time at which it begins, s.
+    /// Time at which the run begins, s.
     pub start: f64,
-    /// Where the same run was stopped, to go on from there; `times` are then those that it had still to record.
+    /// Point at which the same run was stopped, to continue from there; `times` are then the remaining output times.
     pub checkpoint: Option<Box<Checkpoint>>,
 }
 
 impl Options {
-    /// Whether the damped modes carry the linear motion. Where the speed changes, the modes do too, and modal damping is
-    /// a matrix over all displacements.
+    /// Whether the run integrates modal coordinates. At a variable speed the modes vary, and modal damping is a matrix
+    /// over all displacements.
     pub(super) fn in_modes(&self, model: &Model) -> bool {
         let modal = model.scene.modal_damping > 0.0 && matches!(self.speed, Speed::Constant(_));
         modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
@@ -132,7 +166,7 @@ impl Options {
         if self.in_modes(model) { Dense::Damped } else { Dense::Undamped }
     }
 
-    /// Checks what does not depend on the scene.
+    /// Checks all options that do not depend on the scene.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let duration = EntryPath::root("duration").non_negative(self.duration)?;
         let start = EntryPath::root("start").finite(self.start)?;
@@ -141,7 +175,7 @@ impl Options {
         if let Some(step) = self.step {
             EntryPath::root("step").positive(step)?;
         }
-        for (name, given, most) in [("stages", self.stages, MOST_STAGES), ("modes", self.modes, usize::MAX)] {
+        for (name, given, most) in [("stages", self.stages, MAX_STAGES), ("modes", self.modes, usize::MAX)] {
             if let Some(count) = given.filter(|count| *count == 0 || *count > most) {
                 let range = if most < usize::MAX { format!("1 to {most}") } else { "at least 1".to_owned() };
                 return Err(SceneError::new(name, format!("must be {range}, got {count}")));
@@ -167,7 +201,7 @@ impl Options {
         Ok(())
     }
 
-    /// Every option that is given must be one of the method.
+    /// Refuses options that the method cannot use.
     fn check_method(&self) -> Result<(), SceneError> {
         use Method::{ExactRk4, Exponential, Rk4, Rk45};
         let options: [(&str, bool, &[Method]); 4] = [
@@ -191,32 +225,32 @@ impl Options {
         Ok(())
     }
 
-    /// The tolerance of the run: that of the options, the default, or the smallest that round-off leaves to a step.
+    /// Relative tolerance of the run: the given or the default value, at least the level of round-off of a step.
     pub fn tolerance(&self) -> f64 {
         self.rtol.unwrap_or(DEFAULT_RTOL).max(SMALLEST_RTOL)
     }
 
-    /// What to warn of where the tolerance that was asked for cannot be met.
+    /// Warning if the given tolerance is below the round-off of a step.
     pub fn unattainable(&self) -> Option<String> {
         let rtol = self.rtol.filter(|rtol| *rtol > 0.0 && *rtol < SMALLEST_RTOL)?;
         Some(format!("rtol: {rtol:e} is below what round-off leaves to a step; taken as {SMALLEST_RTOL:e}"))
     }
 
-    /// Whether loads are found one after the other, not together.
+    /// Whether the stages of the exponential method are explicit.
     pub(super) fn is_explicit(&self) -> bool {
         self.method == Method::ExactRk4
     }
 
-    /// What makes a run of this method the same run.
-    fn setting(&self) -> f64 {
+    /// How the method chooses its steps.
+    fn setting(&self) -> StepSetting {
         match self.method {
-            Method::Rk4 | Method::ExactRk4 => self.step.unwrap_or(0.0),
-            Method::Rk45 => self.tolerance(),
-            Method::Exponential => self.step.unwrap_or(-self.tolerance()),
+            Method::Rk4 | Method::ExactRk4 => self.step.map_or(StepSetting::DefaultStep, StepSetting::Step),
+            Method::Rk45 => StepSetting::Tolerance(self.tolerance()),
+            Method::Exponential => self.step.map_or(StepSetting::Tolerance(self.tolerance()), StepSetting::Step),
         }
     }
 
-    /// The largest speed, with the sign that it has in the run: see [`Speed::fastest`].
+    /// Speed of the largest magnitude in the run, with its sign, rad/s: see [`Speed::fastest`].
     pub fn fastest(&self) -> f64 {
         self.speed.fastest(self.start, self.start + self.duration)
     }
@@ -235,14 +269,14 @@ impl Options {
         }
     }
 
-    /// Whether the run, at the same speed, goes on exactly as the one that left `last`.
+    /// Whether a run at the same speed continues the run that left `last` bit by bit.
     pub(super) fn resumes(&self, last: &Final) -> bool {
         self.method == last.method && self.setting() == last.setting
     }
 }
 
 impl Final {
-    /// How the reference shaft turned, from the time `origin` on.
+    /// Rotation of the reference shaft from the time `origin` on, s.
     pub(super) fn course(&self, origin: f64) -> ShaftRotation {
         let fastest = self.speed.fastest(origin, self.time);
         ShaftRotation { speed: self.speed.clone(), anchor: self.anchor, origin, fastest }

@@ -1,4 +1,4 @@
-//! Recording: the motion at the times asked for, of the coordinates asked for.
+//! Recording of selected quantities at the output times.
 
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
@@ -7,7 +7,7 @@ use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::mesh::MeshState;
 use crate::motion::{Energies, EquationOfMotion};
 
-/// What is recorded of a mesh, in this order.
+/// Recorded quantities of a mesh, in the order of [`Record::mesh`].
 pub const MESH_FIELDS: [&str; 8] = [
     "deflection",
     "force",
@@ -19,7 +19,7 @@ pub const MESH_FIELDS: [&str; 8] = [
     "pairs_in_contact",
 ];
 
-/// The recorded motion, time after time.
+/// The recorded motion. Each vector holds one row of values after another, one row for each time.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Times, s.
@@ -30,21 +30,24 @@ pub struct Record {
     pub twist: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
-    /// The fields of every mesh: field after field, each time after time.
+    /// One vector for each quantity of [`MESH_FIELDS`].
     pub mesh: [Vec<f64>; 8],
     /// Energies, J, and works of [`SOURCES`](crate::motion::SOURCES) since the start, J; empty where not asked for.
     pub energy: Vec<(Energies, [f64; 6])>,
-    /// What happened to the meshes.
+    /// Contact events and warnings of the meshes.
     pub events: Vec<Event>,
 }
 
-/// Records while a run goes on.
+/// Records a run.
 pub(super) struct Recorder<'a, 'm> {
     motion: EquationOfMotion<'m>,
     plan: &'a RecordPlan,
     times: &'a [f64],
+    /// Time at which the elapsed time is zero, s.
     origin: f64,
+    /// Indices of the coordinates that recording needs.
     coordinates: Vec<usize>,
+    /// Scratch: displacements and velocities at an instant.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     audit: Option<Audit>,
@@ -54,7 +57,7 @@ pub(super) struct Recorder<'a, 'm> {
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
-    /// A recorder of `plan` at `times` in a run from `start` on (elapsed time), which counts from `origin`.
+    /// Creates a recorder of a run that starts at the elapsed time `start`, s.
     pub fn new(motion: EquationOfMotion<'m>, plan: &'a RecordPlan, times: &'a [f64], origin: f64, start: f64) -> Self {
         let model = motion.model();
         let count = times.len();
@@ -83,35 +86,35 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
     }
 
-    /// Elapsed time of the next record.
+    /// Elapsed time of the next output, s; none after the last one.
     pub fn next(&self) -> Option<f64> {
         self.times.get(self.record.time.len()).map(|time| time - self.origin)
     }
 
-    /// Records all that is due within a step.
+    /// Records all outputs within a step, up to `end`.
     pub fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
         while let Some(elapsed) = self.next().filter(|elapsed| *elapsed <= end) {
             motion.states(&[elapsed], &self.coordinates, &mut self.displacement, &mut self.velocity);
             let works = match &mut self.audit {
-                Some(audit) => audit.count(&mut self.motion, motion, elapsed)?,
+                Some(audit) => audit.integrate(&mut self.motion, motion, elapsed)?,
                 None => [0.0; 6],
             };
             self.sample(elapsed, works)?;
             self.record.time.push(self.times[self.record.time.len()]);
         }
         if let Some(audit) = &mut self.audit {
-            audit.count(&mut self.motion, motion, end)?;
+            audit.integrate(&mut self.motion, motion, end)?;
         }
         self.events.step(&self.motion, motion);
         Ok(())
     }
 
-    /// Whether every step must be seen.
+    /// Whether the recorder reads every step.
     pub fn sees_every_step(&self) -> bool {
         self.every_step
     }
 
-    /// Takes over the laws of the steps to come.
+    /// Adopts the contact modes of the following steps.
     pub fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), contact_modes: &[i64]) {
         match &mut self.audit {
             Some(audit) => audit.switch(&mut self.motion, elapsed, read, contact_modes),
@@ -121,10 +124,11 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.events.switched(&self.motion, elapsed, read, room, contact_modes);
     }
 
+    /// Records one output from the displacements and velocities at `elapsed`.
     fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {
         let model = self.motion.model();
         let (q, v) = (&self.displacement, &self.velocity);
-        // What may fail comes first, so that a record never holds a part of an instant.
+        // Quantities that can fail come first, so that the record holds complete outputs only.
         let mut meshes = Vec::with_capacity(self.plan.meshes.len());
         for mesh in &self.plan.meshes {
             let state = self.motion.mesh_state(*mesh, elapsed, q, v);
@@ -136,7 +140,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             self.record.energy.push((energies, works));
         }
         for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
-            self.events.see(&self.motion, *mesh, elapsed, &state.centres);
+            self.events.check(&self.motion, *mesh, elapsed, &state.centres);
             for (series, value) in self.record.mesh.iter_mut().zip(fields(state)) {
                 series.push(value);
             }
@@ -153,27 +157,27 @@ impl<'a, 'm> Recorder<'a, 'm> {
         Ok(())
     }
 
-    /// Goes on as the recorder of the same run that has seen what is given, under the laws that held then.
-    pub fn take_up(&mut self, seen: &RecorderState, contact_modes: &[i64]) {
+    /// Continues from the state of the recorder at a checkpoint and the contact modes there.
+    pub fn resume(&mut self, recorder_state: &RecorderState, contact_modes: &[i64]) {
         self.motion.set_contact_modes(contact_modes);
-        self.events.take_up(seen);
+        self.events.resume(recorder_state);
         if let Some(audit) = &mut self.audit {
-            audit.take_up(seen);
+            audit.resume(recorder_state);
         }
     }
 
-    /// What was recorded, and what was seen.
+    /// Returns the record and the state of the recorder.
     pub fn finish(mut self) -> (Record, RecorderState) {
-        let mut seen = self.events.seen();
+        let mut recorder_state = self.events.state();
         if let Some(audit) = &self.audit {
-            (seen.works, seen.until) = audit.counted();
+            (recorder_state.works, recorder_state.until) = audit.works();
         }
         self.record.events = self.events.list;
-        (self.record, seen)
+        (self.record, recorder_state)
     }
 }
 
-/// The fields of a mesh, as [`MESH_FIELDS`] names them.
+/// The quantities of a mesh in the order of [`MESH_FIELDS`].
 pub fn fields(state: &MeshState) -> [f64; 8] {
     [
         state.deflection,

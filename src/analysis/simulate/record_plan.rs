@@ -1,4 +1,4 @@
-//! What to record: names resolved to coordinates. Nothing else is ever looked at.
+//! Quantities to record, with names resolved to nodes and meshes. A run computes only the coordinates that they need.
 
 use crate::exponential::Selection;
 use crate::model::Model;
@@ -7,7 +7,7 @@ use crate::scene::{EntryPath, Node, SceneError, nearest};
 /// Names of everything of one kind.
 const GROUPS: [&str; 6] = ["gears", "disks", "meshes", "bearings", "nodes", "energy"];
 
-/// One entry of a list of what to record.
+/// One entry of the list of quantities to record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// A gear, disk or shaft, or a group: gears, disks, meshes, bearings, nodes, energy.
@@ -25,28 +25,28 @@ pub enum Request {
 pub struct Point {
     /// The node.
     pub node: Node,
-    /// Gears and disks that sit there.
+    /// Names of the gears and disks at the node.
     pub names: Vec<String>,
 }
 
-/// What to record, resolved.
+/// The quantities to record.
 #[derive(Clone, Debug, Default)]
 pub struct RecordPlan {
-    /// Nodes, for displacement and twist.
+    /// Nodes whose displacement and twist are recorded.
     pub points: Vec<Point>,
-    /// Nodes with bearings, for their force.
+    /// Nodes whose bearing force is recorded.
     pub bearings: Vec<Node>,
-    /// Meshes.
+    /// Indices of the recorded meshes.
     pub meshes: Vec<usize>,
-    /// Energy.
+    /// Whether energies and works are recorded.
     pub energy: bool,
 }
 
 impl RecordPlan {
-    /// Resolves `requests`; asking twice records once.
+    /// Resolves `requests`. A quantity that is requested twice is recorded once.
     ///
     /// # Errors
-    /// [`SceneError`] for what the scene does not have.
+    /// [`SceneError`] for an entry that the scene does not have.
     pub fn new(model: &Model, requests: &[Request]) -> Result<Self, SceneError> {
         let mut plan = Self::default();
         for (index, request) in requests.iter().enumerate() {
@@ -126,7 +126,7 @@ impl RecordPlan {
         }
     }
 
-    /// The coordinates that recording needs, ascending.
+    /// Indices of the coordinates that recording needs, ascending.
     pub(super) fn coordinates(&self, model: &Model) -> Vec<usize> {
         if self.energy {
             return (0..model.len()).collect();
@@ -151,11 +151,11 @@ impl RecordPlan {
 }
 
 impl RecordPlan {
-    /// The displacements and velocities that recording needs.
+    /// Indices of the displacements and velocities that recording needs.
     pub(super) fn selection(&self, model: &Model) -> Selection {
         let displacements = self.coordinates(model);
         let mut moving = Self { points: Vec::new(), ..self.clone() };
-        // EventRecorder need the velocities of meshes whose flanks may part, recorded or not.
+        // Contact events need the velocities at all meshes with backlash.
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
         Selection {
             velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },

@@ -1,53 +1,56 @@
-//! Energies as quadratic forms, summed over elements, bodies, bearings and meshes.
+//! Quadratic forms of energy and dissipation, summed over elements, bodies, bearings and meshes.
+//!
+//! q, m and rad, and v, m/s and rad/s, have n entries in internal order.
 
 use super::{Model, Support};
 
 impl Model {
-    /// vᵀMv.
+    /// vᵀMv, twice the kinetic energy, J.
     pub fn kinetic_form(&self, v: &[f64]) -> f64 {
         let mut sum = 0.0;
         for shaft in &self.shafts {
             if let Some(chain) = &shaft.bending {
-                sum += chain.mass.quadratic::<2>(&v[chain.start..]);
+                sum += chain.mass.quadratic_form::<2>(&v[chain.start..]);
             }
             if let Some(chain) = &shaft.twist {
-                sum += chain.mass.quadratic::<1>(&v[chain.start..]);
+                sum += chain.mass.quadratic_form::<1>(&v[chain.start..]);
             }
         }
         sum
     }
 
-    /// vᵀCv of shafts and bearings.
+    /// vᵀCv, the dissipated power of shafts and bearings without modal damping, W.
     pub fn damping_form(&self, v: &[f64]) -> f64 {
         let mut sum = 0.0;
         for shaft in &self.shafts {
             if let Some((chain, damping)) =
                 shaft.bending.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?)))
             {
-                sum += damping.quadratic::<2>(&v[chain.start..]);
+                sum += damping.quadratic_form::<2>(&v[chain.start..]);
             }
             if let Some((chain, damping)) =
                 shaft.twist.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?)))
             {
-                sum += damping.quadratic::<1>(&v[chain.start..]);
+                sum += damping.quadratic_form::<1>(&v[chain.start..]);
             }
         }
-        sum + self.form_of_supports(v, |support| &support.damping)
+        sum + self.sum_over_supports(v, |support| &support.damping)
     }
 
-    /// qᵀKq of shafts, bearings and meshes at rest, whose flanks `sigma` tells; of bearings the restoring part.
+    /// qᵀKq of shafts, meshes at rest and the symmetric part of the bearing stiffness, J; `sigma` gives the loaded
+    /// flank of each mesh.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
-        let strained = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        self.unmeshed_elastic_form(q) + strained.sum::<f64>()
+        let mesh_forms = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
+        self.unmeshed_elastic_form(q) + mesh_forms.sum::<f64>()
     }
 
-    /// qᵀKq of shafts and bearings; of bearings the restoring part.
+    /// qᵀKq of shafts and the symmetric part of the bearing stiffness, J.
     pub fn unmeshed_elastic_form(&self, q: &[f64]) -> f64 {
-        self.shaft_form(q) + self.form_of_supports(q, |support| &support.symmetric_part)
+        self.shaft_form(q) + self.sum_over_supports(q, |support| &support.symmetric_part)
     }
 
-    /// qᵀKq of the shafts alone.
+    /// qᵀKq of the shafts, J.
     pub fn shaft_form(&self, q: &[f64]) -> f64 {
         let mut sum = 0.0;
         for shaft in &self.shafts {
@@ -61,13 +64,13 @@ impl Model {
         sum
     }
 
-    /// qᵀKq of the bearings alone.
+    /// qᵀKq of the bearings, J.
     pub fn support_form(&self, q: &[f64]) -> f64 {
-        self.form_of_supports(q, |support| &support.stiffness)
+        self.sum_over_supports(q, |support| &support.stiffness)
     }
 
-    fn form_of_supports(&self, q: &[f64], of: impl Fn(&Support) -> &[[f64; 2]; 2]) -> f64 {
-        self.supports.iter().map(|support| form(of(support), [q[support.index], q[support.index + 1]])).sum()
+    fn sum_over_supports(&self, q: &[f64], coefficient: impl Fn(&Support) -> &[[f64; 2]; 2]) -> f64 {
+        self.supports.iter().map(|support| form(coefficient(support), [q[support.index], q[support.index + 1]])).sum()
     }
 }
 

@@ -1,0 +1,88 @@
+//! Data that all steps share: the loads, the tabulated propagators, and the interface maps in the layout of the kernels.
+
+use num_complex::Complex64;
+use pulp::Arch;
+
+use super::cache::PropagatorCache;
+use super::nonlinear_loads::NonlinearLoads;
+use super::packed::{Aligned, Rows, aligned};
+use super::{kernel, panel_kernel};
+
+/// What a step reads and never changes.
+#[derive(Clone, Debug)]
+pub(super) struct StepContext<'m> {
+    /// Loads on the linear motion.
+    pub nonlinear_loads: NonlinearLoads<'m>,
+    /// Propagators of all step levels.
+    pub cache: PropagatorCache<'m>,
+    /// Instruction set of the processor.
+    pub arch: Arch,
+    /// Rows w of the interface.
+    rows: Rows,
+    /// Columns b of the loads, one after the other.
+    pub columns: Aligned,
+}
+
+impl<'m> StepContext<'m> {
+    /// Packs the interface maps of a cache.
+    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: PropagatorCache<'m>) -> Self {
+        let maps = &cache.maps;
+        let (rows, columns) = (Rows::new(&maps.rows, &maps.parts), aligned(&maps.columns.concat()));
+        Self { nonlinear_loads, cache, arch: Arch::new(), rows, columns }
+    }
+
+    /// Number of stages of a step.
+    pub fn stages(&self) -> usize {
+        self.cache.rule.stages()
+    }
+
+    /// Length of a step, s.
+    pub fn step(&self, level: usize) -> f64 {
+        self.cache.time_grid.step(level)
+    }
+
+    /// Writes the scalars and rates w z of a state, without the synchronous motion.
+    pub fn observe(&self, z: &[f64], out: &mut [f64]) {
+        kernel::seen(self.arch, &self.rows, z, out);
+    }
+
+    /// Writes the interface state of a state at a time for which no phasors are stored.
+    pub fn observe_at(&self, elapsed: f64, z: &[f64], out: &mut [f64]) {
+        self.observe(z, out);
+        self.nonlinear_loads.add_synchronous_at(elapsed, out);
+    }
+
+    /// Twice the mesh energy that |z|² does not contain, J, from the scalars without the synchronous motion.
+    pub fn mesh_energy(&self, interface_state: &[f64]) -> f64 {
+        self.cache.maps.tangents.iter().map(|tangent| tangent.mesh_energy_norm(interface_state).powi(2)).sum()
+    }
+
+    /// Energy norm of the rate b p of the state under the mesh loads `loads`.
+    pub fn load_norm(&self, loads: &[f64]) -> f64 {
+        panel_kernel::form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
+    }
+}
+
+/// Phasors e^{iϑ} of all rotating sources at one instant.
+#[derive(Clone, Debug)]
+pub(super) struct SourcePhasors {
+    /// One value for each source.
+    pub values: Vec<Complex64>,
+    /// Elapsed time of the values, s; NaN before the first update.
+    elapsed: f64,
+}
+
+impl SourcePhasors {
+    /// Creates phasors without a time.
+    pub fn new(nonlinear_loads: &NonlinearLoads<'_>) -> Self {
+        Self { values: vec![Complex64::ZERO; nonlinear_loads.source_count()], elapsed: f64::NAN }
+    }
+
+    /// Moves the phasors to a time. The end of a step is the beginning of the next, so that this is often free.
+    pub fn update(&mut self, nonlinear_loads: &NonlinearLoads<'_>, elapsed: f64) {
+        if self.elapsed != elapsed {
+            nonlinear_loads.phasors(elapsed, &mut self.values);
+            self.elapsed = elapsed;
+        }
+    }
+}

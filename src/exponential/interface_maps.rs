@@ -1,0 +1,67 @@
+//! Linear maps between the modal state z and the interface: u = w z, and ż = A z + Σ b p for the loads p.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::packed::Panel;
+
+/// Rows w and columns b of the interface over a state z.
+#[derive(Clone, Debug, Default)]
+pub struct InterfaceMaps {
+    /// Rows w: one for each interface scalar, then, where loads depend on rates, one for each rate.
+    pub rows: Vec<Vec<f64>>,
+    /// Columns b: one for each load. Mesh loads come first.
+    pub columns: Vec<Vec<f64>>,
+    /// Number of columns that belong to mesh loads.
+    pub meshes: usize,
+    /// Slots of the independent parts of the state: nothing linear couples two parts.
+    pub parts: Vec<Range<usize>>,
+    /// Every mesh, linearised at rest.
+    pub tangents: Vec<LinearizedContact>,
+    /// Complex amplitudes of the rows in the synchronous motion, source after source.
+    pub synchronous: Vec<Complex64>,
+}
+
+/// A mesh linearised at rest: δ = g·u over its scalars, and the force f acts on them as the loads −g f.
+#[derive(Clone, Debug)]
+pub struct LinearizedContact {
+    /// Indices of its scalars among the scalars of all meshes.
+    pub scalars: Range<usize>,
+    /// Gradient g of the deflection δ over its scalars.
+    pub gradient: Vec<f64>,
+    /// √k of the mean stiffness k, √(N/m), if the energy |z|² does not contain the mesh; otherwise zero.
+    pub root: f64,
+}
+
+impl LinearizedContact {
+    /// √k g·u. Its square is twice the mesh energy that |z|² does not contain, J.
+    pub fn mesh_energy_norm(&self, interface_state: &[f64]) -> f64 {
+        self.root * self.along(interface_state, 0)
+    }
+
+    /// g·u of the scalars (`from` = 0), or g·u̇ of their rates (`from` = number of all scalars).
+    pub fn along(&self, interface_state: &[f64], from: usize) -> f64 {
+        let own = &interface_state[from + self.scalars.start..from + self.scalars.end];
+        own.iter().zip(&self.gradient).map(|(u, g)| u * g).sum()
+    }
+}
+
+impl InterfaceMaps {
+    /// Appends √k δ of every mesh to a state. The squared length is then twice the energy of modes and meshes.
+    pub fn with_mesh_energy(&self, mut state: Vec<f64>) -> Vec<f64> {
+        let product = |row: &Vec<f64>| row.iter().zip(&state).map(|(w, z)| w * z).sum();
+        let scalars: Vec<f64> = self.rows.iter().take(self.meshes).map(product).collect();
+        state.extend(self.tangents.iter().map(|tangent| tangent.mesh_energy_norm(&scalars)));
+        state
+    }
+}
+
+/// Gram matrix of `count` vectors that are stored one after the other.
+pub fn gram(vectors: &[f64], count: usize) -> Panel {
+    let len = vectors.len() / count.max(1);
+    let vector = |k: usize| &vectors[k * len..(k + 1) * len];
+    let dot = |i: usize, j: usize| vector(i).iter().zip(vector(j)).map(|(a, b)| a * b).sum();
+    let entries: Vec<f64> = (0..count * count).map(|at| dot(at / count, at % count)).collect();
+    Panel::new(&entries, count)
+}

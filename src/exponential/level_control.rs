@@ -1,0 +1,85 @@
+//! Choice of the step level, and the tolerances of a step.
+
+use std::f64::consts::TAU;
+
+use super::time_grid::TimeGrid;
+
+/// How the step level is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LevelControl {
+    /// The longest step throughout.
+    Fixed,
+    /// The longest step that meets the tolerance.
+    Adaptive {
+        /// Error of a step, relative to the energy norm of the motion.
+        rtol: f64,
+        /// Smallest energy norm that the tolerance is relative to.
+        floor: f64,
+    },
+}
+
+/// A step of twice the length is tried if its predicted error is below this fraction of the tolerance: a rejected step
+/// costs more than the two shorter ones.
+pub(super) const DOUBLING_FRACTION: f64 = 0.25;
+/// Largest number of halvings after one rejection: the error says little about much shorter steps.
+const MAX_HALVINGS: usize = 4;
+/// The stage equations are solved to this fraction of the tolerance.
+const SOLVE_FRACTION: f64 = 0.03;
+/// The same if the loads contain the complete mesh forces.
+const SOLVE_FRACTION_UNMESHED: f64 = 0.01;
+/// Largest tolerance for this test: collocation is stable only if the stage equations are solved.
+const MAX_SOLVE_RTOL: f64 = 1e-3;
+/// The stage equations of fixed steps are solved to this fraction of the motion.
+const FIXED_SOLVE_FRACTION: f64 = 1e-13;
+/// Steps per period on the mesh stiffness while flanks can separate: the motion within a step is less accurate than that
+/// at its end, and flanks separate and meet within steps.
+const STEPS_PER_PERIOD: f64 = 3.0;
+
+impl LevelControl {
+    /// Tolerance of the error of a step, for a motion of this energy norm.
+    pub(super) fn tolerance(self, size: f64) -> f64 {
+        match self {
+            Self::Fixed => f64::INFINITY,
+            Self::Adaptive { rtol, floor } => rtol * size.max(floor),
+        }
+    }
+
+    /// Tolerance of the stage equations, for a motion of this energy norm; `is_meshed` tells whether the linear motion
+    /// contains the mean mesh stiffness.
+    pub(super) fn solve_tolerance(self, size: f64, is_meshed: bool) -> f64 {
+        match self {
+            Self::Fixed => FIXED_SOLVE_FRACTION * size,
+            Self::Adaptive { rtol, floor } => {
+                let fraction = if is_meshed { SOLVE_FRACTION } else { SOLVE_FRACTION_UNMESHED };
+                fraction * rtol.min(MAX_SOLVE_RTOL) * size.max(floor)
+            }
+        }
+    }
+
+    /// Level of a step from the unit `count` on, no longer than one of `level`: a level on whose grid the unit lies, if
+    /// its step is at least half as long. Otherwise, as after a contact change, `level` itself, of whose step the part up
+    /// to the grid is kept. Fixed steps reach the grid by shorter steps.
+    pub(super) fn level_on_grid(self, time_grid: &TimeGrid, count: u64, level: usize) -> usize {
+        let shortest = match self {
+            Self::Fixed => time_grid.finest,
+            Self::Adaptive { .. } => (level + 1).min(time_grid.finest),
+        };
+        (level..=shortest).find(|level| count.is_multiple_of(time_grid.units(*level))).unwrap_or(level)
+    }
+
+    /// Level of the longest step that resolves an oscillation on the mesh stiffness with this frequency, rad/s.
+    pub(super) fn level_for_frequency(self, time_grid: &TimeGrid, frequency: f64) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Adaptive { .. } => time_grid.level_of(TAU / (STEPS_PER_PERIOD * frequency)),
+        }
+    }
+}
+
+/// Level of the next attempt after a step with this error in multiples of the tolerance: that at which a smooth load would
+/// meet the tolerance.
+pub(super) fn level_for_error(time_grid: &TimeGrid, level: usize, error: f64, stages: usize) -> usize {
+    let factor = error.powf(-0.5 / stages as f64);
+    let level_of_smooth_load = time_grid.level_of(time_grid.step(level) * factor);
+    level_of_smooth_load.clamp(level + 1, level + MAX_HALVINGS).min(time_grid.finest)
+}

@@ -1,0 +1,83 @@
+//! A completed step: its states, and its displacements and velocities for observers.
+
+use super::output::OutputMap;
+use super::step::Stepper;
+use super::substep::SubstepSampler;
+use crate::integrate::Trajectory;
+
+/// Instants closer to an end of the step than this fraction of it take the state of that end.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The step that was taken last, before it is committed.
+#[derive(Clone, Copy)]
+pub(super) struct CompletedStep<'a, 'm> {
+    pub stepper: &'a Stepper<'m>,
+    /// Step level.
+    pub level: usize,
+    /// State z at the beginning.
+    pub z: &'a [f64],
+    /// Elapsed time at the beginning, s.
+    pub begin: f64,
+    /// Contact modes during the step, as integer codes.
+    pub contact_modes: &'a [i64],
+}
+
+impl CompletedStep<'_, '_> {
+    /// Length, s.
+    pub fn length(&self) -> f64 {
+        self.stepper.step_length(self.level)
+    }
+
+    /// Elapsed time at the fraction `part` of the step, s.
+    pub fn time(&self, part: f64) -> f64 {
+        self.begin + part * self.length()
+    }
+
+    /// State z `within` seconds after the beginning.
+    pub fn state_at<'s>(&'s self, sampler: &'s mut SubstepSampler, within: f64) -> &'s [f64] {
+        sampler.state_at(self.stepper, self.level, self.z, within)
+    }
+}
+
+/// Displacements and velocities of a completed step up to an instant.
+pub(super) struct StepTrajectory<'a, 'm> {
+    pub step: CompletedStep<'a, 'm>,
+    /// Elapsed time up to which the step is kept, s.
+    pub end: f64,
+    pub output: &'a mut OutputMap,
+    pub sampler: &'a mut SubstepSampler,
+}
+
+impl Trajectory for StepTrajectory<'_, '_> {
+    fn begin(&self) -> f64 {
+        self.step.begin
+    }
+
+    fn end(&self) -> f64 {
+        self.end
+    }
+
+    fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
+        let length = self.step.length();
+        for elapsed in instants {
+            let within = elapsed - self.step.begin;
+            let z = if (within - length).abs() <= ROUND_OFF * length {
+                &self.step.stepper.end_state
+            } else if within.abs() <= ROUND_OFF * length {
+                self.step.z
+            } else {
+                self.step.state_at(self.sampler, within)
+            };
+            self.output.gather(z);
+        }
+        self.output.read_gathered(self.step.stepper.nonlinear_loads(), instants, q, v);
+    }
+
+    fn is_resolved(&self) -> bool {
+        false
+    }
+
+    fn end_displacement(&self) -> Option<&[f64]> {
+        None
+    }
+}

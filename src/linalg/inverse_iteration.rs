@@ -1,0 +1,87 @@
+//! Refinement of the eigenvectors of repeated or close eigenvalues by inverse iteration.
+//!
+//! Back substitution in a real Schur form cannot separate two equal pairs of complex eigenvalues, and separates close
+//! ones badly. Of such a cluster one eigenvector is correct; the others have errors of up to a few per cent. Inverse
+//! iteration computes them again, one after the other, each orthogonal to the correct eigenvectors of the same
+//! eigenvalue (Golub and Van Loan, Matrix Computations, section 7.6.1).
+
+use faer::linalg::solvers::Solve;
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::convert::{copy, view};
+
+/// An eigenvector is wrong if its residual exceeds this times ‖A‖√n.
+const MAX_RESIDUAL: f64 = 1e-14;
+/// Eigenvalues closer than this times ‖A‖ may have wrong eigenvectors.
+const CLOSE: f64 = 1e-5;
+/// Eigenvalues closer than this times ‖A‖ differ only by round-off.
+const EQUAL: f64 = 1e-12;
+/// Distance of the shift of inverse iteration to the eigenvalue, times ‖A‖; it keeps the shifted matrix regular.
+const SHIFT: f64 = 1e-15;
+/// Two steps reach round-off; a third one makes up for a bad start vector.
+const STEPS: usize = 3;
+/// Norm of the perturbation of the start vector of unit length.
+const PERTURBATION: f64 = 0.1;
+
+type Vector = DVector<Complex<f64>>;
+
+/// Computes the wrong ones among the unit eigenvectors of `matrix` again. A vector whose residual does not decrease
+/// stays unchanged.
+pub(super) fn refine_eigenvectors(matrix: &DMatrix<f64>, values: &[Complex<f64>], vectors: &mut [Vector]) {
+    let size = matrix.norm();
+    let tolerance = MAX_RESIDUAL * size * (matrix.nrows() as f64).sqrt();
+    let closer = |a: usize, b: usize, fraction: f64| (values[a] - values[b]).norm() <= fraction * size;
+    let isolated = |index: usize| !(0..values.len()).any(|other| other != index && closer(index, other, CLOSE));
+    let mut correct: Vec<bool> = (0..values.len())
+        .map(|index| isolated(index) || residual(matrix, values[index], &vectors[index]) <= tolerance)
+        .collect();
+    for (index, value) in values.iter().copied().enumerate() {
+        if correct[index] || value.im < 0.0 {
+            continue;
+        }
+        let equals: Vec<Vector> = (0..values.len())
+            .filter(|other| correct[*other] && closer(index, *other, EQUAL))
+            .map(|other| vectors[other].clone())
+            .collect();
+        let shift = value + Complex::new(SHIFT * size, SHIFT * size);
+        let vector = inverse_iteration(matrix, shift, &vectors[index], &equals);
+        let refined = residual(matrix, value, &vector);
+        if refined < residual(matrix, value, &vectors[index]) {
+            correct[index] = refined <= tolerance;
+            if let Some(other) = values.iter().position(|other| value.im > 0.0 && *other == value.conj()) {
+                vectors[other] = vector.conjugate();
+            }
+            vectors[index] = vector;
+        }
+    }
+}
+
+/// ‖A v − λ v‖.
+fn residual(matrix: &DMatrix<f64>, value: Complex<f64>, vector: &Vector) -> f64 {
+    let product = |part: fn(&Complex<f64>) -> f64| matrix * vector.map(|entry| part(&entry));
+    let image = product(|entry| entry.re).zip_map(&product(|entry| entry.im), Complex::new);
+    (image - vector * value).norm()
+}
+
+/// Unit vector after [`STEPS`] of inverse iteration from `start`, orthogonal to the unit vectors `equals`.
+fn inverse_iteration(matrix: &DMatrix<f64>, shift: Complex<f64>, start: &Vector, equals: &[Vector]) -> Vector {
+    let n = matrix.nrows();
+    let shifted =
+        DMatrix::from_fn(n, n, |i, j| Complex::from(matrix[(i, j)]) - if i == j { shift } else { Complex::ZERO });
+    let factors = view(&shifted).partial_piv_lu();
+    // The start vector may lack a component of the wanted one. A fixed perturbation adds components of all directions.
+    let perturbation = |i: usize| Complex::from_polar(PERTURBATION / (n as f64).sqrt(), (i * i) as f64);
+    let mut vector = DVector::from_fn(n, |i, _| start[i] + perturbation(i));
+    for _ in 0..STEPS {
+        let solved = factors.solve(view(&DMatrix::from_column_slice(n, 1, vector.as_slice())));
+        vector = copy(solved.as_ref()).column(0).into_owned();
+        // Orthogonalization is done twice: once leaves round-off of the removed components.
+        for equal in equals.iter().chain(equals) {
+            let component = equal.dotc(&vector);
+            vector -= equal * component;
+        }
+        let length = vector.norm();
+        vector.unscale_mut(length);
+    }
+    vector
+}

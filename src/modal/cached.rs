@@ -1,0 +1,116 @@
+//! A model together with its modes and state-space models, computed on first use and kept.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use nalgebra::DMatrix;
+
+use super::first_order::FirstOrder;
+use super::real::RealModes;
+use super::state_space::ModalStateSpace;
+use crate::linalg::DecompositionError;
+use crate::model::Model;
+
+/// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
+const CAPACITY: usize = 8;
+
+/// Speed of the reference shaft, rad/s, and whether the meshes are included.
+type Key = (f64, bool);
+
+/// A model with its undamped modes and its most recent state-space models.
+#[derive(Debug)]
+pub struct CachedModel {
+    /// Assembled model.
+    pub model: Model,
+    /// Undamped modes for each [`crate::model::Rotation`].
+    modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
+    /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
+    linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
+}
+
+impl CachedModel {
+    /// Wraps a model; nothing is computed yet.
+    pub fn new(model: Model) -> Self {
+        Self { model, modes: [const { OnceLock::new() }; 3], linear: Mutex::new(Vec::new()) }
+    }
+
+    /// Undamped modes, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition fails.
+    pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
+        let cell = &self.modes[self.model.rotation(speed) as usize];
+        cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+    }
+
+    /// State-space model of the complete system at `speed` of the reference shaft, rad/s.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn linear(&self, speed: f64) -> Result<Arc<ModalStateSpace>, DecompositionError> {
+        if let Some(Some(linear)) = self.lookup((speed, true)) {
+            return Ok(linear);
+        }
+        let linear = Arc::new(ModalStateSpace::new(self.real_modes(speed)?, &self.first_order(speed)?)?);
+        self.store((speed, true), Some(Arc::clone(&linear)));
+        Ok(linear)
+    }
+
+    /// State-space model at `speed` without the meshes, so that shafts are uncoupled; `None` if the modes are too
+    /// ill-conditioned to represent it.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn linear_without_meshes(&self, speed: f64) -> Result<Option<Arc<ModalStateSpace>>, DecompositionError> {
+        if let Some(linear) = self.lookup((speed, false)) {
+            return Ok(linear);
+        }
+        let linear = ModalStateSpace::without_meshes(&self.model, speed)?.map(Arc::new);
+        self.store((speed, false), linear.clone());
+        Ok(linear)
+    }
+
+    fn lookup(&self, key: Key) -> Option<Option<Arc<ModalStateSpace>>> {
+        // A panic in another thread cannot leave the list half-written, so a poisoned lock is safe to use.
+        let list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        list.iter().find(|(known, _)| *known == key).map(|(_, linear)| linear.clone())
+    }
+
+    fn store(&self, key: Key, linear: Option<Arc<ModalStateSpace>>) {
+        let mut list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        if list.len() >= CAPACITY {
+            list.remove(0);
+        }
+        list.push((key, linear));
+    }
+
+    /// First-order form of the complete system at `speed` of the reference shaft, rad/s.
+    pub(super) fn first_order(&self, speed: f64) -> Result<FirstOrder, DecompositionError> {
+        let model = &self.model;
+        let damping = self.damping_matrix(speed)? + model.gyroscopic_matrix() * speed;
+        Ok(FirstOrder::new(self.real_modes(speed)?, &damping, &model.skew_part_matrix()))
+    }
+
+    /// Damping matrix C of shafts, bearings and meshes, n × n in internal order, including modal damping.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes that modal damping needs cannot be computed.
+    pub fn damping_matrix(&self, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
+        let mut matrix = self.model.damping_matrix(speed);
+        if let Some(modal) = self.modal_damping_matrix(speed)? {
+            matrix += modal;
+        }
+        Ok(matrix)
+    }
+
+    /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM, n × n; `None` if the scene has no modal damping.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes cannot be computed.
+    pub fn modal_damping_matrix(&self, speed: f64) -> Result<Option<DMatrix<f64>>, DecompositionError> {
+        let ratio = self.model.scene.modal_damping;
+        if ratio == 0.0 {
+            return Ok(None);
+        }
+        Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model, ratio)))
+    }
+}

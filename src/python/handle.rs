@@ -1,0 +1,71 @@
+//! The class `_core.Model` and how an analysis runs on it. `model.rs` holds its Python methods.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pyo3::prelude::*;
+
+use super::background;
+use super::errors::warn;
+use crate::analysis::{self, Dense, Interrupt};
+use crate::modal::CachedModel;
+use crate::model::Model;
+use crate::scene::{Node, Scene, SceneDescription, SceneError};
+
+/// A checked and assembled system.
+#[pyclass(name = "Model", module = "gearbow._core", frozen)]
+pub struct PyModel {
+    /// The description that the user gave.
+    pub description: SceneDescription,
+    /// The assembled model with its cached modes, shared with the threads that analyse it.
+    pub cached: Arc<CachedModel>,
+    /// Whether the warning about ill-conditioning has been issued.
+    warned: AtomicBool,
+}
+
+impl PyModel {
+    /// Checks and assembles a description.
+    pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
+        let model = Model::new(Scene::new(&description)?)?;
+        Ok(Self { description, cached: Arc::new(CachedModel::new(model)), warned: AtomicBool::new(false) })
+    }
+
+    /// The assembled model.
+    pub fn model(&self) -> &Model {
+        &self.cached.model
+    }
+
+    /// Runs an analysis that Ctrl-C can stop. Refuses it if its dense matrices do not fit into memory.
+    pub fn run<T, E>(
+        &self,
+        py: Python<'_>,
+        dense: Dense,
+        work: impl FnOnce(&CachedModel, &Interrupt) -> Result<T, E> + Send + 'static,
+    ) -> PyResult<T>
+    where
+        T: Send + 'static,
+        E: Send + 'static,
+        PyErr: From<E>,
+    {
+        dense.require(self.model())?;
+        let cached = Arc::clone(&self.cached);
+        let (result, raised) = background::run(py, None, move |interrupt, _| work(&cached, interrupt))?;
+        raised.map_or(Ok(()), Err)?;
+        Ok(result?)
+    }
+
+    /// Warns once of digits lost to round-off, before an analysis that needs the matrices of `dense`.
+    pub fn warn_of_ill_conditioning(&self, py: Python<'_>, speed: f64, dense: Dense) -> PyResult<()> {
+        let found = self.run(py, dense, move |cached, _| analysis::ill_conditioning(cached, speed))?;
+        match found {
+            Some(text) if !self.warned.swap(true, Ordering::Relaxed) => warn(py, text),
+            _ => Ok(()),
+        }
+    }
+
+    /// Name of the shaft and position, m, of a node.
+    pub fn place(&self, node: Node) -> (&str, f64) {
+        let shaft = &self.model().scene.shafts[node.shaft];
+        (&shaft.name, shaft.nodes[node.node])
+    }
+}

@@ -1,0 +1,81 @@
+//! Options of a run as plain Python data: method, steps, geometry, initial state and what to record.
+
+use pyo3::prelude::*;
+use serde::Deserialize;
+
+use super::entries::{any_number, optional_count, text};
+use super::speed::SpeedEntries;
+use super::state;
+use crate::analysis::simulate::{Initial, Request};
+use crate::scene::SceneError;
+
+/// Options that are numbers and texts; `RunOptions` in `gearbow._types` lists the same entries.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunOptions {
+    /// Duration, s.
+    #[serde(deserialize_with = "any_number")]
+    pub duration: f64,
+    /// Speed of the reference shaft, rad/s.
+    pub speed: SpeedEntries,
+    /// Name of the method.
+    #[serde(deserialize_with = "text")]
+    pub method: String,
+    /// Fixed step, s.
+    pub step: Option<f64>,
+    /// Relative tolerance.
+    pub rtol: Option<f64>,
+    /// Stages of the exponential method.
+    #[serde(deserialize_with = "optional_count")]
+    pub stages: Option<usize>,
+    /// Number of modes of the exponential method.
+    #[serde(deserialize_with = "optional_count")]
+    pub modes: Option<usize>,
+    /// "live" or "frozen".
+    #[serde(deserialize_with = "text")]
+    pub geometry: String,
+    /// Time at which the run begins, s.
+    #[serde(deserialize_with = "any_number")]
+    pub start: f64,
+}
+
+/// Reads the initial state of a run: a name, or the `final` of another run.
+pub fn read_initial(given: &Bound<'_, PyAny>) -> PyResult<Initial> {
+    let Ok(name) = given.extract::<String>() else {
+        return Ok(Initial::Continue(Box::new(state::read_final(given)?)));
+    };
+    match name.as_str() {
+        "synchronous" => Ok(Initial::Synchronous),
+        "static" => Ok(Initial::Static),
+        "rest" => Ok(Initial::Rest),
+        _ => {
+            let message = format!("must be \"synchronous\", \"static\", \"rest\" or a response, got \"{name}\"");
+            Err(SceneError::new("initial", message).into())
+        }
+    }
+}
+
+/// One entry of `record`.
+#[derive(FromPyObject)]
+pub enum RecordEntry {
+    Name(String),
+    Node(String, f64),
+    Mesh(String, String),
+    Bearing(String, String, f64),
+}
+
+impl RecordEntry {
+    /// Converts entry `index` of the list.
+    pub fn request(self, index: usize) -> Result<Request, SceneError> {
+        Ok(match self {
+            Self::Name(name) => Request::Name(name),
+            Self::Node(shaft, position) => Request::Node(shaft, position),
+            Self::Mesh(first, second) => Request::Mesh(first, second),
+            Self::Bearing(kind, shaft, position) if kind == "bearing" => Request::Bearing(shaft, position),
+            Self::Bearing(kind, ..) => {
+                let message = format!("must be (\"bearing\", shaft, position), got \"{kind}\"");
+                return Err(SceneError::new(format!("record[{index}]"), message));
+            }
+        })
+    }
+}

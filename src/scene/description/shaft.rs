@@ -1,0 +1,126 @@
+//! Description of a shaft: sections, material and residual bow.
+
+use serde::{Deserialize, Serialize};
+
+use super::reading::{some_whole, whole};
+
+/// An isotropic elastic material; one of `poisson_ratio` and `shear_modulus`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Poisson's ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poisson_ratio: Option<f64>,
+    /// Shear modulus, Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear_modulus: Option<f64>,
+}
+
+/// Steel: 207 GPa, Poisson's ratio 0.3, 7850 kg/m³.
+pub const STEEL: Material =
+    Material { youngs_modulus: 207e9, density: 7850.0, poisson_ratio: Some(0.3), shear_modulus: None };
+
+/// A shaft: uniform (`length`, `outer_diameter`, …, `elements`) or stepped (`segments`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shaft {
+    /// Name, unlike every other name of the system.
+    pub name: String,
+    /// Length, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Outer diameter, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outer_diameter: Option<f64>,
+    /// Bore, m; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inner_diameter: Option<f64>,
+    /// The least number of elements.
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    pub elements: Option<usize>,
+    /// Shear deformation; on by default.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub shear: bool,
+    /// Material; steel by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// Residual bow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bow: Option<Bow>,
+    /// The steps of a stepped shaft, from x = 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segments: Option<Vec<Segment>>,
+}
+
+/// A part of a shaft of one section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// Length, m.
+    pub length: f64,
+    /// Outer diameter, m.
+    pub outer_diameter: f64,
+    /// Bore, m.
+    #[serde(default)]
+    pub inner_diameter: f64,
+    /// The least number of elements.
+    #[serde(default = "one", deserialize_with = "whole")]
+    pub elements: usize,
+}
+
+/// The family of a bow's curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BowShape {
+    /// One half wave over the length.
+    HalfSine,
+    /// The static sag between the bearings.
+    Sag,
+    /// `number` half waves over the length.
+    Mode,
+    /// Points measured along the shaft.
+    Points,
+}
+
+/// A residual bow: the shape, and the parameters that this shape has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bow {
+    /// The family of the curve.
+    pub shape: BowShape,
+    /// Largest deflection, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Angle in the shaft, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<f64>,
+    /// Half waves over the length.
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    pub number: Option<u32>,
+    /// Positions of the points, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub positions: Option<Vec<f64>>,
+    /// Deflection at each point, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitudes: Option<Vec<f64>>,
+    /// Angle in the shaft at each point, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<f64>>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
+fn is_yes(flag: &bool) -> bool {
+    *flag
+}
+
+fn one() -> usize {
+    1
+}

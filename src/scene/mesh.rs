@@ -1,0 +1,131 @@
+//! Pairs of gears in mesh: checks that the gears fit, their distance, teeth and damping.
+
+use super::contact::{check_contact, check_undercut};
+use super::description::{self, SceneDescription};
+use super::gear::{BASE_PITCH_TOLERANCE, SAME};
+use super::{EntryPath, Gear, SceneError, Shaft, Teeth, nearest};
+
+/// Damping of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping {
+    /// Damping ratio ζ: c = 2ζ√(k mₑ), with the mean stiffness k and mₑ = (r_a²/I_pa + r_b²/I_pb)⁻¹.
+    Ratio(f64),
+    /// Damping coefficient c, N s/m.
+    Constant(f64),
+}
+
+/// A checked mesh.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// Index of the driving gear.
+    pub driver: usize,
+    /// Index of the driven gear.
+    pub driven: usize,
+    /// Stiffness, engagement, tip relief, backlash and transmission error.
+    pub teeth: Teeth,
+    /// Damping along the line of action.
+    pub damping: Damping,
+    /// Angle ψ from y to the line of centres at rest, driver to driven gear, rad.
+    pub centre_line_angle: f64,
+    /// Centre distance C₀ at rest, m.
+    pub centre_distance: f64,
+}
+
+/// Checks all meshes.
+pub(super) fn meshes(
+    system: &SceneDescription,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Mesh>, SceneError> {
+    let mut meshes: Vec<Mesh> = Vec::with_capacity(system.meshes.len());
+    for (index, given) in system.meshes.iter().enumerate() {
+        let at = EntryPath::entry("meshes", index);
+        let mesh = mesh(given, shafts, gears, &at, warnings)?;
+        let pair = |mesh: &Mesh| (mesh.driver.min(mesh.driven), mesh.driver.max(mesh.driven));
+        if let Some(first) = meshes.iter().position(|other| pair(other) == pair(&mesh)) {
+            return Err(at.error(format!("repeats the pair of gears of meshes[{first}]")));
+        }
+        meshes.push(mesh);
+    }
+    for (index, gear) in gears.iter().enumerate() {
+        // The rack of a gear is unknown if the description gives its base radius only.
+        if gear.rack.is_some() && meshes.iter().any(|mesh| [mesh.driver, mesh.driven].contains(&index)) {
+            check_undercut(gear, &EntryPath::entry("gears", index), warnings);
+        }
+    }
+    Ok(meshes)
+}
+
+fn mesh(
+    given: &description::Mesh,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    at: &EntryPath,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, SceneError> {
+    let find = |field: &str, name: &str| {
+        let place = at.field(field);
+        gears.iter().position(|gear| gear.body.name == name).ok_or_else(|| {
+            let names = gears.iter().map(|gear| gear.body.name.as_str());
+            place.error(format!("no gear is called \"{name}\"{}", nearest(name, names)))
+        })
+    };
+    let (driver, driven) = (find("driver", &given.driver)?, find("driven", &given.driven)?);
+    let (a, b) = (&gears[driver], &gears[driven]);
+    if a.body.node.shaft == b.body.node.shaft {
+        return Err(at.error(format!("\"{}\" and \"{}\" sit on the same shaft", given.driver, given.driven)));
+    }
+    check_racks(a, b, at, warnings)?;
+
+    let centre_distance = match given.centre_distance {
+        Some(distance) => at.field("centre_distance").positive(distance)?,
+        None => a.pitch_radius + b.pitch_radius,
+    };
+    let base_circles = a.base_radius + b.base_radius;
+    if centre_distance <= base_circles {
+        let message = format!("{centre_distance} m is not above the sum of the base radii, {base_circles} m");
+        return Err(at.field("centre_distance").error(message));
+    }
+    check_contact([a, b], centre_distance, at, warnings)?;
+    let shaft_radii = [a, b].map(|gear| shafts[gear.body.node.shaft].radius_at(gear.body.node.node));
+    let teeth = Teeth::new(given, [a, b], shaft_radii, at, warnings)?;
+    let damping = match (given.damping, given.damping_ratio) {
+        (Some(_), Some(_)) => {
+            return Err(at.field("damping").error("cannot be combined with damping_ratio; give one of them"));
+        }
+        (Some(damping), None) => Damping::Constant(at.field("damping").non_negative(damping)?),
+        (None, ratio) => Damping::Ratio(at.field("damping_ratio").non_negative(ratio.unwrap_or(0.0))?),
+    };
+    let centre_line_angle = at.field("centre_line_angle").finite(given.centre_line_angle.unwrap_or(0.0))?;
+    Ok(Mesh { driver, driven, teeth, damping, centre_line_angle, centre_distance })
+}
+
+/// Refuses gears of different modules, pressure angles or base pitches.
+fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -> Result<(), SceneError> {
+    let differ = |first: f64, second: f64| (first - second).abs() > SAME * first.abs().max(second.abs());
+    let names = || (a.body.name.as_str(), b.body.name.as_str());
+    if let (Some((module_a, angle_a)), Some((module_b, angle_b))) = (a.rack, b.rack) {
+        let (first, second) = names();
+        if differ(module_a, module_b) {
+            let message = format!("cannot mesh: \"{first}\" has module {module_a} m, \"{second}\" {module_b} m");
+            return Err(at.error(message));
+        }
+        if differ(angle_a, angle_b) {
+            let message =
+                format!("cannot mesh: \"{first}\" has pressure angle {angle_a} rad, \"{second}\" {angle_b} rad");
+            return Err(at.error(message));
+        }
+    }
+    let (pitch_a, pitch_b) = (a.base_pitch(), b.base_pitch());
+    let difference = (pitch_a - pitch_b).abs() / pitch_a.max(pitch_b);
+    let (first, second) = names();
+    let message = format!("the base pitch of \"{first}\" is {pitch_a} m, that of \"{second}\" {pitch_b} m");
+    if difference > BASE_PITCH_TOLERANCE {
+        return Err(at.error(format!("cannot mesh: {message}")));
+    }
+    if difference > SAME {
+        warnings.push(format!("{at}: {message}; speeds follow the tooth numbers, forces the base radii"));
+    }
+    Ok(())
+}

@@ -1,0 +1,289 @@
+//! Plausibility check of a whole scene. It finds values that no built machine has; most of them are mistakes of units.
+//!
+//! The ranges cover watches, turbogenerators, hydroelectric sets and ship shaft lines, and idealised models. A value
+//! outside its range gives a warning with the usual range and the probable cause. A physically impossible value is an
+//! error. `docs/using.md` lists the ranges and the reason for each.
+
+mod findings;
+mod ranges;
+
+use std::f64::consts::PI;
+
+use super::description::{self, SceneDescription};
+use super::{Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
+use findings::{Findings, short};
+use ranges::{
+    ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
+    GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,
+    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, RUN_OUT, SAG, SHEAR_MODULUS, SLENDERNESS, TIP_REACH,
+    TORSION, WEIGHT,
+};
+
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.806_65;
+/// Relative tolerance of I_p ≤ 2 I_d. Published inertias are rounded.
+const INERTIA_TOLERANCE: f64 = 0.05;
+/// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
+const PITCH_LINE_SPEED: f64 = 250.0;
+
+/// Smallest plausible stiffness of a bearing relative to that of its shaft. Smaller values give a warning if the
+/// displacement under the weight also exceeds [`SETTLING`].
+const SOFT: f64 = 0.01;
+/// Largest plausible displacement of the bearings under the weight of the shaft, relative to its radius.
+const SETTLING: f64 = 0.01;
+
+/// Returns a warning for each implausible quantity.
+///
+/// # Errors
+/// [`SceneError`] for a physically impossible value.
+pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<String>, SceneError> {
+    let mut found = Findings::default();
+    for (index, (given, shaft)) in system.shafts.iter().zip(&scene.shafts).enumerate() {
+        check_shaft(given, shaft, &EntryPath::entry("shafts", index), &mut found)?;
+    }
+    for (index, (given, gear)) in system.gears.iter().zip(&scene.gears).enumerate() {
+        check_gear(given, gear, &EntryPath::entry("gears", index), &mut found);
+    }
+    let gears = scene.gears.iter().map(|gear| &gear.body).enumerate().map(|entry| ("gears", entry));
+    let disks = scene.disks.iter().enumerate().map(|entry| ("disks", entry));
+    for (list, (index, body)) in gears.chain(disks) {
+        check_body(scene, body, &EntryPath::entry(list, index), &mut found)?;
+    }
+    for (index, given) in system.meshes.iter().enumerate() {
+        check_mesh(scene, given, index, &mut found);
+    }
+    for (index, bearing) in scene.bearings.iter().enumerate() {
+        let at = EntryPath::entry("bearings", index).field("stiffness");
+        found.check(&at, stiffest(&bearing.stiffness), &BEARING);
+    }
+    for (index, torque) in scene.torques.iter().enumerate() {
+        let (shaft, node) = (&scene.shafts[torque.node.shaft], torque.node.node);
+        let strain = 2.0 * torque.value.abs() / (PI * shaft.radius_at(node).powi(3) * shaft.material.shear_modulus);
+        found.check(&EntryPath::entry("torques", index), strain, &TORSION);
+    }
+    if scene.lateral {
+        (0..scene.shafts.len()).for_each(|shaft| check_supports(scene, shaft, &mut found));
+    }
+    found.check(&EntryPath::root("modal_damping"), scene.modal_damping, &MODAL_DAMPING);
+    found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &WEIGHT);
+    Ok(found.messages().collect())
+}
+
+fn check_shaft(
+    given: &description::Shaft,
+    shaft: &Shaft,
+    at: &EntryPath,
+    found: &mut Findings,
+) -> Result<(), SceneError> {
+    let (length, diameter) = (shaft.length(), 2.0 * largest_radius(shaft));
+    let place = |field: &str| if given.segments.is_some() { at.field("segments") } else { at.field(field) };
+    found.check(&place("length"), length, &LENGTH);
+    found.check(&place("outer_diameter"), diameter, &DIAMETER);
+    found.check(&place("length"), length / diameter, &SLENDERNESS);
+    let material = at.field("material");
+    found.check(&material.field("youngs_modulus"), shaft.material.youngs_modulus, &MODULUS);
+    if !is_massless(shaft.material.density) {
+        found.check(&material.field("density"), shaft.material.density, &DENSITY);
+    }
+    if given.material.is_some_and(|material| material.shear_modulus.is_some()) {
+        found.check(&material.field("shear_modulus"), shaft.material.shear_modulus, &SHEAR_MODULUS);
+    }
+    let Some(bow) = &given.bow else { return Ok(()) };
+    let at = at.field("bow");
+    let one = bow.amplitude.map(|amplitude| (at.field("amplitude"), amplitude.abs()));
+    let list = bow.amplitudes.iter().flatten().map(|value| value.abs()).reduce(f64::max);
+    for (at, amplitude) in one.into_iter().chain(list.map(|amplitude| (at.field("amplitudes"), amplitude))) {
+        if amplitude > length {
+            return Err(at.error(format!("{amplitude} m is more than the length of the shaft, {length} m; {METRES}")));
+        }
+        found.check(&at, amplitude / length, &BOW);
+    }
+    bow.phase.iter().for_each(|phase| found.check_angle(&at.field("phase"), *phase));
+    bow.phases
+        .iter()
+        .flatten()
+        .enumerate()
+        .for_each(|(i, phase)| found.check_angle(&at.field("phases").index(i), *phase));
+    Ok(())
+}
+
+/// Whether a density means a massless shaft, for example of a Jeffcott rotor. Such a density is at most 1 and is not the
+/// density of a solid in kg/mm³ or t/mm³. In g/cm³, solids heavier than water have values above 1.
+fn is_massless(density: f64) -> bool {
+    density <= 1.0 && ![1e-9, 1e-12].iter().any(|unit| (DENSITY.low * unit..DENSITY.high * unit).contains(&density))
+}
+
+fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mut Findings) {
+    let size = if given.module.is_some() { "module" } else { "base_radius" };
+    found.check(&at.field(size), gear.module, &MODULE);
+    found.check(&at.field("pressure_angle"), gear.pressure_angle, &PRESSURE_ANGLE);
+    found.check(&at.field("profile_shift"), gear.profile_shift, &PROFILE_SHIFT);
+    if given.tip_radius.is_some() {
+        found.check(&at.field("tip_radius"), (gear.tip_radius - gear.pitch_radius) / gear.module, &ADDENDUM);
+    }
+    found.check(&at.field("run_out"), gear.run_out.norm() / gear.module, &RUN_OUT);
+    if let Some(width) = gear.face_width {
+        found.check(&at.field("face_width"), width / (2.0 * gear.pitch_radius), &FACE_WIDTH);
+        let volume = PI * gear.pitch_radius.powi(2) * width;
+        if given.mass.is_some_and(|mass| mass > 0.0) {
+            found.check(&at.field("mass"), gear.body.mass / volume, &GEAR_DENSITY);
+        }
+    }
+    if given.polar_inertia.is_some_and(|inertia| inertia > 0.0) && gear.body.mass > 0.0 {
+        let gyration = (gear.body.polar_inertia / gear.body.mass).sqrt();
+        found.check(&at.field("polar_inertia"), gyration / gear.pitch_radius, &GEAR_GYRATION);
+    }
+}
+
+fn check_body(scene: &Scene, body: &Body, at: &EntryPath, found: &mut Findings) -> Result<(), SceneError> {
+    // A diametral inertia of zero is a usual idealisation. It has no effect in pure torsion.
+    let (polar, diametral) = (body.polar_inertia, body.diametral_inertia);
+    if scene.lateral && diametral > 0.0 && polar > 2.0 * diametral * (1.0 + INERTIA_TOLERANCE) {
+        return Err(at.field("polar_inertia").error(format!(
+            "{polar} kg m2 is more than twice the diametral inertia, {diametral} kg m2, which is impossible for a rigid body; are the two exchanged?"
+        )));
+    }
+    if body.mass > 0.0 {
+        found.check(&at.field("mass"), body.mass, &MASS);
+        if polar > 0.0 {
+            found.check(&at.field("polar_inertia"), (polar / body.mass).sqrt(), &GYRATION);
+        }
+    }
+    let radius = scene.shafts[body.node.shaft].radius_at(body.node.node);
+    found.check(&at.field("unbalance"), eccentricity(scene, body) / radius, &ECCENTRICITY);
+    Ok(())
+}
+
+fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mut Findings) {
+    let (at, mesh) = (EntryPath::entry("meshes", index), &scene.meshes[index]);
+    let pair = [&scene.gears[mesh.driver], &scene.gears[mesh.driven]];
+    let module = pair[0].module.max(pair[1].module);
+    let width = pair.iter().map(|gear| gear.face_width.unwrap_or(10.0 * gear.module)).fold(f64::INFINITY, f64::min);
+    found.check_angle(&at.field("centre_line_angle"), mesh.centre_line_angle);
+    let radii = pair[0].pitch_radius + pair[1].pitch_radius;
+    found.check(&at.field("centre_distance"), mesh.centre_distance / radii, &CENTRE_DISTANCE);
+    for (gear, index) in pair.iter().zip([mesh.driver, mesh.driven]) {
+        let at = EntryPath::entry("gears", index).field("tip_radius");
+        found.check(&at, gear.tip_radius / mesh.centre_distance, &TIP_REACH);
+    }
+    let place = at.field("stiffness");
+    match &given.stiffness {
+        None => {}
+        Some(description::Stiffness::Mean(mean)) => found.check(&place, mean / width, &MESH_STIFFNESS),
+        Some(description::Stiffness::Model(model)) => {
+            let highest = model.values.iter().flatten().copied().reduce(f64::max);
+            for (name, value) in [("mean", model.mean), ("pair", model.pair), ("values", highest)] {
+                value.iter().for_each(|value| found.check(&place.field(name), value / width, &MESH_STIFFNESS));
+            }
+            let phases = model.phases.iter().flatten().enumerate();
+            phases.for_each(|(i, phase)| found.check_angle(&place.field("phases").index(i), *phase));
+        }
+    }
+    if let Damping::Ratio(ratio) = mesh.damping {
+        found.check(&at.field("damping_ratio"), ratio, &MESH_DAMPING);
+    }
+    found.check(&at.field("backlash"), mesh.teeth.backlash.unwrap_or(0.0) / module, &BACKLASH);
+    if let Some(relief) = &mesh.teeth.relief {
+        let at = at.field("tip_relief");
+        found.check(&at.field("amount"), relief.amount / module, &RELIEF);
+        found.check(&at.field("length"), relief.length / module, &RELIEF_LENGTH);
+    }
+    if let Some(error) = &mesh.teeth.error {
+        let at = at.field("error");
+        for (name, list) in [("tooth", &error.tooth), ("driver", &error.driver), ("driven", &error.driven)] {
+            for (i, [amplitude, phase]) in list.iter().enumerate() {
+                found.check(&at.field(name).index(i), amplitude.abs() / module, &ERROR);
+                found.check_angle(&at.field(name).index(i), *phase);
+            }
+        }
+        let largest = error.table.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        found.check(&at.field("table"), largest / module, &ERROR);
+    }
+}
+
+/// Checks the deflection of a shaft and of its bearings under its weight. The weight of the bodies on the shaft is
+/// distributed over its length.
+fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
+    let bearings: Vec<_> =
+        scene.bearings.iter().enumerate().filter(|(_, bearing)| bearing.node.shaft == shaft).collect();
+    let at = EntryPath::entry("shafts", shaft);
+    let shape = &scene.shafts[shaft];
+    let mut supports: Vec<f64> = bearings.iter().map(|(_, bearing)| shape.nodes[bearing.node.node]).collect();
+    supports.sort_by(f64::total_cmp);
+    let span = supports.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    if span == 0.0 {
+        return;
+    }
+    let weight = GRAVITY * mass_on(scene, shaft);
+    let length = shape.length();
+    // A beam on two supports has the deflection 5qs⁴/384EI. The compliance is the mean over the sections.
+    let compliance: f64 = shape.elements.iter().map(|element| element.length / second_moment(element)).sum();
+    let compliance = compliance / (length * shape.material.youngs_modulus);
+    let radius = largest_radius(shape);
+    found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SAG);
+    let total: f64 = bearings.iter().map(|(_, bearing)| stiffest(&bearing.stiffness)).sum();
+    let settling = weight / total / radius;
+    let own = 48.0 / (compliance * span.powi(3));
+    for (index, bearing) in bearings {
+        let stiffness = stiffest(&bearing.stiffness);
+        if stiffness > 0.0 && stiffness < SOFT * own && settling > SETTLING {
+            let message = format!(
+                "{} N/m is {} % of the stiffness of the shaft, and the weight of the shaft displaces it by {} % of its radius; is it in N/mm?",
+                short(stiffness),
+                short(100.0 * stiffness / own),
+                short(100.0 * settling)
+            );
+            found.add("bearing", &EntryPath::entry("bearings", index).field("stiffness"), &message);
+        }
+    }
+}
+
+/// Unbalance over the mass of the body and its shaft, m.
+pub(crate) fn eccentricity(scene: &Scene, body: &Body) -> f64 {
+    if body.unbalance.norm() == 0.0 { 0.0 } else { body.unbalance.norm() / mass_on(scene, body.node.shaft) }
+}
+
+/// Whether an unbalance exceeds the plausible range.
+pub(crate) fn implausible_unbalance(scene: &Scene, body: &Body) -> bool {
+    let radius = scene.shafts[body.node.shaft].radius_at(body.node.node);
+    eccentricity(scene, body) > ECCENTRICITY.high * radius
+}
+
+impl Scene {
+    /// Returns a warning if the pitch-line speed is implausible at this speed of the reference shaft, rad/s.
+    pub fn pitch_line_warning(&self, speed: f64) -> Option<String> {
+        let of = |gear: &Gear| (self.speed_ratios[gear.body.node.shaft] * speed * gear.pitch_radius).abs();
+        let (name, fastest) =
+            self.gears.iter().map(|gear| (&gear.body.name, of(gear))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (fastest > PITCH_LINE_SPEED).then(|| {
+            format!(
+                "speed: the pitch-line speed of \"{name}\" is {} m/s at {} rad/s, usual is up to {PITCH_LINE_SPEED} m/s; is the speed in rpm?",
+                short(fastest),
+                short(speed)
+            )
+        })
+    }
+}
+
+fn mass_on(scene: &Scene, shaft: usize) -> f64 {
+    let own = &scene.shafts[shaft];
+    let volume: f64 = own
+        .elements
+        .iter()
+        .map(|element| PI * (element.outer_radius.powi(2) - element.inner_radius.powi(2)) * element.length)
+        .sum();
+    let bodies: f64 = scene.bodies().filter(|body| body.node.shaft == shaft).map(|body| body.mass).sum();
+    own.material.density * volume + bodies
+}
+
+fn largest_radius(shaft: &Shaft) -> f64 {
+    shaft.elements.iter().map(|element| element.outer_radius).fold(0.0, f64::max)
+}
+
+fn second_moment(element: &super::Element) -> f64 {
+    PI / 4.0 * (element.outer_radius.powi(4) - element.inner_radius.powi(4))
+}
+
+fn stiffest(stiffness: &[[f64; 2]; 2]) -> f64 {
+    stiffness[0][0].max(stiffness[1][1])
+}
