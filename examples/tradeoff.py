@@ -117,8 +117,9 @@ def study(scene: Scene) -> gb.Tradeoff:
 
 def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
     """Return the tables: methods, Pareto front and simplified models."""
+    signals = " and ".join(tradeoff.signals)
     yield f"{scene.system()!r}."
-    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {' and '.join(tradeoff.signals)}."
+    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {signals}."
     yield f"Reference: {tradeoff.reference}."
     yield f"Its difference from {tradeoff.check} is {tradeoff.floor:.0e}."
     if tradeoff.discretisation is not None:

@@ -18,7 +18,7 @@ else:
 
 __all__ = ["SCENE", "Settings"]
 
-#: Scene and settings of the published bow study.
+#: Scene and settings of docs/study.md.
 SCENE = Path(__file__).with_name("scene.toml")
 
 
