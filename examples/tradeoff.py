@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import gearbow as gb
-from gearbow.accuracy import ACCURACIES
+from gearbow.system.accuracy import ACCURACIES
 
 LENGTH = 0.5  # length of a shaft, m
 DIAMETER = 0.05  # shaft diameter, m
@@ -103,7 +103,7 @@ SCENES = {
 }
 
 
-def study(scene: Scene) -> gb.Tradeoff:
+def study(scene: Scene) -> gb.Tradeoff[gb.RotorSystem]:
     """Measure all settings that the budget allows."""
     return scene.system().tradeoff(
         DURATION,
@@ -115,10 +115,11 @@ def study(scene: Scene) -> gb.Tradeoff:
     )
 
 
-def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
+def report(scene: Scene, tradeoff: gb.Tradeoff[gb.RotorSystem]) -> Iterator[str]:
     """Return the tables: methods, Pareto front and simplified models."""
     yield f"{scene.system()!r}."
-    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {' and '.join(tradeoff.of)}."
+    signals = " and ".join(tradeoff.signals)
+    yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {signals}."
     yield f"Reference: {tradeoff.reference}."
     yield f"Its difference from {tradeoff.check} is {tradeoff.floor:.0e}."
     if tradeoff.discretisation is not None:
@@ -146,8 +147,8 @@ def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
             f"| {trial.steps} | {trial.limited_by} |"
         )
     yield ""
-    yield f"| simplification | {' | '.join(f'error of {signal}' for signal in tradeoff.of)} |"
-    yield "|---|" + "---|" * len(tradeoff.of)
+    yield f"| simplification | {' | '.join(f'error of {signal}' for signal in tradeoff.signals)} |"
+    yield "|---|" + "---|" * len(tradeoff.signals)
     tight = {trial.model: trial for trial in tradeoff.trials if trial.model != "as given"}
     for model, trial in tight.items():
         yield f"| {model} | {' | '.join(f'{error:.1e}' for error in trial.errors.values())} |"
@@ -180,7 +181,7 @@ def words() -> Iterator[str]:
             trials[word] = next(trial for trial in found.trials if trial.options == options)
             cells[word].append(trials[word].error_text)
         if any(trial.error > ACCURACIES[word].error for word, trial in trials.items()):
-            sys.exit("gearbow/accuracy.py: increase the expected error to the measured one")
+            sys.exit("gearbow/system/accuracy.py: increase the expected error to the measured one")
     for word, each in ACCURACIES.items():
         setting = f"{each.method}, rtol {each.rtol:.0e}"
         yield f"| `{word}` | {setting} | {' | '.join(cells[word])} | {each.error:.0e} |"
