@@ -82,9 +82,9 @@ def writings(monkeypatch):
     count: list[int] = []
     write = storage.save
 
-    def counted(response: gb.Response, *args: Any, **more: Any) -> None:
-        count.append(response.time.size)
-        write(response, *args, **more)
+    def counted(run: Any, *args: Any, **more: Any) -> None:
+        count.append(run.data["time"].size)
+        write(run, *args, **more)
 
     monkeypatch.setattr(storage, "save", counted)
     return count

@@ -510,7 +510,7 @@ def stopped(
     with pytest.raises(EnoughError):
         system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
     response, about = storage.read(path)
-    return system, options, about, arrays_of(response.to_record())
+    return system, options, about, arrays_of(response)
 
 
 def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):

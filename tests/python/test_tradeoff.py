@@ -288,8 +288,8 @@ def test_progress_goes_from_nothing_to_all(capsys):
         ({"duration": 0.0}, "duration: must be positive and finite, got 0.0"),
         ({"duration": "long"}, "duration: must be a number, got 'long'"),
         ({"speed": np.nan}, "speed: must be finite, got nan"),
-        ({"signals": "g9"}, 'of: no gear or disk is called "g9"'),
-        ({"signals": ("input", 0.1)}, 'of: shaft "input" has no node at 0.1 m'),
+        ({"signals": "g9"}, 'signals: no gear or disk is called "g9"'),
+        ({"signals": ("input", 0.1)}, 'signals: shaft "input" has no node at 0.1 m'),
         ({"signals": ("g2", "g1")}, "signals: no gear 'g2' drives a gear 'g1'"),
         ({"signals": 3}, "signals: must be a name, (shaft, position) or (driver, driven), got 3"),
         ({"signals": []}, "signals: must name at least one signal"),
@@ -310,7 +310,7 @@ def test_progress_goes_from_nothing_to_all(capsys):
 )
 def test_an_impossible_argument_is_named(given, text):
     with pytest.raises(gb.SceneError) as caught:
-        toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "of": "g1"} | given)
+        toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "signals": "g1"} | given)
     assert str(caught.value).startswith(text)
 
 
