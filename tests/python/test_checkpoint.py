@@ -147,7 +147,7 @@ def twice(self, target):
     return replace(self, target)
 
 pathlib.Path.replace = twice
-often = {"every": 1e-9, "progress": Pause()}
+often = {"checkpoint_interval": 1e-9, "progress": Pause()}
 RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[1], **often)
 """
 
