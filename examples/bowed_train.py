@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import gearbow as gb
-from gearbow import plots
+from gearbow import plotting
 
 RADIUS = 0.025  # m
 LENGTH = 0.5  # m
@@ -110,7 +110,7 @@ def mesh_table(responses: dict[float, gb.Response]) -> str:
 
 def figure(responses: dict[float, gb.Response]) -> Figure:
     """Draw orbits, contact ratio and pressure angle for each bow."""
-    with mpl.rc_context(plots.STYLE):
+    with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(15.0, 11.5))
         grid = drawing.add_gridspec(3, 4, height_ratios=[1.25, 1.0, 1.0])
         halves = (slice(0, 2), slice(2, 4))
@@ -119,7 +119,7 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
         angles = [drawing.add_subplot(grid[2, half]) for half in halves]
         # Draw the largest bow first: the smaller orbits remain visible on top.
         for ratio, response in reversed(responses.items()):
-            colour = plots.PALETTE[BOWS.index(ratio)]
+            colour = plotting.PALETTE[BOWS.index(ratio)]
             for panel, gear in zip(orbits, GEARS, strict=True):
                 v, w = 1e6 * response.displacement(gear)[settled(response)].T
                 panel.plot(v, w, color=colour, label=f"{ratio:g}")

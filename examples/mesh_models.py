@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import gearbow as gb
-from gearbow import plots
+from gearbow import plotting
 
 TEETH = (25, 50)
 MODULE = 3e-3  # m
@@ -101,7 +101,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
 
 def stiffness_figure(meshes: dict[str, gb.MeshResponse]) -> Figure:
     """Draw the mesh stiffness against the mesh cycles."""
-    with mpl.rc_context(plots.STYLE):
+    with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 3.6))
         panel = figure.subplots()
         cycles = np.linspace(0.0, CYCLES, ROWS)
@@ -132,7 +132,7 @@ def separation_figure(
     )
     found = response.mesh("pinion", "wheel")
     time = response.time / cycle
-    with mpl.rc_context(plots.STYLE):
+    with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 6.0))
         above, below = figure.subplots(2, sharex=True)
         # The tooth error belongs to the driving flanks. The deflection is relative to them, so the
@@ -146,7 +146,7 @@ def separation_figure(
         marks = {"contact": ("^", 1), "separation": ("v", 2), "back contact": ("s", 3)}
         for kind, (marker, colour) in marks.items():
             at = np.array([event.time for event in response.events if event.kind == kind]) / cycle
-            below.plot(at, 0.0 * at, marker, color=plots.PALETTE[colour], label=kind)
+            below.plot(at, 0.0 * at, marker, color=plotting.PALETTE[colour], label=kind)
         figure.align_ylabels()
         legend(figure, above, below)
     return figure
@@ -155,7 +155,7 @@ def separation_figure(
 def error_figure(torques: tuple[float, ...] = (1.0, 100.0, 200.0, 300.0)) -> Figure:
     """Draw the loaded transmission error, the lead of the pinion over the wheel."""
     error = gb.TransmissionError(tooth=[(5e-6, 0.0), (2e-6, 1.0)])
-    with mpl.rc_context(plots.STYLE):
+    with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 3.8))
         panel = figure.subplots()
         for torque in torques:

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import gearbow as gb
-from gearbow import plots
+from gearbow import plotting
 
 TEETH = 50
 TORQUES = (200.0, 400.0, 1000.0)  # N m
@@ -91,13 +91,13 @@ def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> NDArray[np.float64
 
 def figure(curves: dict[float, tuple[float, NDArray[np.float64], NDArray[np.float64]]]) -> Figure:
     """Draw the sweeps, one panel for each torque."""
-    with mpl.rc_context(plots.STYLE):
+    with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(13.0, 5.0), layout="constrained")
         panels = drawing.subplots(1, len(curves), sharey=True)
         for panel, (torque, (static, up, down)) in zip(panels, curves.items(), strict=True):
             for curve, name, colour, width in (
-                (down, "speed falling", plots.PALETTE[1], 3.5),
-                (up, "speed rising", plots.PALETTE[0], 1.2),
+                (down, "speed falling", plotting.PALETTE[1], 3.5),
+                (up, "speed rising", plotting.PALETTE[0], 1.2),
             ):
                 panel.plot(SPEEDS, 1e6 * curve[:, 0], color=colour, lw=width, label=name)
             panel.fill_between(

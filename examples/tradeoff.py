@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import gearbow as gb
-from gearbow.accuracy import ACCURACIES
+from gearbow.system.accuracy import ACCURACIES
 
 LENGTH = 0.5  # length of a shaft, m
 DIAMETER = 0.05  # shaft diameter, m
@@ -103,7 +103,7 @@ SCENES = {
 }
 
 
-def study(scene: Scene) -> gb.Tradeoff:
+def study(scene: Scene) -> gb.Tradeoff[gb.RotorSystem]:
     """Measure all settings that the budget allows."""
     return scene.system().tradeoff(
         DURATION,
@@ -115,7 +115,7 @@ def study(scene: Scene) -> gb.Tradeoff:
     )
 
 
-def report(scene: Scene, tradeoff: gb.Tradeoff) -> Iterator[str]:
+def report(scene: Scene, tradeoff: gb.Tradeoff[gb.RotorSystem]) -> Iterator[str]:
     """Return the tables: methods, Pareto front and simplified models."""
     signals = " and ".join(tradeoff.signals)
     yield f"{scene.system()!r}."
@@ -181,7 +181,7 @@ def words() -> Iterator[str]:
             trials[word] = next(trial for trial in found.trials if trial.options == options)
             cells[word].append(trials[word].error_text)
         if any(trial.error > ACCURACIES[word].error for word, trial in trials.items()):
-            sys.exit("gearbow/accuracy.py: increase the expected error to the measured one")
+            sys.exit("gearbow/system/accuracy.py: increase the expected error to the measured one")
     for word, each in ACCURACIES.items():
         setting = f"{each.method}, rtol {each.rtol:.0e}"
         yield f"| `{word}` | {setting} | {' | '.join(cells[word])} | {each.error:.0e} |"

@@ -1,16 +1,42 @@
-"""How a geared train moves when its shafts are bent.
+"""Dynamics of geared shaft trains with residual bow.
 
 Timoshenko shafts with residual bow, gears whose mesh geometry follows their moving centres,
-bearings and torques: describe a `RotorSystem`, then ask it for matrices, modes, synchronous
-response, equilibrium or a time history. SI units and radians throughout.
+bearings and torques. Describe a `RotorSystem`, then compute matrices, modes, synchronous response,
+equilibrium or a time history. All quantities are in SI units and radians.
+
+The layers, each of which depends only on those before it:
+
+- `gearbow.description`: parts of a system, and the geometry and kinematics that follow from them,
+- `gearbow.recording` and `gearbow.orders`: recorded runs, their files, spectra and orders,
+- `gearbow.results`: results of the analyses,
+- `gearbow.analysis` and `gearbow.tradeoff`: analyses that run variants of a system,
+- `gearbow.system`: the class `RotorSystem`.
+
+Methods named `plot` import `gearbow.plotting`, whose functions take arrays.
+
+The compiled core `gearbow._core` computes everything except the following:
+
+- sampling of functions into splines (`Bow.function`, `SpeedProfile.function`),
+- amplitude spectra (`orders.spectrum`) and least-squares amplitudes at orders (`orders.fit`),
+- least-squares balancing (`analysis.balance`),
+- amplification factors and separation margins of peaks (`results.peak`),
+- shares of kinetic energy in modes (`results.modes`), semi-axes and phases of orbits
+  (`results.synchronous`), totals and residuals of energies (`recording.energy`),
+- RMS differences of runs (`tradeoff.signals`) and CPU times (`tradeoff.clock`),
+- measures of the bow study (`study.measure`).
 """
 
 from gearbow._core import __version__
-from gearbow.balance import Balance
-from gearbow.bow import Bow
-from gearbow.campbell import Campbell, ExcitationLine, Intersection
-from gearbow.critical import CriticalSpeedMap
-from gearbow.energy import EnergyBalance
+from gearbow.analysis.balance import Balance
+from gearbow.description.bow import Bow
+from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.kinematics import Order
+from gearbow.description.loads import Bearing, Torque
+from gearbow.description.shafts import STEEL, Material, Segment, Shaft
+from gearbow.description.speed import SpeedProfile
+from gearbow.description.speed_table import SpeedTable
+from gearbow.description.stiffness import Stiffness
+from gearbow.description.teeth import TipRelief, TransmissionError
 from gearbow.errors import (
     AccuracyWarning,
     ChannelError,
@@ -24,18 +50,22 @@ from gearbow.errors import (
     SceneWarning,
     StabilityError,
 )
-from gearbow.modes import Modes
-from gearbow.orders import Order, Orders, Spectrum, Waterfall, waterfall
-from gearbow.peak import Peak
-from gearbow.response import Event, MeshResponse, Response
-from gearbow.results import Matrices, Static
-from gearbow.scene import STEEL, Bearing, Disk, Gear, Material, Mesh, Segment, Shaft, Torque
-from gearbow.speed import SpeedProfile
-from gearbow.speed_table import SpeedTable
-from gearbow.stiffness import Stiffness, TipRelief, TransmissionError
-from gearbow.synchronous import Synchronous
-from gearbow.system import RotorSystem
-from gearbow.tradeoff import Recommendation, Tradeoff, Trial
+from gearbow.orders.fit import Orders
+from gearbow.orders.spectrum import Spectrum
+from gearbow.orders.waterfall import Waterfall, waterfall
+from gearbow.recording.energy import EnergyBalance
+from gearbow.recording.record import Event, MeshResponse
+from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
+from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.matrices import Matrices
+from gearbow.results.modes import Modes
+from gearbow.results.peak import Peak
+from gearbow.results.response import Response
+from gearbow.results.static import Static
+from gearbow.results.synchronous import Synchronous
+from gearbow.system.rotor_system import RotorSystem
+from gearbow.tradeoff.result import Recommendation, Tradeoff
+from gearbow.tradeoff.trial import Trial
 
 __all__ = [
     "STEEL",
@@ -89,3 +119,7 @@ __all__ = [
     "__version__",
     "waterfall",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

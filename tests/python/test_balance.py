@@ -135,5 +135,5 @@ def test_what_cannot_be_balanced(planes, given, message):
 
 
 def test_planes_turn_together():
-    with pytest.raises(gb.SceneError, match="must be one or more on one shaft"):
+    with pytest.raises(gb.SceneError, match="must be one or more planes on the same shaft"):
         BOWED.package().balance(["g1", "g2"], 100.0)

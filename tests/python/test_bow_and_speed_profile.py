@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.bow import Bow
+from gearbow.description.bow import Bow
 
 TIMES = np.array([0.0, 1.0, 1.5, 2.0, 4.0, 9.0])
 

@@ -325,11 +325,11 @@ class TestProfiles:
             (None, "^speed: must be a number"),
             (
                 (1.0, 2.0),
-                r"^speed.times: must be|^speed: needs as many times as speeds, and at least two",
+                r"^speed.times: must be|^speed: needs equal numbers times as speeds, and at least two",
             ),
             (
                 ([0.0, 1.0], [1.0, 2.0, 3.0]),
-                "^speed: needs as many times as speeds, .*, got 2 times and 3 speeds",
+                "^speed: needs equal numbers times as speeds, .*, got 2 times and 3 speeds",
             ),
             (([0.0, 1.0, 1.0], [1.0, 2.0, 3.0]), "^speed: times must ascend, 1 s follows 1 s"),
             (([0.0, np.nan], [1.0, 2.0]), r"^speed.times\[1\]: must be finite, got nan"),

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow import storage
+from gearbow.recording import file as storage
 from test_exponential_runs import SCENES, SHARP, SMOOTH, with_mesh
 from test_persistence import assert_same
 
@@ -82,9 +82,9 @@ def writings(monkeypatch):
     count: list[int] = []
     write = storage.save
 
-    def counted(response: gb.Response, *args: Any, **more: Any) -> None:
-        count.append(response.time.size)
-        write(response, *args, **more)
+    def counted(run: Any, *args: Any, **more: Any) -> None:
+        count.append(run.data["time"].size)
+        write(run, *args, **more)
 
     monkeypatch.setattr(storage, "save", counted)
     return count
@@ -231,15 +231,15 @@ def test_a_run_that_cannot_go_on_says_so_again(tmp_path):
 @pytest.mark.parametrize(
     ("other", "text"),
     [
-        ({"duration": 2e-3}, r"whose duration was 0\.001, not 0\.002"),
-        ({"speed": 601.0}, "whose speed was"),
-        ({"rtol": 1e-7}, "whose rtol was None, not 1e-07"),
-        ({"method": "rk45"}, "whose method was exponential, not rk45"),
-        ({"output_step": 1e-5}, r"whose times\.length was 11, not 101"),
-        ({"record": ["ga"]}, "whose record was"),
-        ({"initial": "rest"}, "whose initial was synchronous, not rest"),
-        ({"geometry": "frozen"}, "whose geometry was live, not frozen"),
-        ({"accuracy": "engineering"}, "whose .* was"),
+        ({"duration": 2e-3}, r"with duration 0\.001, not 0\.002"),
+        ({"speed": 601.0}, "with speed"),
+        ({"rtol": 1e-7}, "with rtol None, not 1e-07"),
+        ({"method": "rk45"}, "with method exponential, not rk45"),
+        ({"output_step": 1e-5}, r"with times\.length 11, not 101"),
+        ({"record": ["ga"]}, "with record"),
+        ({"initial": "rest"}, "with initial synchronous, not rest"),
+        ({"geometry": "frozen"}, "with geometry live, not frozen"),
+        ({"accuracy": "engineering"}, "with .*"),
     ],
     ids=lambda value: "" if isinstance(value, str) else str(value),
 )
@@ -258,7 +258,7 @@ def test_the_file_of_another_system_is_refused(tmp_path):
     path = tmp_path / "run.npz"
     system.simulate(**options, checkpoint=path)
     other = with_mesh(stiffness={**SMOOTH, "pair": 1.6e8}).package()
-    where = r"scene\.meshes\[0\]\.stiffness\.pair was 150000000\.0, not 160000000\.0"
+    where = r"scene\.meshes\[0\]\.stiffness\.pair 150000000\.0, not 160000000\.0"
     with pytest.raises(gb.SceneError, match=where):
         other.simulate(**options, checkpoint=path)
 
@@ -270,7 +270,7 @@ def test_a_file_that_is_no_checkpoint_is_left_alone(tmp_path):
     whole = path.read_bytes()
     for content in (whole, whole[: len(whole) // 2], b"", b"notes of a long day"):
         path.write_bytes(content)
-        with pytest.raises(gb.SceneError, match=r"^checkpoint: .* is there and is none"):
+        with pytest.raises(gb.SceneError, match=r"^checkpoint: .* exists but is not valid"):
             system.simulate(**options, checkpoint=path)
         assert path.read_bytes() == content
     with pytest.raises(gb.SceneError, match=r"^checkpoint: there is no folder"):

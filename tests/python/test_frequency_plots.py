@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.shape_plot import _places
+from gearbow.description.layout import layout
 from reference import scenes
 from reference.bows import HalfSine
 
@@ -75,7 +75,8 @@ def test_a_mode_in_space_names_itself(number: int, tmp_path):
 def test_shafts_stand_where_their_meshes_put_them():
     angles = (0.3, 2.0)
     system = scenes.Geared(angles=angles).package()
-    places = _places(system)
+    found = layout(system.shafts, system.gears, system.disks, system.meshes, system.bearings)
+    places = {shaft.name: shaft.origin for shaft in found.shafts}
     distance = 0.003 * (25 + 50) / 2
     assert places["input"] == pytest.approx(np.zeros(3))
     # gears in mesh share a plane: 0.25 on the input shaft is 0.125 on the middle one

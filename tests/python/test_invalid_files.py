@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow import storage
-from gearbow._container import seal
+from gearbow.recording import file as storage
+from gearbow.recording.container import seal
+from gearbow.recording.tables import arrays_of, metadata_of
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
 from test_response import recorded, train
@@ -44,7 +45,7 @@ def same_or_refused(path: Path, written: gb.Response) -> None:
 
 
 def content(response: gb.Response) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    return json.loads(storage._metadata(response, {})), storage._arrays(response)
+    return json.loads(metadata_of(response.to_record(), {})), arrays_of(response.to_record())
 
 
 def write_npz(path: Path, metadata: str, arrays: dict[str, np.ndarray]) -> None:
@@ -204,21 +205,21 @@ def works(response: gb.Response) -> None:
         if isinstance(name, str) and name != "energy":
             assert response.displacement(name).shape == (response.time.size, 2)
     list(response.statistics)
-    storage._metadata(response, {})
+    metadata_of(response.to_record(), {})
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(
     ("place", "value", "text"),
     [
-        (("format",), 99, "format 99, this version reads 1"),
+        (("format",), 99, "format 99, this version of gearbow reads 1"),
         (("format",), "1", "format: must be a whole number"),
         (("points",), {}, r"points: must be a list, got \{\}"),
         (("points", 0, 1), "left", r"points\[0\]\[1\]: must be a finite number, got 'left'"),
         (
             ("points",),
             [],
-            r"displacement: must be float64 of shape \(5, 0, 2\), is float64 of shape \(5, 3, 2\)",
+            r"displacement: must be float64 of shape \(5, 0, 2\), got float64 of shape \(5, 3, 2\)",
         ),
         (("meshes",), [["g1", "g2"]] * 2, r"mesh_deflection: must be .* of shape \(5, 2\)"),
         (("statistics", "steps"), 1.5, r"statistics\.steps: must be a whole number"),
@@ -509,7 +510,7 @@ def stopped(
     with pytest.raises(EnoughError):
         system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
     response, about = storage.read(path)
-    return system, options, about, storage._arrays(response)
+    return system, options, about, arrays_of(response)
 
 
 def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):

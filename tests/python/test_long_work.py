@@ -11,7 +11,7 @@ from contextlib import redirect_stderr
 import pytest
 
 import gearbow as gb
-from gearbow import _run
+from gearbow import _progress
 from test_response import train
 
 LARGE = """
@@ -157,12 +157,15 @@ class TestEstimate:
                 return self.now
 
         clock = Clock()
-        monkeypatch.setattr(_run, "time", clock)
+        monkeypatch.setattr(_progress, "time", clock)
         return clock
 
     @staticmethod
     def report(clock, fractions, progress=None):
-        with warnings.catch_warnings(record=True) as caught, _run.reported(progress, 1.0) as report:
+        with (
+            warnings.catch_warnings(record=True) as caught,
+            _progress.reported(progress, 1.0) as report,
+        ):
             warnings.simplefilter("always")
             for seconds, fraction in fractions:
                 clock.now = 100.0 + seconds
@@ -173,7 +176,7 @@ class TestEstimate:
         (text,) = self.report(
             clock, [(0.0, 0.0), (0.9, 1e-4), (1.0, 1e-4), (1.1, 1e-5), (2.0, 2e-4)]
         )
-        assert text.startswith("simulate: takes about 2.78 h at the pace of the first 1 s")
+        assert text.startswith("simulate: takes about 2.78 h at the rate of the first 1 s")
 
     def test_a_run_of_less_is_not(self, clock):
         assert self.report(clock, [(0.0, 0.0), (1.0, 1.0 / 3600.0), (2.0, 1e-9)]) == []
@@ -189,12 +192,12 @@ class TestEstimate:
         assert seen == [0.0, 1e-9]
 
     def test_what_is_no_run_is_not_estimated(self):
-        with _run.reported(None, 100.0, "%", estimate=False) as report:
+        with _progress.reported(None, 100.0, "%", estimate=False) as report:
             assert report is None
 
     def test_the_bar_shows_the_remaining_time_at_the_first_report(self):
-        with redirect_stderr(io.StringIO()) as text, _run.reported(True, 1e6) as report:
-            for bar in _run.tqdm._instances:
+        with redirect_stderr(io.StringIO()) as text, _progress.reported(True, 1e6) as report:
+            for bar in _progress.tqdm._instances:
                 # as if the first report came half a second after the start
                 bar.start_t -= 0.5
                 bar.last_print_t -= 0.5
@@ -204,8 +207,8 @@ class TestEstimate:
         assert "/1e+06 s" in shown
 
     def test_a_warning_that_is_an_error_ends_the_run_and_keeps_it(self, monkeypatch):
-        monkeypatch.setattr(_run, "WATCHED", 0.0)
-        monkeypatch.setattr(_run, "LONG_RUN", 0.0)
+        monkeypatch.setattr(_progress, "WATCHED", 0.0)
+        monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
         with warnings.catch_warnings():
             warnings.simplefilter("error", gb.RunTimeWarning)
             with pytest.raises(gb.RunTimeWarning, match="shorten the duration") as caught:
@@ -213,8 +216,8 @@ class TestEstimate:
         assert 0 < caught.value.response.time.size < 100_001
 
     def test_the_warning_points_at_the_line_that_asked(self, monkeypatch):
-        monkeypatch.setattr(_run, "WATCHED", 0.0)
-        monkeypatch.setattr(_run, "LONG_RUN", 0.0)
+        monkeypatch.setattr(_progress, "WATCHED", 0.0)
+        monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
 
         def stop(fraction: float) -> None:
             if fraction > 0.0 and caught:

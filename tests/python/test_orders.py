@@ -76,7 +76,7 @@ def test_a_table_lists_the_largest_first():
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"duration": 0.01}, "are told apart from"),
+        ({"duration": 0.01}, "need a record of"),
         ({"step": 5e-3}, "needs an output_step below"),
         ({"step": 0.05}, "need more than"),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow._run import plain_speed
+from gearbow.description.speed import plain_speed
 from test_response import recorded, train
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow import plots
+from gearbow.results.response import PLOT_KINDS
 from test_response import recorded, train
 
 
@@ -23,7 +23,7 @@ def unchanged_settings():
     assert dict(mpl.rcParams) == before
 
 
-@pytest.mark.parametrize("kind", list(plots.KINDS))
+@pytest.mark.parametrize("kind", list(PLOT_KINDS))
 def test_every_kind_is_a_figure_with_labelled_axes(kind, tmp_path):
     figure = recorded().plot(kind)
     assert figure.axes

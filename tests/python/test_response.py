@@ -218,7 +218,7 @@ class TestTimes:
         ],
     )
     def test_a_grid_holds_its_end_where_a_step_meets_it(self, duration, step, start, count):
-        from gearbow._run import grid
+        from gearbow._times import grid
 
         times = grid(start, duration, step)
         assert times.size == count

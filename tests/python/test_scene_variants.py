@@ -118,7 +118,10 @@ def test_from_dict_takes_numpy_and_complex_numbers():
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"shaft": []}, "^replace: 'shaft' is no parameter of a system; did you mean \"shafts\""),
+        (
+            {"shaft": []},
+            "^replace: 'shaft' is not a parameter of a system; did you mean \"shafts\"",
+        ),
         ({"gravitiy": 1.0}, 'did you mean "gravity"'),
         ({"modal_damping": "much"}, "^modal_damping: must be a number"),
         ({"gears": []}, r"^torques\[0\].at: no gear or disk is called"),

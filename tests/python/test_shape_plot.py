@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.shape_plot import _outer, _radius, _ring, _turned
+from gearbow.description.layout import layout, reference_radius
+from gearbow.plotting.mode_shape import _at_maximum, _ring
 
 
 def rotor() -> gb.RotorSystem:
@@ -46,18 +47,19 @@ def test_a_circle_moves_as_a_cross_section_does():
 
 def test_radii():
     gear = gb.Gear("g", "s", 0.1, 25, module=3e-3, face_width=0.03)
-    assert _radius(gear) == pytest.approx(0.0375)
+    assert reference_radius(gear) == pytest.approx(0.0375)
     # I_p = m r² / 2 of a thin disk
-    assert _radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
-    (shaft,) = rotor().shafts
-    assert [_outer(shaft, x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
+    assert reference_radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
+    system = rotor()
+    (shaft,) = layout(system.shafts, (), system.disks, (), system.bearings).shafts
+    assert [shaft.outer_radius(x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
         [0.02, 0.02, 0.03, 0.03]
     )
 
 
 def test_a_shape_is_drawn_where_it_is_largest():
     shape = np.array([1.0 + 1.0j, 3.0j, -1.0])
-    turned = _turned(shape, shape)
+    turned = _at_maximum(shape, shape)
     assert turned[1] == pytest.approx(3.0)
     assert np.abs(turned) == pytest.approx(np.abs(shape))
     assert turned[0] == pytest.approx(1.0 - 1.0j)

@@ -11,10 +11,10 @@ from scipy.interpolate import PchipInterpolator
 
 import gearbow as gb
 from gearbow._core import Model
-from reference import elements, judge
+from reference import elements, independent_solution
 from reference.bows import HalfSine
 from reference.elements import Section
-from reference.judge import Array
+from reference.independent_solution import Array
 from reference.scenes import DENSITY, E, G, single_shaft
 from reference.train import RigidSpec, ShaftPart, ShaftSpec, Train
 
@@ -157,7 +157,7 @@ def turning(t: float) -> tuple[float, float, float]:
 
 
 @pytest.fixture(scope="module")
-def judged() -> judge.Motion:
+def judged() -> independent_solution.Motion:
     part = ShaftPart(LENGTH, Section(DIAMETER, E, G, DENSITY), ELEMENTS)
     wheel = RigidSpec("wheel", "s", 0.5, *DISK.values(), UNBALANCE)
     curves = (BOW.curve(LENGTH), BOW.slope(LENGTH))
@@ -168,7 +168,10 @@ def judged() -> judge.Motion:
     def bearings(speed: float) -> tuple[Array, Array]:
         k, c = np.zeros_like(train.mass), np.zeros_like(train.mass)
         for i in places:
-            k[i : i + 2, i : i + 2], c[i : i + 2, i : i + 2] = stiffness(speed), np.diag(damping(speed))
+            k[i : i + 2, i : i + 2], c[i : i + 2, i : i + 2] = (
+                stiffness(speed),
+                np.diag(damping(speed)),
+            )
         return k, c
 
     # the second derivative of the interpolation jumps at its knots
@@ -176,7 +179,9 @@ def judged() -> judge.Motion:
     knots = begin + (SPEEDS - start) / (end - start) * duration
     kinks = sorted([begin, begin + duration, *knots[(SPEEDS > start) & (SPEEDS < end)]])
     times = np.linspace(0.0, END, 151)
-    return judge.run_up(train, turning, times, rtol=1e-11, kinks=kinks, bearings=bearings)
+    return independent_solution.run_up(
+        train, turning, times, rtol=1e-11, kinks=kinks, bearings=bearings
+    )
 
 
 def profile() -> gb.SpeedProfile:
@@ -184,8 +189,14 @@ def profile() -> gb.SpeedProfile:
     return gb.SpeedProfile.ramp(start, end, duration, begin=begin)
 
 
-def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(judged: judge.Motion):
-    options: dict[str, Any] = {"initial": "rest", "times": judged.time, "record": ["wheel", "bearings"]}
+def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(
+    judged: independent_solution.Motion,
+):
+    options: dict[str, Any] = {
+        "initial": "rest",
+        "times": judged.time,
+        "record": ["wheel", "bearings"],
+    }
     exact = judged.displacement("wheel")
     size = np.abs(exact).max()
     found = rotor().simulate(END, profile(), method="rk45", rtol=1e-10, **options)
@@ -291,7 +302,10 @@ def test_invalid_tables_name_the_entry(table: Any, message: str):
 def test_tables_survive_files_and_descriptions(tmp_path: Any):
     system = rotor(damping=gb.SpeedTable(SPEEDS, DAMPING, outside="hold"))
     system.save(tmp_path / "scene.toml")
-    for again in (gb.RotorSystem.load(tmp_path / "scene.toml"), gb.RotorSystem.from_dict(system.description)):
+    for again in (
+        gb.RotorSystem.load(tmp_path / "scene.toml"),
+        gb.RotorSystem.from_dict(system.description),
+    ):
         assert again.bearings == system.bearings
         assert again.description == system.description
         np.testing.assert_array_equal(again.modes(33.0).shapes, system.modes(33.0).shapes)

@@ -68,7 +68,7 @@ def test_the_bow_is_taken_off_its_own_shaft_alone(excitation: str):
 def test_the_twist_is_that_of_an_independent_assembly():
     found = BOWED.package().synchronous(SPEEDS)
     train = BOWED.reference()
-    dofs = [(shaft, round(x, 9), direction) for shaft, x, direction in found.system.dofs]
+    dofs = [(shaft, round(x, 9), direction) for shaft, x, direction in found.coordinates.dofs]
     at = dofs.index(("output", 0.25, "twist"))
     lateral = dofs.index(("output", 0.25, "v"))
     assert at != lateral

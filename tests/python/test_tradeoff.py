@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy import ACCURACIES
+from gearbow.system.accuracy import ACCURACIES
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.scenes import PAIR
@@ -96,7 +96,7 @@ def test_a_recommendation_keeps_its_error_against_an_independent_program(wanted)
 
 def test_the_error_of_a_simplification_is_that_of_a_direct_comparison(study):
     system = toothed()
-    times = np.arange(0.0, END, system._model.default_output_step(END, SPEED, 0.0))
+    times = np.arange(0.0, END, system.default_output_step(END, SPEED))
     how = {"method": "rk45", "rtol": 1e-11, "initial": "rest", "times": times}
     exact = system.simulate(END, SPEED, **how)
     mean = system.static().mesh(*FORCE).stiffness
@@ -395,7 +395,7 @@ def test_flanks_that_part_shorten_what_can_be_expected():
     )
     response = rattling.simulate(0.01, SPEED, accuracy="draft")
     assert any(event.kind == "separation" for event in response.events)
-    assert "flanks parted" in response.accuracy
+    assert "flanks separated" in response.accuracy
     closed = SCENE.package().simulate(1e-3, SPEED, accuracy="draft")
     assert "parted" not in closed.accuracy
 

@@ -10,7 +10,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.signals import Signal, Swing
+from gearbow.tradeoff.signals import Signal, Signals
 from gearbow.tradeoff.trial import Trial
 from reference.bows import HalfSine
 from reference.records import response
@@ -85,7 +85,7 @@ class TestErrors:
             104.0 + 20.0 * np.cos(angle),
         )
         wanted = (Signal("g1"), Signal(("g3", "g4")))
-        exact, found = Swing(wanted, reference), Swing(wanted, other)
+        exact, found = Signals(wanted, reference), Signals(wanted, other)
         expected = {
             "the displacement of g1": 0.1 / 3.0,
             "the force of g3/g4": 4.0 / (20.0 / np.sqrt(2.0)),
@@ -100,7 +100,7 @@ class TestErrors:
         wave = np.cos(2 * np.pi * 5 * time)
         reference = run(time, np.stack([3.0 * wave, 4.0 * wave], axis=1))
         other = run(time, np.stack([4.0 * wave, 4.0 * wave], axis=1))
-        exact, found = (Swing((Signal("g1"),), each) for each in (reference, other))
+        exact, found = (Signals((Signal("g1"),), each) for each in (reference, other))
         assert found.error(exact, exact) == pytest.approx(1.0 / 5.0)
 
 

@@ -1,7 +1,7 @@
-"""Spectra of what was recorded, and the shaft and mesh orders in them."""
+"""Spectra of recorded signals, and amplitudes at the orders of shafts and meshes."""
 
+from gearbow.description.kinematics import Kinematics, Order
 from gearbow.orders.fit import Orders
-from gearbow.orders.kinematics import Kinematics, Order
 from gearbow.orders.spectrum import Spectrum
 from gearbow.orders.waterfall import Waterfall, waterfall
 

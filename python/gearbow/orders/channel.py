@@ -1,14 +1,11 @@
-"""One recorded signal, by what it belongs to and which quantity it is."""
+"""One recorded signal with its label and unit."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from gearbow._describe import place
 from gearbow._types import Array, Record
+from gearbow.description.places import place, place_label
 from gearbow.errors import ChannelError
-
-if TYPE_CHECKING:
-    from gearbow.response import Response
+from gearbow.recording.recording import Recording
 
 __all__ = ["Channel", "channel"]
 
@@ -33,9 +30,9 @@ class Channel:
     Parameters
     ----------
     label : str
-        What it is, e.g. "g1 v".
+        Name of the signal, e.g. "g1 v".
     unit : str
-        Its unit.
+        Unit of the signal.
     values : ndarray, shape (k,)
         The signal.
     """
@@ -45,19 +42,19 @@ class Channel:
     values: Array
 
 
-def channel(response: "Response", of: Record, quantity: str | None = None) -> Channel:
-    """Take one signal out of a response.
+def channel(recording: Recording, of: Record, quantity: str | None = None) -> Channel:
+    """Find one recorded signal.
 
     Parameters
     ----------
-    response : Response
-        The response.
+    recording : Recording
+        The recorded run.
     of : str or tuple
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
-        "v", "w" or "twist" of a place, "y" or "z" of the force on a bearing, a field of
-        `MeshResponse`; None is the first of these, or the force of a mesh.
+        "v", "w" or "twist" of a place, "y" or "z" of the force on a bearing, or a field of
+        `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------
@@ -72,20 +69,19 @@ def channel(response: "Response", of: Record, quantity: str | None = None) -> Ch
     of = place(of, "of")
     if isinstance(of, tuple) and len(of) == 3:
         name, component = _chosen(of, quantity, _BEARING)
-        force = response.bearing_force(of[1], of[2])
+        force = recording.bearing_force(of[1], of[2])
         return Channel(f"bearing {of[1]} at {of[2]:g} m {name}", "N", force[:, component])
     if of == "energy":
         _chosen(of, quantity, {"energy": "J"})
-        return Channel("energy", "J", response.energy)
+        return Channel("energy", "J", recording.energy)
     if isinstance(of, tuple) and isinstance(of[1], str):
         name, _ = _chosen(of, quantity, _MESH)
-        values: Array = getattr(response.mesh(of[0], of[1]), name)
+        values: Array = getattr(recording.mesh(of[0], of[1]), name)
         return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", _MESH[name], values)
     name, component = _chosen(of, quantity, _POINT)
     at = of if isinstance(of, str) else (of[0], float(of[1]))
-    label = at if isinstance(at, str) else f"{at[0]} at {at[1]:g} m"
-    motion = response.twist(at) if name == "twist" else response.displacement(at)[:, component]
-    return Channel(f"{label} {name}", _POINT[name], motion)
+    motion = recording.twist(at) if name == "twist" else recording.displacement(at)[:, component]
+    return Channel(f"{place_label(at)} {name}", _POINT[name], motion)
 
 
 def _chosen(of: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:

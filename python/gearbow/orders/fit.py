@@ -1,8 +1,9 @@
-"""Amplitudes at the orders that are known, by least squares.
+"""Amplitudes at known orders, by least squares.
 
-The frequencies of a train are known exactly, so nothing has to be read off a spectrum: sines and
-cosines of all orders are fitted at once. The amplitudes are exact whenever the signal holds no
-others, whether the record is a whole number of turns or not; what is left over is reported.
+The excitation frequencies of a train are known exactly. A simultaneous least-squares fit of the
+sines and cosines of all orders therefore replaces a spectrum. If the signal contains no other
+frequencies, the amplitudes are exact for a record of any length. The RMS of the remainder is
+reported.
 """
 
 import math
@@ -15,44 +16,43 @@ from gearbow._convert import number, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Record
+from gearbow.description.kinematics import Order
+from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.orders.kinematics import Order
-from gearbow.speed import SpeedProfile
+from gearbow.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gearbow.response import Response
-
 __all__ = ["Orders", "orders"]
 
-#: Part of a period by which neighbouring orders must have parted over the record.
-_APART = 0.5
+#: Smallest phase difference of neighbouring orders over the record, in periods.
+_SEPARATION = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Orders(ReadOnly):
     """Amplitude of a signal at each order of a train.
 
-    The signal is mean + Re Σ A_j exp(i ω_j t), and what is left over.
+    The signal is mean + Re Σ A_j exp(i ω_j t) plus a remainder.
 
     Parameters
     ----------
     orders : tuple of Order
         The orders.
     frequencies_hz : ndarray, shape (n,)
-        Their frequencies [Hz].
+        Frequencies of the orders [Hz].
     amplitudes : ndarray, shape (n,)
-        Complex amplitudes A_j, in the unit of the signal.
+        Complex amplitudes A_j in the unit of the signal.
     mean : float
-        What is constant.
+        Mean of the signal.
     rest : float
-        RMS of what no order holds.
+        RMS of the remainder.
     label : str
-        What the signal is, e.g. "g1 v".
+        Name of the signal, e.g. "g1 v".
     unit : str
-        Its unit.
+        Unit of the signal.
     """
 
     orders: tuple[Order, ...]
@@ -64,7 +64,7 @@ class Orders(ReadOnly):
     unit: str
 
     def amplitude(self, name: str) -> float:
-        """Look up an order by any of its names.
+        """Find the amplitude of an order by one of its names.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class Orders(ReadOnly):
         Returns
         -------
         float
-            The amplitude, in the unit of the signal.
+            Amplitude in the unit of the signal.
 
         Raises
         ------
@@ -89,12 +89,12 @@ class Orders(ReadOnly):
         )
 
     def table(self, count: int | None = None) -> str:
-        """Lay the orders out as text, the largest amplitude first.
+        """Format the orders as a text table, the largest amplitude first.
 
         Parameters
         ----------
         count : int, optional
-            How many rows; None is all of them.
+            Number of rows; None is all.
 
         Returns
         -------
@@ -118,7 +118,7 @@ class Orders(ReadOnly):
         Parameters
         ----------
         count : int
-            How many.
+            Number of orders.
 
         Returns
         -------
@@ -126,16 +126,20 @@ class Orders(ReadOnly):
             Amplitude of each order on a logarithmic scale.
         """
         with extra("plot"):
-            from gearbow.orders import figures  # noqa: PLC0415
+            from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        return figures.orders(self, whole(count, "count"))
+        amplitudes = np.abs(self.amplitudes)
+        largest = np.argsort(-amplitudes, kind="stable")[: whole(count, "count")]
+        chosen = np.sort(largest)
+        names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
+        return figures.orders(names, amplitudes[chosen], f"amplitude of {self.label} [{self.unit}]")
 
     def __str__(self) -> str:
         return self.table()
 
 
 def orders(
-    response: "Response",
+    recording: Recording,
     of: Record,
     quantity: str | None = None,
     *,
@@ -144,53 +148,52 @@ def orders(
     sidebands: int = 1,
     skip_time: float = 0.0,
 ) -> Orders:
-    """Fit the orders of a train to a recorded signal; `Response.orders` says more.
+    """Fit the orders of a train to a recorded signal.
 
     Parameters
     ----------
-    response : Response
-        The response.
+    recording : Recording
+        The recorded run.
     of : str or tuple
-        What it belongs to.
+        Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
-        Which quantity of it.
+        Quantity, as in `gearbow.Response.orders`.
     shaft_harmonics, mesh_harmonics, sidebands : int
-        How many orders.
+        Numbers of orders, as in `gearbow.Response.orders`.
     skip_time : float
-        Time at the beginning that is left out [s].
+        Time at the beginning that is ignored [s].
 
     Returns
     -------
     Orders
         The amplitudes.
     """
-    if response.kinematics is None:
-        raise GearbowError("the orders of this response are unknown: its file does not tell them")
-    if isinstance(response.speed, SpeedProfile):
-        raise GearbowError("orders need a constant speed; this run changes it")
-    signal = channel(response, of, quantity)
-    kept = response.time >= (response.time[0] if response.time.size else 0.0) + number(
-        skip_time, "skip_time"
-    )
-    time, values = response.time[kept], signal.values[kept]
-    found = response.kinematics.orders(shaft_harmonics, mesh_harmonics, sidebands)
-    frequencies = np.array([order.value for order in found]) * abs(response.speed) / (2.0 * np.pi)
+    if recording.kinematics is None:
+        raise GearbowError("the orders are unknown, because the response has no kinematics")
+    if isinstance(recording.speed, SpeedProfile):
+        raise GearbowError("orders need a constant speed; the speed of this run changes")
+    signal = channel(recording, of, quantity)
+    begin = recording.time[0] if recording.time.size else 0.0
+    kept = recording.time >= begin + number(skip_time, "skip_time")
+    time, values = recording.time[kept], signal.values[kept]
+    found = recording.kinematics.orders(shaft_harmonics, mesh_harmonics, sidebands)
+    frequencies = np.array([order.value for order in found]) * abs(recording.speed) / (2.0 * np.pi)
     _check(time, frequencies)
     angles = 2.0 * np.pi * np.outer(time - time[0], frequencies)
     columns = np.hstack([np.ones((time.size, 1)), np.cos(angles), np.sin(angles)])
     fitted, *_ = np.linalg.lstsq(columns, values, rcond=None)
     rest = float(np.sqrt(np.mean((values - columns @ fitted) ** 2)))
     count = frequencies.size
-    # Phases count from the time 0, from which the angles of the shafts do.
+    # Phases refer to the time 0, like the angles of the shafts.
     turned = np.exp(-2j * np.pi * frequencies * time[0])
     amplitudes = (fitted[1 : count + 1] - 1j * fitted[count + 1 :]) * turned
     return Orders(found, frequencies, amplitudes, float(fitted[0]), rest, signal.label, signal.unit)
 
 
 def _check(time: Array, frequencies: Array) -> None:
-    """Refuse a record that is too short to tell the orders apart, or too coarse to see them."""
+    """Refuse a record that is too short to separate the orders, or has too long an output step."""
     if frequencies.size == 0 or not frequencies[0] > 0.0:
-        raise GearbowError("orders need a train that turns, and at least one harmonic")
+        raise GearbowError("orders need a rotating train and at least one harmonic")
     if time.size <= 2 * frequencies.size + 1:
         raise GearbowError(
             f"{frequencies.size} orders need more than {2 * frequencies.size + 1} times, "
@@ -198,14 +201,14 @@ def _check(time: Array, frequencies: Array) -> None:
         )
     span = float(time[-1] - time[0])
     gap = float(np.diff(frequencies, prepend=0.0).min())
-    if span * gap < _APART:
+    if span * gap < _SEPARATION:
         raise GearbowError(
-            f"orders {gap:.3g} Hz apart are told apart from {_APART / gap:.3g} s on, "
-            f"the record holds {span:.3g} s: simulate for longer, or ask for fewer orders"
+            f"orders with a distance of {gap:.3g} Hz need a record of {_SEPARATION / gap:.3g} s, "
+            f"got {span:.3g} s: simulate for longer, or ask for fewer orders"
         )
     step = float(np.diff(time).max())
     if not math.isfinite(step) or step * frequencies[-1] >= 0.5:
         raise GearbowError(
             f"an order of {frequencies[-1]:.4g} Hz needs an output_step below "
-            f"{0.5 / frequencies[-1]:.2g} s, got {step:.2g} s: record finer, or ask for fewer"
+            f"{0.5 / frequencies[-1]:.2g} s, got {step:.2g} s: reduce it, or ask for fewer orders"
         )

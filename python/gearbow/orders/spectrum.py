@@ -1,4 +1,4 @@
-"""The amplitude spectrum of one recorded signal."""
+"""Amplitude spectrum of one recorded signal."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,16 +10,16 @@ from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
+from gearbow.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gearbow.response import Response
-
 __all__ = ["WINDOWS", "Spectrum", "amplitudes", "spectrum"]
 
-#: Sums of cosines, a₀ − a₁ cos + a₂ cos 2 − …: Heinzel, Rüdiger and Schilling, *Spectrum and
-#: spectral density estimation by the DFT* (2002). A flat top reads an amplitude between two lines.
+#: Coefficients of the window functions a₀ − a₁ cos + a₂ cos 2 − … after Heinzel, Rüdiger and
+#: Schilling, *Spectrum and spectral density estimation by the DFT* (2002). A flat-top window gives
+#: the amplitude of a sine between two spectral lines.
 WINDOWS = {
     "none": (1.0,),
     "hann": (0.5, 0.5),
@@ -29,18 +29,18 @@ WINDOWS = {
 
 @dataclass(frozen=True, eq=False)
 class Spectrum(ReadOnly):
-    """Amplitudes over frequency; a sine of amplitude 1 on a line stands there as 1.
+    """Amplitudes against frequency. A sine of amplitude 1 on a spectral line gives 1.
 
     Parameters
     ----------
     frequencies_hz : ndarray, shape (n,)
         Frequencies above zero [Hz].
     amplitudes : ndarray, shape (n,)
-        Amplitudes, in the unit of the signal.
+        Amplitudes in the unit of the signal.
     label : str
-        What the signal is, e.g. "g1 v".
+        Name of the signal, e.g. "g1 v".
     unit : str
-        Its unit.
+        Unit of the signal.
     """
 
     frequencies_hz: Array
@@ -49,7 +49,7 @@ class Spectrum(ReadOnly):
     unit: str
 
     def plot(self) -> "Figure":
-        """Draw it on a logarithmic scale, six decades from the largest amplitude down.
+        """Draw the spectrum on a logarithmic scale of six decades.
 
         Returns
         -------
@@ -57,16 +57,17 @@ class Spectrum(ReadOnly):
             Amplitude against frequency [Hz].
         """
         with extra("plot"):
-            from gearbow.orders import figures  # noqa: PLC0415
+            from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        return figures.spectrum(self)
+        label = f"{self.label} [{self.unit}]"
+        return figures.spectrum(self.frequencies_hz, self.amplitudes, label)
 
     def __repr__(self) -> str:
         return f"Spectrum({self.label} [{self.unit}]; {self.frequencies_hz.size} frequencies)"
 
 
 def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array, Array]:
-    """Take the spectrum of signals along the first axis.
+    """Find the amplitude spectra of signals along the first axis.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
     values : ndarray, shape (k, ...)
         The signals.
     window : {"hann", "flat top", "none"}
-        What weighs the times.
+        Window function.
 
     Returns
     -------
@@ -97,36 +98,36 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
     turn = 2.0 * np.pi * np.arange(time.size) / time.size
     weights = sum((-1) ** n * a * np.cos(n * turn) for n, a in enumerate(WINDOWS[window]))
     column = np.reshape(weights, (-1, *(1,) * (values.ndim - 1)))
-    # The mean is no vibration; the weighted mean is what leaves nothing at zero frequency.
+    # Subtract the weighted mean: the amplitude at zero frequency is then exactly 0.
     mean = (column * values).sum(axis=0) / column.sum()
     amplitude = 2.0 * np.abs(np.fft.rfft((values - mean) * column, axis=0)) / column.sum()
     if time.size % 2 == 0:
-        amplitude[-1] /= 2.0  # the last line is its own mirror image
+        amplitude[-1] /= 2.0  # the line at half the sampling rate has no mirror image
     frequencies = np.asarray(np.fft.rfftfreq(time.size, steps.mean()), dtype=np.float64)
     return frequencies[1:], amplitude[1:]
 
 
 def spectrum(
-    response: "Response", of: Record, quantity: str | None = None, *, window: str = "hann"
+    recording: Recording, of: Record, quantity: str | None = None, *, window: str = "hann"
 ) -> Spectrum:
-    """Take the amplitude spectrum of a recorded signal; `Response.spectrum` says more.
+    """Find the amplitude spectrum of a recorded signal.
 
     Parameters
     ----------
-    response : Response
-        The response.
+    recording : Recording
+        The recorded run.
     of : str or tuple
-        What it belongs to.
+        Owner of the signal, as in `gearbow.Response.spectrum`.
     quantity : str, optional
-        Which quantity of it.
+        Quantity, as in `gearbow.Response.spectrum`.
     window : {"hann", "flat top", "none"}
-        What weighs the times.
+        Window function.
 
     Returns
     -------
     Spectrum
         The spectrum.
     """
-    signal = channel(response, of, quantity)
-    frequencies, amplitude = amplitudes(response.time, signal.values, window)
+    signal = channel(recording, of, quantity)
+    frequencies, amplitude = amplitudes(recording.time, signal.values, window)
     return Spectrum(frequencies, amplitude, signal.label, signal.unit)

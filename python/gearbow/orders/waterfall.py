@@ -1,4 +1,4 @@
-"""Spectra of one signal at many speeds, side by side."""
+"""Waterfall diagram: spectra of one signal at several speeds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,22 +10,21 @@ from gearbow._convert import number
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
+from gearbow.description.kinematics import Kinematics
+from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
-from gearbow.orders.kinematics import Kinematics
 from gearbow.orders.spectrum import spectrum
-from gearbow.speed import SpeedProfile
+from gearbow.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from gearbow.response import Response
 
 __all__ = ["Waterfall", "waterfall"]
 
 
 @dataclass(frozen=True, eq=False)
 class Waterfall(ReadOnly):
-    """Spectra of one signal over the speed.
+    """Spectra of one signal at several speeds.
 
     Parameters
     ----------
@@ -34,13 +33,13 @@ class Waterfall(ReadOnly):
     frequencies_hz : ndarray, shape (n,)
         Frequencies above zero [Hz].
     amplitudes : ndarray, shape (runs, n)
-        Amplitudes, in the unit of the signal.
+        Amplitudes in the unit of the signal.
     label : str
-        What the signal is, e.g. "g1 v".
+        Name of the signal, e.g. "g1 v".
     unit : str
-        Its unit.
+        Unit of the signal.
     kinematics : Kinematics or None
-        What the lines of the orders follow from.
+        Speed ratios and tooth frequencies, which determine the order lines.
     """
 
     speeds: Array
@@ -51,44 +50,52 @@ class Waterfall(ReadOnly):
     kinematics: Kinematics | None = field(repr=False)
 
     def plot(self, highest: float | None = None) -> "Figure":
-        """Draw amplitudes over speed and frequency, with the lines of shafts and meshes.
+        """Draw amplitudes against speed and frequency, with the order lines of shafts and meshes.
 
         Parameters
         ----------
         highest : float, optional
-            Frequency up to which to draw [Hz]; None is as far as there is anything to see.
+            Largest frequency of the figure [Hz]; None includes all visible amplitudes.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Amplitude as colour, over three decades.
+            Colours show the amplitude over three decades.
         """
         with extra("plot"):
-            from gearbow.orders import figures  # noqa: PLC0415
+            from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        return figures.waterfall(self, None if highest is None else number(highest, "highest"))
+        lines = () if self.kinematics is None else self.kinematics.orders(1, 4, 0)
+        return figures.waterfall(
+            self.speeds,
+            self.frequencies_hz,
+            self.amplitudes,
+            f"{self.label} [{self.unit}]",
+            lines=[(line.names[0], line.value) for line in lines],
+            highest=None if highest is None else number(highest, "highest"),
+        )
 
 
 def waterfall(
-    responses: Sequence["Response"],
+    responses: Sequence[Recording],
     of: Record,
     quantity: str | None = None,
     *,
     window: str = "hann",
 ) -> Waterfall:
-    """Put the spectra of runs at several speeds side by side.
+    """Collect the spectra of runs at several speeds.
 
     Parameters
     ----------
     responses : sequence of Response
-        Runs at constant speeds, in any order, with the same spacing and number of times.
+        Runs at constant speeds, in any order, with equal output steps and numbers of times.
     of : str or tuple
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
-        As for `Response.spectrum`.
+        Quantity, as for `Response.spectrum`.
     window : {"hann", "flat top", "none"}
-        What weighs the times.
+        Window function.
 
     Returns
     -------
@@ -98,7 +105,8 @@ def waterfall(
     Raises
     ------
     GearbowError
-        If there is no run, a speed changes, or the times differ in spacing or number.
+        If there is no run, the speed of a run changes, or the output steps or numbers of times
+        differ.
     ChannelError
         If the signal was not recorded.
 
@@ -124,7 +132,7 @@ def waterfall(
     speeds = []
     for run in runs:
         if isinstance(run.speed, SpeedProfile):
-            raise GearbowError("a waterfall needs runs at constant speeds; one changes it")
+            raise GearbowError("a waterfall needs constant speeds; the speed of one run changes")
         speeds.append(abs(run.speed))
     spectra = [spectrum(run, of, quantity, window=window) for run in runs]
     first = spectra[0]

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gearbow import plots
+from gearbow import plotting as plots
 from gearbow._files import replacing
 from gearbow.study.case import ALL, Case, phases, system
 from gearbow.study.measure import Measured
@@ -121,7 +121,7 @@ def where(study: Study) -> Figure:
         Contact ratio of both meshes, displacement of the second and of the third gear.
     """
     bows = study.settings.bows
-    with plots._figure(4, 4.2, columns=2, width=14.0) as (figure, panels):
+    with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
         shown = [(pair, "contact_ratio") for pair in study.pairs]
         shown += [(gear, "orbit") for gear in study.gears[1:3]]
         for panel, (of, what) in zip(panels, shown, strict=True):
@@ -163,7 +163,7 @@ def limits(study: Study) -> Figure:
     matplotlib.figure.Figure
         The worse of both meshes, in the first layout, with the limits.
     """
-    with plots._figure(2, 5.0, columns=2, width=14.0) as (figure, (near, few)):
+    with plots.panels(2, 5.0, columns=2, width=14.0) as (figure, (near, few)):
         for number, place in enumerate((ALL, *study.shafts)):
             closer, ratios = [], []
             for bow in study.settings.bows:
@@ -195,7 +195,7 @@ def limits(study: Study) -> Figure:
         few.axhline(1.0, color="black", linewidth=1.0)
         near.set(xlabel=_BOW, ylabel="largest decrease of centre distance [mm]")
         few.set(xlabel=_BOW, ylabel="smallest contact ratio")
-        plots._legend(figure, near, title="bow on")
+        plots.legend(figure, near, title="bow on")
     return figure
 
 
@@ -212,7 +212,7 @@ def frozen(study: Study) -> Figure:
     matplotlib.figure.Figure
         Top: a tenth of a revolution. Bottom: peak-to-peak value against the bow.
     """
-    with plots._figure(4, 4.2, columns=2, width=14.0) as (figure, panels):
+    with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
         styles = (("live", plots.PALETTE[0]), ("frozen", plots.PALETTE[1]))
         for panel, pair in zip(panels[:2], study.pairs, strict=True):
             for geometry, colour in styles:
@@ -258,7 +258,7 @@ def frozen(study: Study) -> Figure:
             panel.set(
                 xlabel=_BOW, ylabel=f"force {pair}, peak-to-peak [kN]", title=f"{names} rad/s"
             )
-        plots._legend(figure, panels[0], title="geometry of the meshes")
+        plots.legend(figure, panels[0], title="geometry of the meshes")
     return figure
 
 
@@ -278,7 +278,7 @@ def over_phases(study: Study) -> Figure:
     angles = phases(study.settings)
     ticks = np.degrees(angles)
     count = len(study.settings.layouts)
-    with plots._figure(2 * count, 5.0, columns=2, width=13.0) as (figure, panels):
+    with plots.panels(2 * count, 5.0, columns=2, width=13.0) as (figure, panels):
         fields = []
         for layout in study.settings.layouts:
             bent = replace(study.bent, layout=layout)

@@ -15,7 +15,7 @@ from gearbow.study.case import Case, system
 from gearbow.study.settings import Settings
 
 if TYPE_CHECKING:
-    from gearbow.response import Response
+    from gearbow.results.response import Response
     from gearbow.system import RotorSystem
 
 __all__ = ["UNITS", "Measured", "measure"]

@@ -1,24 +1,22 @@
 """The function `gearbow.RotorSystem.tradeoff` and its arguments."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gearbow._convert import number
-from gearbow._run import reported
+from gearbow._progress import reported
 from gearbow._types import Progress
+from gearbow.analysis.protocol import S
 from gearbow.errors import SceneError
 from gearbow.tradeoff.plan import plan
 from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.study import carry_out
 
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
-
 __all__ = ["tradeoff"]
 
 
 def tradeoff(
-    system: "RotorSystem",
+    system: S,
     duration: float,
     speed: float,
     signals: Any = None,
@@ -35,7 +33,7 @@ def tradeoff(
     repeats: int = 3,
     budget: float = 60.0,
     progress: bool | Progress | None = None,
-) -> Tradeoff:
+) -> Tradeoff[S]:
     """Measure the error and the CPU time of methods, steps, tolerances and simplified models.
 
     Parameters

@@ -6,14 +6,11 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from statistics import median
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from gearbow.analysis.protocol import System, variant
 from gearbow.errors import RunTimeWarning
-from gearbow.response import Response
-from gearbow.tradeoff.models import copy
-
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
+from gearbow.results.response import Response
 
 __all__ = ["Budget", "Cost", "TooSlowError", "measure"]
 
@@ -94,7 +91,7 @@ class Cost:
 
 
 def measure(
-    system: "RotorSystem",
+    system: System,
     duration: float,
     speed: float,
     options: Mapping[str, Any],
@@ -145,13 +142,13 @@ def measure(
 
 
 def _once(
-    system: "RotorSystem",
+    system: System,
     duration: float,
     speed: float,
     options: Mapping[str, Any],
     allowance: float,
 ) -> tuple[Response, tuple[float, float]]:
-    fresh = copy(system)
+    fresh = variant(system)  # a copy without stored results
     nothing = {**options, "times": [0.0]}
     # A run of zero duration does the set-up only; the second one uses the stored results.
     setup, _ = _timed(lambda: fresh.simulate(0.0, speed, **nothing))

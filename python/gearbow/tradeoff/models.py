@@ -1,15 +1,14 @@
 """Simplified and refined models of a system."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic
 
-from gearbow._types import Plain
+from gearbow.analysis.protocol import S, System, variant
+from gearbow.description.shafts import Shaft
+from gearbow.description.stiffness import Stiffness
 
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
-
-__all__ = ["GIVEN", "Model", "copy", "refined", "simplified"]
+__all__ = ["GIVEN", "Model", "refined", "simplified"]
 
 #: Name of the model without simplification.
 GIVEN = "as given"
@@ -19,7 +18,7 @@ _STEADY = ("constant", "iso6336")
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(Generic[S]):
     """A given or simplified system.
 
     Parameters
@@ -35,19 +34,19 @@ class Model:
     """
 
     name: str
-    system: "RotorSystem"
+    system: S
     options: Mapping[str, Any] = field(default_factory=dict)
     methods: tuple[str, ...] | None = None
 
 
 def simplified(
-    system: "RotorSystem",
+    system: S,
     *,
     frozen: bool,
     mean_stiffness: bool,
     factors: Sequence[float],
     modes: Sequence[int],
-) -> list[Model]:
+) -> list[Model[S]]:
     """Make the simplified models that differ from the given system.
 
     Parameters
@@ -85,7 +84,7 @@ def simplified(
     return found
 
 
-def refined(system: "RotorSystem", factors: Sequence[float]) -> Model | None:
+def refined(system: S, factors: Sequence[float]) -> Model[S] | None:
     """Make the model with the largest number of elements, if a factor exceeds 1.
 
     Parameters
@@ -105,58 +104,49 @@ def refined(system: "RotorSystem", factors: Sequence[float]) -> Model | None:
     return None if finer is None else Model(f"elements × {factor:g}", finer)
 
 
-def copy(system: "RotorSystem") -> "RotorSystem":
-    """Copy a system without its stored results.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-
-    Returns
-    -------
-    RotorSystem
-        A system with the same description.
-    """
-    return type(system)._from_description(system.description)
+def _moves(system: System, gear: str) -> bool:
+    """Tell whether the system models the lateral motion of a gear."""
+    (shaft,) = (other.shaft for other in system.gears if other.name == gear)
+    return any(name == shaft and direction == "v" for name, _, direction in system.dofs)
 
 
-def _moves(system: "RotorSystem", gear: str) -> bool:
-    return system._model.indices(gear)[0] is not None
-
-
-def _with_mean_stiffness(system: "RotorSystem") -> "RotorSystem | None":
+def _with_mean_stiffness(system: S) -> S | None:
     """Replace time-varying mesh stiffness by its mean, without tip relief.
 
     Tip relief belongs to single tooth pairs, which a constant stiffness does not have.
     """
-    description = system.description
-    meshes = description.get("meshes", [])
-    varying = [i for i, mesh in enumerate(meshes) if _varies(mesh.get("stiffness"))]
+    varying = [mesh for mesh in system.meshes if _varies(mesh.stiffness)]
     if not varying:
         return None
     # Without backlash and tip relief the equilibrium has the mean stiffness of the cycle.
-    closed = [_without(mesh, "backlash", "tip_relief") for mesh in meshes]
-    static = type(system)._from_description({**description, "meshes": closed}).static()
-    for i in varying:
-        mean = static.mesh(meshes[i]["driver"], meshes[i]["driven"]).stiffness
-        meshes[i] = {**_without(meshes[i], "tip_relief"), "stiffness": mean}
-    return type(system)._from_description({**description, "meshes": meshes})
+    closed = [replace(mesh, backlash=None, tip_relief=None) for mesh in system.meshes]
+    static = variant(system, meshes=closed).static()
+    meshes = []
+    for mesh in system.meshes:
+        if mesh in varying:
+            mean = static.mesh(mesh.driver, mesh.driven).stiffness
+            mesh = replace(mesh, tip_relief=None, stiffness=mean)  # noqa: PLW2901
+        meshes.append(mesh)
+    return variant(system, meshes=meshes)
 
 
-def _varies(stiffness: Plain) -> bool:
-    return isinstance(stiffness, Mapping) and stiffness["model"] not in _STEADY
+def _varies(stiffness: object) -> bool:
+    return isinstance(stiffness, Stiffness) and stiffness.model not in _STEADY
 
 
-def _without(description: Mapping[str, Plain], *keys: str) -> dict[str, Plain]:
-    return {key: value for key, value in description.items() if key not in keys}
-
-
-def _with_elements(system: "RotorSystem", factor: float) -> "RotorSystem | None":
+def _with_elements(system: S, factor: float) -> S | None:
     """Multiply the number of elements of every segment; None if nothing changes."""
-    description = system.description
-    for shaft in description["shafts"]:
-        for segment in shaft.get("segments") or [shaft]:
-            segment["elements"] = max(1, round(segment.get("elements", 1) * factor))
-    other = type(system)._from_description(description)
+    other = variant(system, shafts=[_scaled(shaft, factor) for shaft in system.shafts])
     return None if other.dofs == system.dofs else other
+
+
+def _scaled(shaft: Shaft, factor: float) -> Shaft:
+    """Multiply the number of elements of a shaft."""
+
+    def scaled(elements: int | None) -> int:
+        return max(1, round((elements or 1) * factor))
+
+    if shaft.segments is None:
+        return replace(shaft, elements=scaled(shaft.elements))
+    segments = [replace(segment, elements=scaled(segment.elements)) for segment in shaft.segments]
+    return replace(shaft, segments=segments)

@@ -3,18 +3,16 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic
 
 from gearbow._convert import number, whole
-from gearbow._run import grid
+from gearbow._times import grid
 from gearbow._types import Array
+from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
 from gearbow.tradeoff.models import Model, simplified
 from gearbow.tradeoff.settings import METHODS, Setting, ladders
 from gearbow.tradeoff.signals import Signal, read_signals
-
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
 
 __all__ = ["Plan", "plan"]
 
@@ -22,7 +20,7 @@ _INITIAL = ("synchronous", "static", "rest")
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Generic[S]):
     """All runs of a study.
 
     Parameters
@@ -49,18 +47,18 @@ class Plan:
         Maximum number of runs of each setting.
     """
 
-    system: "RotorSystem"
+    system: S
     duration: float
     speed: float
     wanted: tuple[Signal, ...]
     times: Array
     initial: str
     settings: list[Setting]
-    simpler: list[Model]
+    simpler: list[Model[S]]
     factors: list[float]
     repeats: int
 
-    def settings_of(self, model: Model) -> list[Setting]:
+    def settings_of(self, model: Model[S]) -> list[Setting]:
         """Return the settings of a simplified model.
 
         Parameters
@@ -89,7 +87,7 @@ class Plan:
 
 
 def plan(
-    system: "RotorSystem",
+    system: S,
     duration: float,
     speed: float,
     signals: object,
@@ -104,7 +102,7 @@ def plan(
     initial: str,
     output_step: float | None,
     repeats: int,
-) -> Plan:
+) -> Plan[S]:
     """Read and check the arguments of a study.
 
     Parameters
@@ -134,7 +132,7 @@ def plan(
     if initial not in _INITIAL:
         raise SceneError(f"initial: must be one of {', '.join(_INITIAL)}, got {initial!r}")
     if output_step is None:
-        output_step = system._model.default_output_step(duration, speed, 0.0)
+        output_step = system.default_output_step(duration, speed)
     factors = _numbers(elements, "elements")
     names = _methods(methods)
     settings = ladders(
@@ -178,7 +176,7 @@ def _methods(given: str | Iterable[str] | None) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _modes(given: Iterable[int] | None, names: list[str], system: "RotorSystem") -> list[int]:
+def _modes(given: Iterable[int] | None, names: list[str], system: System) -> list[int]:
     """Read the numbers of modes; the default is 1/2, 1/4 and 1/8 of all modes."""
     if "exponential" not in names:
         return []

@@ -1,12 +1,13 @@
 """Result of a study: rows, Pareto front and recommendation."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
 from gearbow.tradeoff.trial import Skipped, Trial, table
@@ -15,13 +16,11 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from gearbow.system import RotorSystem
-
 __all__ = ["Recommendation", "Tradeoff"]
 
 
 @dataclass(frozen=True)
-class Recommendation:
+class Recommendation(Generic[S]):
     """The cheapest setting with a given error: `system.simulate(duration, speed, **options)`.
 
     Parameters
@@ -35,8 +34,8 @@ class Recommendation:
     """
 
     options: dict[str, Any]
-    system: "RotorSystem" = field(repr=False)
-    trial: Trial = field(repr=False)
+    system: S = field(repr=False)
+    trial: Trial[S] = field(repr=False)
 
     @property
     def error(self) -> float:
@@ -58,7 +57,7 @@ class Recommendation:
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff:
+class Tradeoff(Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
@@ -85,7 +84,7 @@ class Tradeoff:
         Names of the compared signals.
     """
 
-    trials: tuple[Trial, ...]
+    trials: tuple[Trial[S], ...]
     skipped: tuple[Skipped, ...]
     reference: str
     check: str
@@ -95,7 +94,9 @@ class Tradeoff:
     speed: float
     signals: tuple[str, ...]
 
-    def front(self, *, duration: float | None = None, simplified: bool = True) -> tuple[Trial, ...]:
+    def front(
+        self, *, duration: float | None = None, simplified: bool = True
+    ) -> tuple[Trial[S], ...]:
         """Return the Pareto front: no other setting is better in both error and CPU time.
 
         Parameters
@@ -111,7 +112,7 @@ class Tradeoff:
             From the cheapest to the most accurate.
         """
         duration = _duration(duration)
-        front: list[Trial] = []
+        front: list[Trial[S]] = []
         ranked = sorted(self.trials, key=lambda trial: (trial.cost(duration), trial.bound))
         for trial in ranked:
             if (simplified or trial.model == GIVEN) and (
@@ -122,7 +123,7 @@ class Tradeoff:
 
     def recommend(
         self, error: float = 1e-4, *, duration: float | None = None, simplified: bool = True
-    ) -> Recommendation:
+    ) -> Recommendation[S]:
         """Return the cheapest setting whose error is small enough.
 
         Parameters
@@ -174,9 +175,34 @@ class Tradeoff:
             A line for each method, open markers for simplified models, and the Pareto front.
         """
         with extra("plot"):
-            from gearbow.tradeoff import figure  # noqa: PLC0415
+            from gearbow.plotting import tradeoff as figures  # noqa: PLC0415
 
-        return figure.work_precision(self, _duration(duration))
+        duration = _duration(duration)
+
+        def points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
+            # A run below the uncertainty of the reference is drawn at this uncertainty.
+            return [trial.bound for trial in trials], [trial.cost(duration) for trial in trials]
+
+        given = [trial for trial in self.trials if trial.model == GIVEN]
+        simpler = [trial for trial in self.trials if trial.model != GIVEN]
+        methods = {
+            method: points([trial for trial in given if trial.method == method])
+            for method in dict.fromkeys(trial.method for trial in given)
+        }
+        models = {}
+        for model in dict.fromkeys(trial.model for trial in simpler):
+            # The last run of a model is its reference run: it shows the model error, not the
+            # saving.
+            chosen = [trial for trial in simpler if trial.model == model]
+            models[model] = points(chosen[:-1] or chosen)
+        return figures.work_precision(
+            methods,
+            models,
+            points(self.front(duration=duration)),
+            floor=self.floor,
+            worst=max(trial.bound for trial in self.trials),
+            simulated=self.duration if duration is None else duration,
+        )
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a data frame.

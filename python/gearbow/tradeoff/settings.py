@@ -3,10 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
+from gearbow.analysis.protocol import System
 
 __all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
 
@@ -107,7 +106,7 @@ class Setting:
 
 
 def ladders(
-    system: "RotorSystem",
+    system: System,
     speed: float,
     names: Sequence[str],
     steps: Sequence[float] | None,
@@ -141,7 +140,7 @@ def ladders(
     return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
 
 
-def references(system: "RotorSystem", speed: float) -> list[Setting]:
+def references(system: System, speed: float) -> list[Setting]:
     """Return candidates for the reference run, the tightest first.
 
     Parameters
@@ -169,9 +168,7 @@ def _setting(name: str, value: float) -> Setting:
     return Setting(name, {**method.options, method.control: value})
 
 
-def _values(
-    system: "RotorSystem", speed: float, method: Method, ladder: Sequence[float]
-) -> list[float]:
+def _values(system: System, speed: float, method: Method, ladder: Sequence[float]) -> list[float]:
     if method.control == "rtol":
         return list(ladder)
     if method.unit == "stability":
@@ -190,14 +187,14 @@ def _round(value: float) -> float:
     )
 
 
-def _stable_step(system: "RotorSystem", speed: float) -> float:
+def _stable_step(system: System, speed: float) -> float:
     """Return the default step of "rk4"."""
     omega = system.simulate(0.0, speed, method="rk4").statistics.omega_max
     few = system.simulate(10.0 / omega, speed, method="rk4", times=[0.0])
     return few.statistics.step_max
 
 
-def _passing(system: "RotorSystem", speed: float) -> float:
+def _passing(system: System, speed: float) -> float:
     """Return the shortest period of a shaft rotation or tooth passing."""
     # The default output step is a twentieth of this period.
-    return 20.0 * system._model.default_output_step(math.inf, speed, 0.0)
+    return 20.0 * system.default_output_step(math.inf, speed)

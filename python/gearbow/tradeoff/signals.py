@@ -2,19 +2,18 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from gearbow._describe import is_pair, is_place, place
 from gearbow._types import Array, At
-from gearbow.errors import SceneError
-from gearbow.response import Response
+from gearbow.analysis.protocol import System
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.places import is_pair, is_place, place, place_label
+from gearbow.errors import GearbowError, SceneError
+from gearbow.results.response import Response
 
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
-
-__all__ = ["Signal", "Swing", "read_signals"]
+__all__ = ["Signal", "Signals", "read_signals"]
 
 
 @dataclass(frozen=True)
@@ -60,12 +59,10 @@ class Signal:
     def __str__(self) -> str:
         if self.is_force:
             return f"the force of {self.of[0]}/{self.of[1]}"
-        if isinstance(self.of, str):
-            return f"the displacement of {self.of}"
-        return f"the displacement of {self.of[0]} at {self.of[1]:g} m"
+        return f"the displacement of {place_label(self.of)}"
 
 
-class Swing:
+class Signals:
     """The signals of one run, for the comparison with another run.
 
     Parameters
@@ -80,14 +77,14 @@ class Swing:
         self._wanted = wanted
         self._values = [signal.values(response) for signal in wanted]
 
-    def errors(self, other: "Swing", scale: "Swing") -> dict[str, float]:
+    def errors(self, other: "Signals", scale: "Signals") -> dict[str, float]:
         """Return the relative difference from another run for each signal.
 
         Parameters
         ----------
-        other : Swing
+        other : Signals
             The other run, with the same output times.
-        scale : Swing
+        scale : Signals
             The run whose RMS about the mean is the unit of the difference.
 
         Returns
@@ -95,15 +92,15 @@ class Swing:
         dict of {str: float}
             RMS of the difference / RMS of the signal about its mean.
         """
-        rows = zip(self._wanted, self._values, other._values, scale._swings(), strict=True)
-        return {str(signal): _rms(mine - others) / swing for signal, mine, others, swing in rows}
+        rows = zip(self._wanted, self._values, other._values, scale._scales(), strict=True)
+        return {str(signal): _rms(mine - others) / rms for signal, mine, others, rms in rows}
 
-    def error(self, other: "Swing", scale: "Swing") -> float:
+    def error(self, other: "Signals", scale: "Signals") -> float:
         """Return the relative difference from another run for the worst signal.
 
         Parameters
         ----------
-        other, scale : Swing
+        other, scale : Signals
             As in `errors`.
 
         Returns
@@ -121,18 +118,18 @@ class Swing:
         SceneError
             If a signal is constant to round-off.
         """
-        for signal, values, swing in zip(self._wanted, self._values, self._swings(), strict=True):
-            if not swing > 1e3 * np.finfo(float).eps * _rms(values):
+        for signal, values, scale in zip(self._wanted, self._values, self._scales(), strict=True):
+            if not scale > 1e3 * np.finfo(float).eps * _rms(values):
                 raise SceneError(
                     f"signals: {signal} is constant in this run, so its relative error is "
                     "undefined; give another signal"
                 )
 
-    def _swings(self) -> list[float]:
+    def _scales(self) -> list[float]:
         return [_rms(values - values.mean(axis=0)) for values in self._values]
 
 
-def read_signals(system: "RotorSystem", given: object) -> tuple[Signal, ...]:
+def read_signals(system: System, given: object) -> tuple[Signal, ...]:
     """Read the signals of a study and check that the system has them.
 
     Parameters
@@ -170,7 +167,7 @@ def read_signals(system: "RotorSystem", given: object) -> tuple[Signal, ...]:
     return wanted
 
 
-def _signal(system: "RotorSystem", item: Any) -> Signal:
+def _signal(system: System, item: Any) -> Signal:
     if is_pair(item):
         if tuple(item) not in {(mesh.driver, mesh.driven) for mesh in system.meshes}:
             raise SceneError(f"signals: no gear {item[0]!r} drives a gear {item[1]!r}")
@@ -181,11 +178,12 @@ def _signal(system: "RotorSystem", item: Any) -> Signal:
         )
     at: At = place(item)
     try:
-        v, _, _ = system._model.indices(at)
+        Coordinates.of(system.dofs, system.gears, system.disks).lateral(at)
     except SceneError as error:
         raise SceneError(f"signals: {str(error).removeprefix('at: ')}") from None
-    if v is None:
-        raise SceneError(f"signals: {item!r} has no lateral motion; give a mesh, (driver, driven)")
+    except GearbowError:
+        message = f"signals: {item!r} has no lateral motion; give a mesh, (driver, driven)"
+        raise SceneError(message) from None
     return Signal(at)
 
 

@@ -3,17 +3,18 @@
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic
 
 from gearbow._types import Progress
+from gearbow.analysis.protocol import S
 from gearbow.errors import ContactError, GearbowError
-from gearbow.response import Response
+from gearbow.results.response import Response
 from gearbow.tradeoff.clock import Budget, Cost, TooSlowError, measure
 from gearbow.tradeoff.models import GIVEN, Model, refined
 from gearbow.tradeoff.plan import Plan
 from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.settings import METHODS, Setting, references
-from gearbow.tradeoff.signals import Swing
+from gearbow.tradeoff.signals import Signals
 from gearbow.tradeoff.trial import Skipped, Trial
 
 __all__ = ["carry_out"]
@@ -28,7 +29,7 @@ _PATIENCE = 4.0
 _NEGLIGIBLE = 0.1
 
 
-def carry_out(plan: Plan, budget: float, report: Progress) -> Tradeoff:
+def carry_out(plan: Plan[S], budget: float, report: Progress) -> Tradeoff[S]:
     """Run all settings that the budget allows.
 
     Parameters
@@ -54,19 +55,19 @@ def carry_out(plan: Plan, budget: float, report: Progress) -> Tradeoff:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run:
+class _Run(Generic[S]):
     """A completed run with its CPU time."""
 
-    model: Model
+    model: Model[S]
     setting: Setting
     options: dict[str, Any]
     response: Response
     cost: Cost
-    swing: Swing
+    signals: Signals
 
 
-class _Study:
-    def __init__(self, plan: Plan, budget: Budget, report: Progress) -> None:
+class _Study(Generic[S]):
+    def __init__(self, plan: Plan[S], budget: Budget, report: Progress) -> None:
         self.plan = plan
         self.budget = budget
         self.report = report
@@ -77,12 +78,12 @@ class _Study:
         self.jobs += sum(1 + len(plan.settings_of(model)) for model in plan.simpler)
         self.done = 0
 
-    def result(self) -> Tradeoff:
+    def result(self) -> Tradeoff[S]:
         plan = self.plan
         reference = self.reference = self._reference()
         check = self._check()
         # Runs that agree to the last bit are still rounded: no error below that is known.
-        self.floor = max(check.swing.error(reference.swing, reference.swing), ROUND_OFF)
+        self.floor = max(check.signals.error(reference.signals, reference.signals), ROUND_OFF)
         discretisation = self._discretisation()
         known = (reference.setting.options, check.setting.options)
         settings = [setting for setting in plan.settings if setting.options not in known]
@@ -105,16 +106,16 @@ class _Study:
             signals=tuple(str(signal) for signal in plan.wanted),
         )
 
-    def _reference(self) -> _Run:
+    def _reference(self) -> _Run[S]:
         for setting in references(self.plan.system, self.plan.speed):
             run = self._run(self.given, setting, self.for_reference)
             if run is not None:
-                run.swing.check()
+                run.signals.check()
                 self._count()
                 return run
         raise self._nothing("reference")
 
-    def _check(self) -> _Run:
+    def _check(self) -> _Run[S]:
         """Verify the reference by another method, or by the same method with another setting."""
         used = self.reference.setting
         candidates = references(self.plan.system, self.plan.speed)
@@ -133,9 +134,9 @@ class _Study:
         self._count()
         if finer is None or run is None:
             return None
-        return finer.name, self.reference.swing.errors(run.swing, run.swing)
+        return finer.name, self.reference.signals.errors(run.signals, run.signals)
 
-    def _tight(self, model: Model) -> _Run | None:
+    def _tight(self, model: Model[S]) -> _Run[S] | None:
         """Run another model with the reference setting, or with a similar one within the budget."""
         tried = len(self.skipped)
         used = self.reference.setting
@@ -150,7 +151,7 @@ class _Study:
         del self.skipped[tried + 1 :]
         return None
 
-    def _simpler(self, model: Model) -> Iterator[Trial]:
+    def _simpler(self, model: Model[S]) -> Iterator[Trial[S]]:
         """Measure the model error of a simplification, then the CPU time of its settings."""
         settings = self.plan.settings_of(model)
         own = self._tight(model)
@@ -168,7 +169,7 @@ class _Study:
                 break
         yield tight
 
-    def _runs(self, model: Model, settings: Sequence[Setting]) -> Iterator[_Run]:
+    def _runs(self, model: Model[S], settings: Sequence[Setting]) -> Iterator[_Run[S]]:
         for setting in settings:
             share = self._share()
             run = self._run(model, setting, _PATIENCE * share, share)
@@ -181,8 +182,8 @@ class _Study:
         return self.budget.left / max(1, self.jobs - self.done)
 
     def _run(
-        self, model: Model, setting: Setting, allowance: float, share: float = 0.0
-    ) -> _Run | None:
+        self, model: Model[S], setting: Setting, allowance: float, share: float = 0.0
+    ) -> _Run[S] | None:
         """Run one setting, or record why it was skipped."""
         plan = self.plan
         options = {**setting.options, **model.options}
@@ -206,7 +207,7 @@ class _Study:
         except GearbowError as error:
             reason = str(error)
         else:
-            return _Run(model, setting, options, response, cost, Swing(plan.wanted, response))
+            return _Run(model, setting, options, response, cost, Signals(plan.wanted, response))
         self.skipped.append(Skipped(str(setting), model.name, reason))
         return None
 
@@ -214,11 +215,11 @@ class _Study:
         self.done += jobs
         self.report(min(1.0, self.done / self.jobs))
 
-    def _trial(self, run: _Run, own: _Run) -> Trial:
+    def _trial(self, run: _Run[S], own: _Run[S]) -> Trial[S]:
         """Return the row of a run; `own` is the reference run of the same model."""
-        reference = self.reference.swing
+        reference = self.reference.signals
         statistics = run.response.statistics
-        errors = run.swing.errors(reference, reference)
+        errors = run.signals.errors(reference, reference)
         return Trial(
             setting=str(run.setting),
             model=run.model.name,
@@ -226,8 +227,8 @@ class _Study:
             system=run.model.system,
             method=run.setting.method,
             errors=errors,
-            integration_error=run.swing.error(own.swing, reference),
-            model_error=own.swing.error(reference, reference),
+            integration_error=run.signals.error(own.signals, reference),
+            model_error=own.signals.error(reference, reference),
             floor=self.floor,
             setup=run.cost.setup,
             stepping=run.cost.stepping,

@@ -2,12 +2,10 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic
 
+from gearbow.analysis.protocol import S
 from gearbow.tradeoff.models import GIVEN
-
-if TYPE_CHECKING:
-    from gearbow.system import RotorSystem
 
 __all__ = ["Skipped", "Trial", "table"]
 
@@ -28,7 +26,7 @@ _TITLES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Trial(Generic[S]):
     """Error and CPU time of one setting.
 
     Parameters
@@ -71,7 +69,7 @@ class Trial:
     setting: str
     model: str
     options: Mapping[str, Any]
-    system: "RotorSystem" = field(repr=False)
+    system: S = field(repr=False)
     method: str
     errors: Mapping[str, float]
     integration_error: float
@@ -181,7 +179,7 @@ class Skipped:
         return f"{_together(self.setting, self.model)}: {self.reason}"
 
 
-def table(trials: Iterable[Trial], front: Sequence[Trial]) -> str:
+def table(trials: Iterable[Trial[S]], front: Sequence[Trial[S]]) -> str:
     """Return rows as a text table.
 
     Parameters

@@ -1,0 +1,86 @@
+"""Progress of long work: progress bar, and warning about a long run."""
+
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from tqdm import tqdm
+
+from gearbow._types import Progress
+from gearbow.errors import RunTimeWarning
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+#: A run with a longer estimated duration gives a warning [s].
+LONG_RUN = 3600.0
+#: Observation time before the estimate of the duration [s].
+WATCHED = 1.0
+
+
+@contextmanager
+def reported(
+    progress: bool | Progress | None, total: float, unit: str = "s", *, estimate: bool = True
+) -> Iterator[Progress | None]:
+    """Give the callable that receives the completed fraction; True makes a progress bar.
+
+    With `estimate`, a run of more than one hour gives a `RunTimeWarning`.
+    """
+    if progress is not True:
+        report = progress or None
+        yield _Estimate(report) if estimate else report
+        return
+    with tqdm(
+        total=total,
+        bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} " + unit + " [{elapsed}<{remaining}]",
+        # Show every report, because the remaining time changes without progress too.
+        miniters=0,
+    ) as bar:
+
+        def show(fraction: float) -> None:
+            bar.update(fraction * total - bar.n)
+
+        yield _Estimate(show) if estimate else show
+        show(1.0)
+
+
+class _Estimate:
+    """Forwards the completed fraction, and warns once about a run of more than one hour."""
+
+    def __init__(self, report: Progress | None) -> None:
+        self._report = report
+        self._first: tuple[float, float] | None = None
+        self._warned = False
+
+    def __call__(self, fraction: float) -> None:
+        if self._report is not None:
+            self._report(fraction)
+        now = time.perf_counter()
+        # A continued run begins with a completed fraction. The set-up before the first report does
+        # not count.
+        begin, done = self._first = self._first or (now, fraction)
+        elapsed = now - begin
+        if self._warned or elapsed < WATCHED or fraction <= done:
+            return
+        self._warned = True
+        left = elapsed * (1.0 - fraction) / (fraction - done)
+        if elapsed + left > LONG_RUN:
+            warnings.warn(
+                f"simulate: takes about {(elapsed + left) / 3600.0:.3g} h at the rate of the first "
+                f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
+                'the run in a file by checkpoint="run.npz"',
+                RunTimeWarning,
+                stacklevel=_outside(),
+            )
+
+
+def _outside() -> int:
+    """Count the stack frames up to the first one outside the package: the line of the user."""
+    level = 0
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":
+        level, frame = level + 1, frame.f_back
+    return level + 1

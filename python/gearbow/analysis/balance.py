@@ -1,0 +1,215 @@
+"""Balancing of a bowed rotor by least squares."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Generic
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array
+from gearbow._lookup import nearest
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, At, ComplexArray
+from gearbow.analysis.protocol import S, System, variant
+from gearbow.description.gears import Disk, Gear
+from gearbow.description.places import places
+from gearbow.errors import SceneError
+
+__all__ = ["Balance", "balance"]
+
+
+@dataclass(frozen=True, eq=False)
+class Balance(ReadOnly, Generic[S]):
+    """A balancing correction and the predicted residual deflection.
+
+    Parameters
+    ----------
+    planes : tuple of str or (str, float)
+        Gears, disks or (shaft, position [m]).
+    unbalances : ndarray, shape (planes,)
+        Complex unbalance to add in each plane [kg m]; its argument is the angle in the shaft.
+    speeds : ndarray, shape (speeds,)
+        Balancing speeds of the reference shaft [rad/s].
+    points : tuple of str or (str, float)
+        Measuring points.
+    target : {"total", "elastic"}
+        Balanced quantity: displacement, or elastic deflection (displacement minus bow).
+    before : ndarray, shape (speeds, points, 2)
+        Amplitudes of v and w [m] without the correction, the shaft of the planes as the source.
+    residual : ndarray, shape (speeds, points, 2)
+        Predicted amplitudes with the correction [m].
+    system : RotorSystem
+        The system with the correction.
+
+    Notes
+    -----
+    With target "total" the rotor has no orbit at the balancing speed: the shaft bends by as much as
+    its bow, which loads the bearings. With target "elastic" the shaft does not bend, and the bow
+    remains as run-out. Both targets cannot be met together (Nicholas, Gunter and Allaire,
+    *Effect of residual shaft bow on unbalance response and balancing of a single mass flexible
+    rotor*, part 2, J. Eng. Power 98, 1976).
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> disk = gb.Disk("disk", "rotor", 0.5, mass=50.0, diametral_inertia=0.5, polar_inertia=1.0)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    >>> for target in ("total", "elastic"):
+    ...     found = system.balance(["disk"], speed=150.0, target=target, points=["disk"])
+    ...     print(target, f"{1e3 * found.unbalances[0].real:.1f} g m")
+    total -13.3 g m
+    elastic -5.8 g m
+    """
+
+    planes: tuple[At, ...]
+    unbalances: ComplexArray
+    speeds: Array
+    points: tuple[At, ...]
+    target: str
+    before: ComplexArray
+    residual: ComplexArray
+    system: S = field(repr=False)
+
+    @property
+    def residual_ratio(self) -> float:
+        """Norm of the residual divided by the norm before balancing.
+
+        Returns
+        -------
+        float
+            Ratio of the root sums of squares over speeds and points.
+        """
+        return float(np.linalg.norm(self.residual) / np.linalg.norm(self.before))
+
+
+def balance(
+    system: S,
+    planes: At | Sequence[At],
+    speed: ArrayLike,
+    *,
+    target: str = "total",
+    points: At | Sequence[At] | None = None,
+) -> Balance[S]:
+    """Find the unbalances that minimise the deflection of a bowed rotor.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    planes : str, tuple of (str, float), or sequence of them
+        Balancing planes on one shaft: gears, disks or (shaft, position [m]).
+    speed : array_like, shape (speeds,) or scalar
+        Balancing speeds of the reference shaft [rad/s], not zero.
+    target : {"total", "elastic"}
+        Quantity to minimise: the displacement, or the elastic deflection (displacement minus bow).
+    points : str, tuple of (str, float), or sequence of them, optional
+        Measuring points; None is every node of the shaft.
+
+    Returns
+    -------
+    Balance
+        Least-squares unbalances over points and speeds, predicted residual, and the system with
+        the correction. The correction adds to the unbalance of a gear or disk, or is a new disk
+        without mass.
+
+    Raises
+    ------
+    SceneError
+        If an argument is invalid.
+    """
+    if target not in ("total", "elastic"):
+        raise SceneError(f'target: must be "total" or "elastic", got {target!r}')
+    chosen = places(planes, "planes")
+    shaft = _shaft(system, chosen)
+    speeds = array(speed, "speed")
+    if not np.all(speeds):
+        raise SceneError(f"speed: must not be zero, got {speed!r}")
+
+    # Influence coefficients are amplitudes per 1 kg m, in a system with a node at every plane.
+    base = _corrected(system, chosen, np.zeros(len(chosen), dtype=np.complex128))
+    if points is None:
+        nodes = dict.fromkeys(x for name, x, _ in base.dofs if name == shaft)
+        measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)
+    else:
+        measured = places(points, "points")
+
+    read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
+    one = np.ones(1, dtype=np.complex128)
+    before = read(base, "both")
+    still = read(base, "unbalance")
+    influence = np.stack(
+        [read(_corrected(base, (plane,), one), "unbalance") - still for plane in chosen],
+        axis=-1,
+    )
+    table = influence.reshape(-1, len(chosen))
+    least = np.linalg.lstsq(table, -before.reshape(-1), rcond=None)[0]
+    unbalances: ComplexArray = np.asarray(least, dtype=np.complex128)
+    return Balance(
+        planes=chosen,
+        unbalances=unbalances,
+        speeds=speeds,
+        points=measured,
+        target=target,
+        before=before,
+        residual=before + influence @ unbalances,
+        system=_corrected(base, chosen, unbalances),
+    )
+
+
+def _deflection(
+    system: System,
+    excitation: str,
+    *,
+    shaft: str,
+    speeds: Array,
+    points: Sequence[At],
+    target: str,
+) -> ComplexArray:
+    """Find the deflection at all points with the shaft of the planes as the source."""
+    found = system.synchronous(speeds, excitation=excitation)
+    at = found.elastic if target == "elastic" else found.displacement
+    source = found.shafts.index(shaft)
+    return np.stack([at(point)[:, source] for point in points], axis=1)
+
+
+def _corrected(system: S, planes: Iterable[At], unbalances: ComplexArray) -> S:
+    """Add unbalances in planes. Corrections are not checked for plausibility."""
+    bodies: dict[str, list[Gear | Disk]] = {"gears": [*system.gears], "disks": [*system.disks]}
+    at: dict[str, tuple[str, int]] = {}
+    for kind, given in bodies.items():
+        at |= {body.name: (kind, i) for i, body in enumerate(given)}
+    for plane, unbalance in zip(planes, unbalances.tolist(), strict=True):
+        name = plane if isinstance(plane, str) else f"balance {plane[0]} {plane[1]:g}"
+        if name not in at:
+            at[name] = ("disks", len(bodies["disks"]))
+            bodies["disks"].append(Disk(name, plane[0], float(plane[1]), 0.0, 0.0, 0.0))
+        kind, i = at[name]
+        body = bodies[kind][i]
+        bodies[kind][i] = replace(body, unbalance=body.unbalance + unbalance)
+    return variant(system, **bodies)
+
+
+def _shaft(system: System, planes: Sequence[At]) -> str:
+    """Find the shaft that has all planes."""
+    bodies: dict[str, Gear | Disk] = {gear.name: gear for gear in system.gears}
+    bodies |= {disk.name: disk for disk in system.disks}
+    shafts = []
+    for i, plane in enumerate(planes):
+        if isinstance(plane, str):
+            if plane not in bodies:
+                raise SceneError(
+                    f'planes[{i}]: no gear or disk is called "{plane}"{nearest(plane, bodies)}'
+                )
+            shafts.append(bodies[plane].shaft)
+        else:
+            shafts.append(plane[0])
+    if len(set(shafts)) != 1:
+        raise SceneError(
+            f"planes: must be one or more planes on the same shaft, got {list(planes)}"
+        )
+    return shafts[0]

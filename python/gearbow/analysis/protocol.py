@@ -1,0 +1,70 @@
+"""The interface of a system that analyses of its variants need."""
+
+import warnings
+from typing import Any, Protocol, TypeVar
+
+from gearbow._types import Array, Dof
+from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.shafts import Shaft
+from gearbow.errors import SceneWarning
+from gearbow.results.response import Response
+from gearbow.results.static import Static
+from gearbow.results.synchronous import Synchronous
+
+__all__ = ["S", "System", "variant"]
+
+
+class System(Protocol):
+    """A system that can be modified and analysed; `gearbow.RotorSystem` is one."""
+
+    shafts: tuple[Shaft, ...]
+    gears: tuple[Gear, ...]
+    meshes: tuple[Mesh, ...]
+    disks: tuple[Disk, ...]
+
+    @property
+    def dofs(self) -> tuple[Dof, ...]:
+        """Degrees of freedom."""
+
+    @property
+    def speed_ratios(self) -> Array:
+        """Signed speed of each shaft over that of the reference shaft."""
+
+    def replace(self, **changes: Any) -> Any:
+        """Make a system with other parts or options."""
+
+    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
+        """Find the static equilibrium."""
+
+    def synchronous(self, speeds: Any, *, excitation: str = "both") -> Synchronous:
+        """Find the linear response to bow and unbalance."""
+
+    def simulate(self, *args: Any, **options: Any) -> Response:
+        """Integrate the equations of motion."""
+
+    def default_output_step(self, duration: float, speed: float) -> float:
+        """Give the default time between recorded instants."""
+
+
+S = TypeVar("S", bound=System)
+
+
+def variant(system: S, **changes: Any) -> S:
+    """Make a variant of a checked system without plausibility warnings.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    **changes
+        Parts and options, as for `gearbow.RotorSystem.replace`.
+
+    Returns
+    -------
+    System
+        The variant. Without changes it is a copy that shares no stored results.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        made: S = system.replace(**changes)
+    return made

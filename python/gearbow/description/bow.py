@@ -1,0 +1,199 @@
+"""Residual bow: the curve that a shaft has when nothing acts on it.
+
+The curve is fixed in the shaft, b(x) = b_y + i b_z [m]; it turns with the shaft. The bow loads
+nothing but the shaft itself: the force is K_s q_b, with the elastic stiffness K_s of the shaft and
+the bowed shape q_b.
+"""
+
+import cmath
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import nested, shown
+from gearbow.description.part import Part, tuples
+from gearbow.errors import SceneError
+
+#: Points at which the curve of `Bow.function` is read.
+SAMPLES = 1001
+
+
+@dataclass(frozen=True)
+class Bow(Part):
+    """Residual bow of a shaft; made by one of its constructors.
+
+    Parameters
+    ----------
+    shape : {"half_sine", "sag", "mode", "points", "function"}
+        The family of the curve.
+    amplitude : float, optional
+        Largest deflection [m].
+    phase : float, optional
+        Angle of the plane of the bow in the shaft, from y towards z [rad].
+    number : int, optional
+        Half waves over the length, for "mode".
+    positions : sequence of float, optional
+        Where the curve was measured [m], for "points".
+    amplitudes : sequence of float, optional
+        Deflection at each position [m], for "points".
+    phases : sequence of float, optional
+        Angle at each position [rad], for "points".
+    curve : callable, optional
+        The curve itself, for "function".
+
+    Notes
+    -----
+    The bow of a rotor as a fixed curve: Nicholas, Gunter and Allaire, *Effect of residual shaft bow
+    on unbalance response and balancing of a single mass flexible rotor*, J. Eng. Power 98 (1976).
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.Bow.half_sine(1e-4, phase=0.5).amplitude
+    0.0001
+    >>> gb.Bow.points([0.0, 0.5, 1.0], [0.0, 2e-4, 0.0]).phases
+    (0.0, 0.0, 0.0)
+    """
+
+    shape: str
+    amplitude: float | None = None
+    phase: float | None = None
+    number: int | None = None
+    positions: Sequence[float] | None = None
+    amplitudes: Sequence[float] | None = None
+    phases: Sequence[float] | None = None
+    curve: Callable[[float], complex] | None = None
+
+    @classmethod
+    def half_sine(cls, amplitude: float, phase: float = 0.0) -> "Bow":
+        """One half wave over the length of the shaft.
+
+        Parameters
+        ----------
+        amplitude : float
+            Deflection at mid-length [m].
+        phase : float
+            Angle in the shaft [rad].
+
+        Returns
+        -------
+        Bow
+            The bow amplitude·sin(πx/L)·exp(i phase).
+        """
+        return cls("half_sine", amplitude=amplitude, phase=phase)
+
+    @classmethod
+    def sag(cls, amplitude: float, phase: float = 0.0) -> "Bow":
+        """Take the shape that the shaft's own weight bends it to, scaled.
+
+        Parameters
+        ----------
+        amplitude : float
+            Largest deflection [m].
+        phase : float
+            Angle in the shaft [rad].
+
+        Returns
+        -------
+        Bow
+            The bow; a shaft that stood still for months has taken it.
+        """
+        return cls("sag", amplitude=amplitude, phase=phase)
+
+    @classmethod
+    def mode(cls, number: int, amplitude: float, phase: float = 0.0) -> "Bow":
+        """Take several half waves over the length of the shaft.
+
+        Parameters
+        ----------
+        number : int
+            Number of half waves; 1 is `half_sine`.
+        amplitude : float
+            Deflection at the crests [m].
+        phase : float
+            Angle in the shaft [rad].
+
+        Returns
+        -------
+        Bow
+            The bow amplitude·sin(number·πx/L)·exp(i phase).
+        """
+        return cls("mode", amplitude=amplitude, phase=phase, number=number)
+
+    @classmethod
+    def points(cls, positions: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike = 0.0) -> "Bow":
+        """Take a measured curve, e.g. run-out readings along the shaft.
+
+        Parameters
+        ----------
+        positions : array_like, shape (p,)
+            Where it was measured, from the left end of the shaft [m].
+        amplitudes : array_like, shape (p,)
+            Deflection at each position [m].
+        phases : array_like, shape (p,) or scalar
+            Angle in the shaft at each position [rad].
+
+        Returns
+        -------
+        Bow
+            The bow, a cubic spline through the points.
+        """
+        deflections = nested(amplitudes, "bow.amplitudes")
+        angles = nested(phases, "bow.phases")
+        if isinstance(deflections, list) and not isinstance(angles, list):
+            angles = [angles] * len(deflections)
+        return cls(
+            "points",
+            positions=tuples(nested(positions, "bow.positions")),
+            amplitudes=tuples(deflections),
+            phases=tuples(angles),
+        )
+
+    @classmethod
+    def function(cls, f: Callable[[float], complex]) -> "Bow":
+        """Take any curve, as a function of the position.
+
+        Parameters
+        ----------
+        f : callable
+            Called with x [m] from the left end of the shaft, it gives the deflection b_y + i b_z
+            [m], a complex number. It is read at 1001 equally spaced points, one by one, when the
+            system is made.
+
+        Returns
+        -------
+        Bow
+            The bow, a cubic spline through the points.
+
+        Examples
+        --------
+        A bend of 0.1 mm per metre that begins in the middle of a shaft of 1 m:
+
+        >>> import gearbow as gb
+        >>> bend = gb.Bow.function(lambda x: 1e-4 * max(0.0, x - 0.5))
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bend)
+        """
+        return cls("function", curve=f)
+
+    def _sampled(self, length: float, path: str) -> "Bow":
+        """Read the curve of `Bow.function` along a shaft of this length."""
+        if self.curve is None:
+            return self
+        positions = np.linspace(0.0, length, SAMPLES)
+        curve = np.array([_finite(self.curve, float(x), path) for x in positions])
+        return Bow.points(positions, np.abs(curve), np.angle(curve))
+
+
+def _finite(curve: Callable[[float], complex], x: float, path: str) -> complex:
+    value = curve(x)
+    try:
+        number = complex(value)
+    except (TypeError, ValueError):
+        number = complex("nan")
+    if not cmath.isfinite(number):
+        raise SceneError(
+            f"{path}.function: must give a finite complex number, got {shown(value)} at x = {x:g} m"
+        )
+    return number

@@ -1,0 +1,144 @@
+"""Coordinates of a system: its degrees of freedom, and where gears and disks are."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from gearbow._lookup import nearest
+from gearbow._types import At, Dof
+from gearbow.description.gears import Disk, Gear
+from gearbow.description.places import place
+from gearbow.errors import GearbowError, SceneError
+
+__all__ = ["Coordinates"]
+
+#: Positions with a smaller difference, relative to the length of the shaft, are equal. The core
+#: uses the same value.
+_SAME_POSITION = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """Degrees of freedom of a system, found by name or place.
+
+    Parameters
+    ----------
+    dofs : tuple of (str, float, str)
+        Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
+    bodies : mapping of {str: (str, float)}
+        Shaft and position [m] of each gear and disk.
+    """
+
+    dofs: tuple[Dof, ...]
+    bodies: Mapping[str, tuple[str, float]]
+
+    @classmethod
+    def of(cls, dofs: Sequence[Dof], gears: Sequence[Gear], disks: Sequence[Disk]) -> "Coordinates":
+        """Collect the coordinates of a system.
+
+        Parameters
+        ----------
+        dofs : sequence of (str, float, str)
+            The degrees of freedom.
+        gears : sequence of Gear
+            The gears.
+        disks : sequence of Disk
+            The disks.
+
+        Returns
+        -------
+        Coordinates
+            The coordinates.
+        """
+        given: list[Gear | Disk] = [*gears, *disks]
+        bodies = {body.name: (body.shaft, float(body.position)) for body in given}
+        return cls(tuple(dofs), bodies)
+
+    def shaft(self, at: At) -> str:
+        """Find the shaft of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        str
+            Name of the shaft.
+
+        Raises
+        ------
+        SceneError
+            If there is no such gear, disk or shaft.
+        """
+        return self._node(at)[0]
+
+    def lateral(self, at: At) -> list[int]:
+        """Find the lateral displacements of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        list of int, length 2
+            Indices of v and w.
+
+        Raises
+        ------
+        SceneError
+            If there is no such node.
+        GearbowError
+            If the system has no lateral motion.
+        """
+        return [self._index(at, "v", "lateral motion"), self._index(at, "w", "lateral motion")]
+
+    def twist(self, at: At) -> int:
+        """Find the twist of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        int
+            Index of the twist.
+
+        Raises
+        ------
+        SceneError
+            If there is no such node.
+        GearbowError
+            If the system has no twist.
+        """
+        return self._index(at, "twist", "twist")
+
+    def _index(self, at: At, direction: str, motion: str) -> int:
+        wanted = (*self._node(at), direction)
+        for index, dof in enumerate(self.dofs):
+            if dof == wanted:
+                return index
+        raise GearbowError(f"{at!r} has no {motion}: the system does not model this motion")
+
+    def _node(self, at: At) -> tuple[str, float]:
+        """Find the shaft and the exact position of a node."""
+        at = place(at)
+        if isinstance(at, str):
+            if at not in self.bodies:
+                raise SceneError(f'at: no gear or disk is called "{at}"{nearest(at, self.bodies)}')
+            shaft, position = self.bodies[at]
+        else:
+            shaft, position = at
+        positions = [x for name, x, _ in self.dofs if name == shaft]
+        if not positions:
+            names = dict.fromkeys(name for name, _, _ in self.dofs)
+            raise SceneError(f'at: no shaft is called "{shaft}"{nearest(shaft, names)}')
+        tolerance = _SAME_POSITION * positions[-1]
+        for x in positions:
+            if abs(x - position) <= tolerance:
+                return shaft, x
+        raise SceneError(f'at: shaft "{shaft}" has no node at {position} m')

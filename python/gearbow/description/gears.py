@@ -1,0 +1,184 @@
+"""Disks, gears and the meshes between gears."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+from gearbow._types import Plain
+from gearbow.description.part import Part
+from gearbow.description.stiffness import Stiffness
+from gearbow.description.teeth import TipRelief, TransmissionError
+
+__all__ = ["Disk", "Gear", "Mesh"]
+
+
+class _Body(Part):
+    """What disks and gears have in common: what stands at an angle in the shaft is complex."""
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> Any:
+        given = dict(description)
+        for key in ("unbalance", "run_out"):
+            if isinstance(given.get(key), (list, tuple)):
+                given[key] = complex(*given[key])
+        return cls(**given)
+
+
+@dataclass(frozen=True)
+class Disk(_Body):
+    """A rigid disk on a shaft.
+
+    Parameters
+    ----------
+    name : str
+        Name, unlike every other name of the system.
+    shaft : str
+        Name of its shaft.
+    position : float
+        Where on the shaft, from its left end [m].
+    mass : float
+        Mass [kg].
+    diametral_inertia : float
+        Moment of inertia about a diameter [kg m²].
+    polar_inertia : float
+        Moment of inertia about the axis [kg m²].
+    unbalance : complex
+        Mass times eccentricity [kg m]; its argument is the angle in the shaft.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> wheel = gb.Disk("wheel", "rotor", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4j)
+    """
+
+    name: str
+    shaft: str
+    position: float
+    mass: float
+    diametral_inertia: float
+    polar_inertia: float
+    unbalance: complex = 0.0
+
+
+@dataclass(frozen=True)
+class Gear(_Body):
+    """A spur gear: a rigid disk with involute teeth.
+
+    Parameters
+    ----------
+    name : str
+        Name, unlike every other name of the system.
+    shaft : str
+        Name of its shaft.
+    position : float
+        Where on the shaft, from its left end [m].
+    teeth : int
+        Number of teeth.
+    module : float
+        Module [m]; either this or `base_radius`.
+    base_radius : float
+        Base radius [m].
+    face_width : float
+        Face width [m].
+    pressure_angle : float
+        Pressure angle of the basic rack [rad].
+    profile_shift : float
+        Profile shift coefficient.
+    tip_radius : float
+        Tip radius [m]; that of full-depth teeth if left out.
+    mass : float
+        Mass [kg]; that of a solid steel disk on the pitch circle if left out, like the inertias.
+    diametral_inertia : float
+        Moment of inertia about a diameter [kg m²].
+    polar_inertia : float
+        Moment of inertia about the axis [kg m²].
+    unbalance : complex
+        Mass times eccentricity [kg m]; its argument is the angle in the shaft.
+    run_out : complex
+        How far the base circle stands off the axis of the shaft [m]; its argument is the angle in
+        the shaft.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> pinion = gb.Gear("g1", shaft="input", position=0.25, teeth=25, module=3e-3, face_width=0.03)
+    """
+
+    name: str
+    shaft: str
+    position: float
+    teeth: int
+    _: KW_ONLY
+    module: float | None = None
+    base_radius: float | None = None
+    face_width: float | None = None
+    pressure_angle: float = math.radians(20.0)
+    profile_shift: float = 0.0
+    tip_radius: float | None = None
+    mass: float | None = None
+    diametral_inertia: float | None = None
+    polar_inertia: float | None = None
+    unbalance: complex = 0.0
+    run_out: complex = 0.0
+
+
+@dataclass(frozen=True)
+class Mesh(Part):
+    """Two gears in mesh, on parallel shafts.
+
+    Parameters
+    ----------
+    driver : str
+        Name of the driving gear.
+    driven : str
+        Name of the driven gear.
+    stiffness : float or Stiffness, optional
+        Stiffness along the line of action: a constant [N/m], or a model. None is the mean of ISO
+        6336-1, `Stiffness.iso6336`, which needs the face width of both gears.
+    damping_ratio : float
+        Ratio ζ of the damping 2ζ√(k mₑ), with the mass mₑ that the two gears have on the line of
+        action.
+    damping : float, optional
+        Damping along the line of action [N s/m], in place of the ratio.
+    centre_line_angle : float
+        Angle of the line from the driver's centre to the driven's, from y towards z [rad].
+    centre_distance : float, optional
+        Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
+    backlash : float, optional
+        Clearance of the flanks along the line of action, for the centres at rest [m]; None is a
+        mesh that never parts and pulls as well as it pushes.
+    tip_relief : TipRelief, optional
+        Relief of the tips of both gears; None is none.
+    error : TransmissionError, optional
+        Unloaded transmission error; None is none.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> mesh = gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)
+    >>> pairs = gb.Stiffness.parabolic(2e8, engagement=0.2)
+    >>> mesh = gb.Mesh("g1", "g2", stiffness=pairs, damping_ratio=0.05, backlash=1e-4)
+    """
+
+    driver: str
+    driven: str
+    _: KW_ONLY
+    stiffness: float | Stiffness | None = None
+    damping_ratio: float = 0.0
+    damping: float | None = None
+    centre_line_angle: float = 0.0
+    centre_distance: float | None = None
+    backlash: float | None = None
+    tip_relief: TipRelief | None = None
+    error: TransmissionError | None = None
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
+        given = dict(description)
+        if isinstance(given.get("stiffness"), Mapping):
+            given["stiffness"] = Stiffness._from_description(given["stiffness"])
+        for key, kind in (("tip_relief", TipRelief), ("error", TransmissionError)):
+            if key in given:
+                given[key] = kind._from_description(given[key])
+        return cls(**given)

@@ -1,0 +1,187 @@
+"""Frequencies that a train excites, as orders of its reference shaft, and their names.
+
+A shaft at the speed r_s Ω excites the harmonics n |r_s|. A mesh excites the harmonics m z |r_s| of
+its tooth frequency. A shaft modulates the mesh force; this gives the sidebands m z |r| ± n |r_s|
+(Randall, *A new method of modeling gear faults*, J. Mech. Design 104, 1982).
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from gearbow._convert import whole
+from gearbow._types import Array
+from gearbow.description.gears import Gear, Mesh
+from gearbow.description.shafts import Shaft
+
+__all__ = ["Kinematics", "Order", "Train"]
+
+#: Orders with a smaller relative difference are equal: speed ratios are rounded.
+SAME = 1e-9
+
+
+class Train(Protocol):
+    """A system with shafts, gears and meshes."""
+
+    shafts: tuple[Shaft, ...]
+    gears: tuple[Gear, ...]
+    meshes: tuple[Mesh, ...]
+
+    @property
+    def speed_ratios(self) -> Array:
+        """Signed speed of each shaft over that of the reference shaft."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """One frequency of a train, as an order of the reference shaft.
+
+    Parameters
+    ----------
+    value : float
+        Frequency over that of the reference shaft.
+    names : tuple of str
+        Its excitations, the simplest first, e.g. "1× input" and "2× middle".
+    """
+
+    value: float
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return " = ".join(self.names)
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Speed ratios and tooth frequencies, which determine the orders of a train.
+
+    Parameters
+    ----------
+    shafts : tuple of (str, float)
+        Name of each shaft, and the absolute value of its speed ratio.
+    meshes : tuple of (str, str, str, str, float)
+        Driving and driven gear, their shafts, and the order of the tooth frequency.
+
+    Examples
+    --------
+    >>> from gearbow.orders import Kinematics
+    >>> train = Kinematics(
+    ...     shafts=(("input", 1.0), ("output", 0.5)),
+    ...     meshes=(("g1", "g2", "input", "output", 25.0),),
+    ... )
+    >>> for order in train.orders(shaft_harmonics=2, mesh_harmonics=1, sidebands=1):
+    ...     print(f"{order.value:g}", order)
+    0.5 1× output
+    1 1× input = 2× output
+    2 2× input
+    24 1× mesh g1–g2 − 1× input
+    24.5 1× mesh g1–g2 − 1× output
+    25 1× mesh g1–g2
+    25.5 1× mesh g1–g2 + 1× output
+    26 1× mesh g1–g2 + 1× input
+    """
+
+    shafts: tuple[tuple[str, float], ...]
+    meshes: tuple[tuple[str, str, str, str, float], ...]
+
+    @classmethod
+    def of(cls, system: Train) -> "Kinematics":
+        """Find the kinematics of a system.
+
+        Parameters
+        ----------
+        system : RotorSystem
+            The system.
+
+        Returns
+        -------
+        Kinematics
+            Speed ratios and tooth frequencies.
+        """
+        ratios = {
+            shaft.name: abs(float(ratio))
+            for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
+        }
+        gears = {gear.name: gear for gear in system.gears}
+        meshes = []
+        for mesh in system.meshes:
+            driver, driven = gears[mesh.driver], gears[mesh.driven]
+            tooth = driver.teeth * ratios[driver.shaft]
+            meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
+        return cls(tuple(ratios.items()), tuple(meshes))
+
+    @classmethod
+    def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
+        """Read the kinematics from plain data, the inverse of `dataclasses.asdict`.
+
+        Parameters
+        ----------
+        plain : dict or None
+            Lists under the keys "shafts" and "meshes".
+
+        Returns
+        -------
+        Kinematics or None
+            The kinematics; None for None.
+        """
+        if plain is None:
+            return None
+        return cls(*(tuple(tuple(row) for row in plain[key]) for key in ("shafts", "meshes")))
+
+    def orders(
+        self, shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 1
+    ) -> tuple[Order, ...]:
+        """List the orders. Equal orders are merged.
+
+        Parameters
+        ----------
+        shaft_harmonics, mesh_harmonics : int
+            Number of harmonics of each shaft and of each tooth frequency.
+        sidebands : int
+            Number of sidebands on each side of a tooth frequency, for each of the two shafts.
+
+        Returns
+        -------
+        tuple of Order
+            In ascending order.
+        """
+        shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", least=0)
+        mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", least=0)
+        sidebands = whole(sidebands, "sidebands", least=0)
+        named = [
+            *self._shafts(shaft_harmonics),
+            *self._meshes(mesh_harmonics, 0),
+            *self._meshes(mesh_harmonics, sidebands),
+        ]
+        merged: list[tuple[float, list[str]]] = []
+        # The sort is stable: among equal orders the simplest name stays first.
+        for value, name in sorted(named, key=lambda pair: pair[0]):
+            if merged and math.isclose(merged[-1][0], value, rel_tol=SAME):
+                merged[-1][1].append(name)
+            else:
+                merged.append((value, [name]))
+        rank = {name: place for place, (_, name) in enumerate(named)}
+        return tuple(
+            Order(value, tuple(sorted(names, key=rank.__getitem__))) for value, names in merged
+        )
+
+    def _shafts(self, harmonics: int) -> Iterator[tuple[float, str]]:
+        for n in range(1, harmonics + 1):
+            for name, ratio in self.shafts:
+                yield n * ratio, f"{n}× {name}"
+
+    def _meshes(self, harmonics: int, sidebands: int) -> Iterator[tuple[float, str]]:
+        """Give the tooth frequencies, or their sidebands if `sidebands` is not 0."""
+        ratios = dict(self.shafts)
+        for m in range(1, harmonics + 1):
+            for driver, driven, *shafts, tooth in self.meshes:
+                name = f"{m}× mesh {driver}–{driven}"
+                if not sidebands:
+                    yield m * tooth, name
+                for n in range(1, sidebands + 1):
+                    for shaft in shafts:
+                        for sign, word in ((1.0, "+"), (-1.0, "−")):
+                            value = m * tooth + sign * n * ratios[shaft]
+                            if value > 0.0:
+                                yield value, f"{name} {word} {n}× {shaft}"

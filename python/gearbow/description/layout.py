@@ -1,0 +1,214 @@
+"""Where shafts, gears, disks and bearings are at rest: the geometry that a drawing needs."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array
+from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.loads import Bearing
+from gearbow.description.shafts import Shaft
+
+__all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftOutline(ReadOnly):
+    """Outline of one shaft.
+
+    Parameters
+    ----------
+    name : str
+        Name of the shaft.
+    origin : ndarray, shape (3,)
+        Position (x, y, z) of the left end [m].
+    steps : tuple of (float, float)
+        End [m] and outer radius [m] of each segment, from the left.
+    """
+
+    name: str
+    origin: Array
+    steps: tuple[tuple[float, float], ...]
+
+    @property
+    def length(self) -> float:
+        """Length of the shaft.
+
+        Returns
+        -------
+        float
+            Length [m].
+        """
+        return self.steps[-1][0]
+
+    def outer_radius(self, position: float) -> float:
+        """Look up the outer radius at a position.
+
+        Parameters
+        ----------
+        position : float
+            Position on the shaft [m].
+
+        Returns
+        -------
+        float
+            Radius [m]; at a step, that of the segment on the left.
+        """
+        return next((radius for end, radius in self.steps if position <= end), self.steps[-1][1])
+
+
+@dataclass(frozen=True)
+class BodyOutline:
+    """Outline of one gear or disk.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body.
+    shaft : str
+        Name of its shaft.
+    position : float
+        Position on the shaft [m].
+    radius : float
+        Reference pitch radius of a gear, radius of a thin disk with the inertia of a disk [m].
+    """
+
+    name: str
+    shaft: str
+    position: float
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Geometry of a train at rest.
+
+    Parameters
+    ----------
+    shafts : tuple of ShaftOutline
+        The shafts.
+    bodies : tuple of BodyOutline
+        The gears, then the disks.
+    bearings : tuple of (str, float)
+        Shaft and position [m] of each bearing.
+    """
+
+    shafts: tuple[ShaftOutline, ...]
+    bodies: tuple[BodyOutline, ...]
+    bearings: tuple[tuple[str, float], ...]
+
+    def shaft(self, name: str) -> ShaftOutline:
+        """Look up a shaft.
+
+        Parameters
+        ----------
+        name : str
+            Name of the shaft.
+
+        Returns
+        -------
+        ShaftOutline
+            The outline.
+        """
+        return next(shaft for shaft in self.shafts if shaft.name == name)
+
+
+def layout(
+    shafts: Sequence[Shaft],
+    gears: Sequence[Gear],
+    disks: Sequence[Disk],
+    meshes: Sequence[Mesh],
+    bearings: Sequence[Bearing],
+) -> Layout:
+    """Find the geometry of a train at rest.
+
+    The first shaft begins at the origin. Meshes give the positions of the shafts relative to each
+    other; a shaft without a mesh begins at the origin too.
+
+    Parameters
+    ----------
+    shafts : sequence of Shaft
+        The shafts.
+    gears : sequence of Gear
+        The gears.
+    disks : sequence of Disk
+        The disks.
+    meshes : sequence of Mesh
+        The meshes.
+    bearings : sequence of Bearing
+        The bearings.
+
+    Returns
+    -------
+    Layout
+        The geometry.
+    """
+    by_name = {gear.name: gear for gear in gears}
+    origins = {shafts[0].name: np.zeros(3)}
+    while found := next(_next_origin(meshes, by_name, origins), None):
+        origins[found[0]] = found[1]
+    outlines = tuple(
+        ShaftOutline(shaft.name, origins.get(shaft.name, np.zeros(3)), _steps(shaft))
+        for shaft in shafts
+    )
+    given: list[Gear | Disk] = [*gears, *disks]
+    bodies = tuple(
+        BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
+        for body in given
+    )
+    places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
+    return Layout(outlines, bodies, places)
+
+
+def reference_radius(body: Gear | Disk) -> float:
+    """Give the radius at which a gear or disk is drawn.
+
+    Parameters
+    ----------
+    body : Gear or Disk
+        The body.
+
+    Returns
+    -------
+    float
+        Reference pitch radius of a gear; radius of a thin disk with the same mass and polar moment
+        of inertia for a disk, 0 without mass [m].
+    """
+    if isinstance(body, Disk):
+        return float(np.sqrt(2.0 * body.polar_inertia / body.mass)) if body.mass > 0.0 else 0.0
+    if body.module is not None:
+        return body.module * body.teeth / 2.0
+    return (body.base_radius or 0.0) / float(np.cos(body.pressure_angle))
+
+
+def _next_origin(
+    meshes: Sequence[Mesh], gears: dict[str, Gear], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts that mesh with a shaft whose origin is known."""
+    for mesh in meshes:
+        driver, driven = gears[mesh.driver], gears[mesh.driven]
+        distance = mesh.centre_distance or reference_radius(driver) + reference_radius(driven)
+        angle = mesh.centre_line_angle
+        offset = np.array(
+            [
+                driver.position - driven.position,
+                distance * np.cos(angle),
+                distance * np.sin(angle),
+            ]
+        )
+        for known, new, sign in ((driver, driven, 1.0), (driven, driver, -1.0)):
+            if known.shaft in origins and new.shaft not in origins:
+                yield new.shaft, origins[known.shaft] + sign * offset
+
+
+def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
+    """Give the end and the outer radius of every segment of a shaft."""
+    if shaft.segments is None:
+        return ((float(shaft.length or 0.0), float(shaft.outer_diameter or 0.0) / 2.0),)
+    ends = np.cumsum([segment.length for segment in shaft.segments])
+    return tuple(
+        (float(end), segment.outer_diameter / 2.0)
+        for end, segment in zip(ends, shaft.segments, strict=True)
+    )

@@ -1,0 +1,100 @@
+"""Bearings and torques."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+
+from numpy.typing import ArrayLike
+
+from gearbow._convert import real
+from gearbow._types import At, Plain
+from gearbow.description.part import Part
+from gearbow.description.places import place
+from gearbow.description.speed_table import SpeedTable
+
+__all__ = ["Bearing", "Torque"]
+
+
+@dataclass(frozen=True)
+class Bearing(Part):
+    """A bearing between a shaft and the ground, linear in displacement and velocity.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of its shaft.
+    position : float
+        Where on the shaft, from its left end [m].
+    stiffness : float, pair, 2×2 array or SpeedTable
+        Stiffness [N/m]: the same in every direction, (yy, zz), or [[yy, yz], [zy, zz]]; a table
+        of one of these over the speed of the shaft.
+    damping : float, pair, 2×2 array or SpeedTable
+        Damping [N s/m], in the same forms.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearing = gb.Bearing("input", 0.0, stiffness=(1e8, 2e8), damping=500.0)
+    """
+
+    shaft: str
+    position: float
+    _: KW_ONLY
+    stiffness: ArrayLike | SpeedTable
+    damping: ArrayLike | SpeedTable = 0.0
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Bearing":
+        given = dict(description)
+        for key in ("stiffness", "damping"):
+            if isinstance(given.get(key), Mapping):
+                given[key] = SpeedTable._from_description(given[key])
+        return cls(**given)
+
+
+@dataclass(frozen=True)
+class Torque(Part):
+    """A constant torque on a shaft, positive about +x.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]).
+    value : float or "balance"
+        The torque [N m]; "balance" is what `Torque.balance` says.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> drive, load = gb.Torque("g1", 250.0), gb.Torque.balance("g4")
+    """
+
+    at: At
+    value: float | str
+
+    @classmethod
+    def balance(cls, at: At) -> "Torque":
+        """Apply the torque that keeps the train in balance against all the others.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        Torque
+            The torque, whose value follows.
+        """
+        return cls(at, "balance")
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        at = place(self.at, f"{path}.at")
+        if isinstance(self.value, str) and self.value == "balance":
+            return {"at": at, "balance": True}
+        return {"at": at, "value": real(self.value, f"{path}.value", 'a number [N m] or "balance"')}
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Torque":
+        at = description["at"]
+        at = at if isinstance(at, str) else (at[0], at[1])
+        return cls.balance(at) if description.get("balance") else cls(at, description["value"])

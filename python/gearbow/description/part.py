@@ -1,0 +1,122 @@
+"""From the parts that a user writes to the plain description that the core checks, and back.
+
+Nothing physical is checked here: a part says what it was given, the core says whether that can be.
+What only Python can get wrong, an object of the wrong class, is a `SceneError` with its path like
+every other.
+"""
+
+import dataclasses
+import types
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._types import Plain
+from gearbow.errors import SceneError
+
+P = TypeVar("P", bound="Part")
+
+
+class Part:
+    """Base of every dataclass that describes a piece of a system."""
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        """Give the fields that differ from their default as plain data.
+
+        A default is left to the core: it is stated once, and an option that was not given cannot
+        contradict one that was. What a field may hold follows from its annotation.
+        """
+        given = {}
+        kinds = _kinds(type(self))  # type: ignore[arg-type]  # classes have hashes
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every Part is a dataclass
+            value, allowed = getattr(self, field.name), kinds[field.name]
+            same = isinstance(value, (complex, Part)) and value == field.default
+            if value is None or (same and float not in allowed and int not in allowed):
+                continue
+            found = _read(value, allowed, f"{path}.{field.name}")
+            if isinstance(found, list) or found != field.default:
+                given[field.name] = found
+        return given
+
+    @classmethod
+    def _from_description(cls: type[P], description: Mapping[str, Plain]) -> P:
+        """Give the part back from its plain description."""
+        return cls(**description)
+
+
+@cache
+def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
+    """Give the types that each field of a part may have."""
+    unions = (Union, types.UnionType)
+    return {
+        field: _members(hint) if get_origin(hint) in unions else (hint,)
+        for field, hint in get_type_hints(part).items()
+    }
+
+
+def _members(union: Any) -> tuple[Any, ...]:
+    """Give the members of a union; an array, a union of everything that NumPy converts, is one."""
+    members, arrays = get_args(union), get_args(ArrayLike)
+    if set(arrays) <= set(members):
+        return (ArrayLike, *(member for member in members if member not in arrays))
+    return members
+
+
+def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
+    """Turn the value of a field into plain data."""
+    parts_allowed = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
+    if isinstance(value, Part) and parts_allowed:
+        return expect(value, parts_allowed[0], path)._describe(path)
+    if ArrayLike in kinds:
+        return nested(value, path)
+    if str in kinds and (isinstance(value, str) or float not in kinds):
+        return text(value, path)
+    if float in kinds or int in kinds:
+        wanted = [f"or a gb.{kind.__name__}" for kind in parts_allowed]
+        return real(value, path, " ".join(["a number", *wanted]))
+    if complex in kinds:
+        return complex_number(value, path)
+    if bool in kinds:
+        if not isinstance(value, (bool, np.bool_)):
+            raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+        return bool(value)
+    if parts_allowed:
+        return expect(value, parts_allowed[0], path)._describe(path)
+    for kind in kinds:
+        entries = [entry for entry in get_args(kind) if isinstance(entry, type)]
+        if get_origin(kind) is Sequence and entries and issubclass(entries[0], Part):
+            found = parts(value, entries[0], path)
+            return [part._describe(f"{path}[{i}]") for i, part in enumerate(found)]
+    return nested(value, path)
+
+
+def freeze(part: Part, *names: str) -> None:
+    """Make lists of a part, of whatever kind they were given, tuples that compare and hash."""
+    for field in names:
+        value = getattr(part, field)
+        if value is not None:
+            object.__setattr__(part, field, tuples(nested(value, field)))
+
+
+def tuples(value: Plain) -> Plain:
+    """Make nested lists nested tuples."""
+    # What is not a list is wrong, and the core says so where it stands.
+    return tuple(tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def expect(value: object, kind: type[P], path: str) -> P:
+    """Give the value back if it is of the class that belongs here."""
+    if not isinstance(value, kind):
+        raise SceneError(f"{path}: must be a gb.{kind.__name__}, got {shown(value)}")
+    return value
+
+
+def parts(given: object, kind: type[P], path: str) -> tuple[P, ...]:
+    """Collect a list of parts of one class."""
+    if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
+        raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}")
+    return tuple(expect(part, kind, f"{path}[{i}]") for i, part in enumerate(given))

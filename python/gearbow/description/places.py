@@ -1,0 +1,56 @@
+"""Names and places: a gear or disk by its name, or a position on a shaft."""
+
+import numbers
+from collections.abc import Iterable
+from typing import Any
+
+from gearbow._convert import real, shown
+from gearbow.errors import SceneError
+
+__all__ = ["is_pair", "is_place", "place", "place_label", "places"]
+
+
+def place(at: object, path: str = "at") -> Any:
+    """Convert a name or (shaft, position), and what else is recorded, to plain Python."""
+    if isinstance(at, str):
+        return at
+    if isinstance(at, (tuple, list)) and len(at) in (2, 3) and isinstance(at[0], str):
+        return tuple(
+            item if isinstance(item, str) else real(item, f"{path}[{i}]", "a name or a number")
+            for i, item in enumerate(at)
+        )
+    raise SceneError(
+        f"{path}: must be a name or a tuple such as (shaft, position), got {shown(at)}"
+    )
+
+
+def is_place(at: object) -> bool:
+    """Tell whether this is (shaft, position)."""
+    return (
+        isinstance(at, tuple)
+        and len(at) == 2
+        and isinstance(at[0], str)
+        and isinstance(at[1], numbers.Real)
+    )
+
+
+def is_pair(at: object) -> bool:
+    """Tell whether this is (driver, driven)."""
+    return isinstance(at, tuple) and len(at) == 2 and all(isinstance(name, str) for name in at)
+
+
+def places(given: object, path: str) -> tuple[Any, ...]:
+    """Convert names and (shaft, position) pairs, one of them or several."""
+    if isinstance(given, str) or is_place(given):
+        return (place(given, path),)
+    if not isinstance(given, Iterable):
+        raise SceneError(f"{path}: must be a list of names or tuples, got {shown(given)}")
+    found = tuple(place(at, f"{path}[{i}]") for i, at in enumerate(given))
+    if not found:
+        raise SceneError(f"{path}: must name at least one gear, disk or (shaft, position)")
+    return found
+
+
+def place_label(at: str | tuple[str, float]) -> str:
+    """Give the label of a place in figures, e.g. "rotor at 0.5 m"."""
+    return at if isinstance(at, str) else f"{at[0]} at {at[1]:g} m"

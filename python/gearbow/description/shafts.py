@@ -1,0 +1,157 @@
+"""Shafts: material, segments and the shaft itself.
+
+A part is an immutable record of its arguments. `gearbow.RotorSystem` checks all of them; the error
+names the entry.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+
+from gearbow._convert import real
+from gearbow._types import Plain
+from gearbow.description.bow import Bow
+from gearbow.description.part import Part, expect, parts
+
+__all__ = ["STEEL", "Material", "Segment", "Shaft"]
+
+
+@dataclass(frozen=True)
+class Material(Part):
+    """Isotropic elastic material.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        Young's modulus E [Pa].
+    density : float
+        Density ρ [kg/m³].
+    poisson_ratio : float, optional
+        Poisson's ratio ν; either this or `shear_modulus`.
+    shear_modulus : float, optional
+        Shear modulus G [Pa]; E = 2G(1 + ν) gives the one from the other.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> titanium = gb.Material(114e9, 4430.0, poisson_ratio=0.34)
+    """
+
+    youngs_modulus: float
+    density: float
+    poisson_ratio: float | None = None
+    shear_modulus: float | None = None
+
+
+#: Steel: 207 GPa, Poisson's ratio 0.3, 7850 kg/m³.
+STEEL = Material(youngs_modulus=207e9, density=7850.0, poisson_ratio=0.3)
+
+
+@dataclass(frozen=True)
+class Segment(Part):
+    """A part of a stepped shaft that has one cross section.
+
+    Parameters
+    ----------
+    length : float
+        Length [m].
+    outer_diameter : float
+        Outer diameter [m].
+    inner_diameter : float
+        Diameter of the bore [m].
+    elements : int
+        Least number of elements.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> seat = gb.Segment(length=0.1, outer_diameter=0.06)
+    """
+
+    length: float
+    outer_diameter: float
+    inner_diameter: float = 0.0
+    elements: int = 1
+
+
+@dataclass(frozen=True)
+class Shaft(Part):
+    """A shaft of Timoshenko beam elements along x, uniform or stepped.
+
+    Parameters
+    ----------
+    name : str
+        Name, unlike every other name of the system.
+    length : float
+        Length of a uniform shaft [m].
+    outer_diameter : float
+        Outer diameter of a uniform shaft [m].
+    inner_diameter : float
+        Diameter of its bore [m].
+    elements : int
+        Least number of elements of a uniform shaft. Every position at which something stands
+        becomes a node: the element there is split.
+    segments : sequence of Segment
+        The steps from x = 0, in place of the four above.
+    material : Material
+        What it is made of.
+    shear : bool
+        Whether it deforms in shear; False is the Rayleigh beam.
+    bow : Bow, optional
+        Its residual bow; None is straight.
+
+    Notes
+    -----
+    Shape functions: Nelson, *A finite rotating shaft element using Timoshenko beam theory*, J.
+    Mech. Des. 102 (1980); shear coefficient: Cowper (1966).
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1.5e-4)
+    >>> shaft = gb.Shaft("input", length=0.5, outer_diameter=0.05, elements=8, bow=bow)
+    >>> steps = [gb.Segment(0.1, 0.04), gb.Segment(0.4, 0.05, elements=4)]
+    >>> stepped = gb.Shaft("output", segments=steps)
+    """
+
+    name: str
+    _: KW_ONLY
+    length: float | None = None
+    outer_diameter: float | None = None
+    inner_diameter: float = 0.0
+    elements: int | None = None
+    segments: Sequence[Segment] | None = None
+    material: Material = STEEL
+    shear: bool = True
+    bow: Bow | None = None
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        shaft = self
+        if self.bow is not None and expect(self.bow, Bow, f"{path}.bow").curve is not None:
+            length = self._length(path)
+            bow = None if length is None else self.bow._sampled(length, f"{path}.bow")
+            shaft = replace(self, bow=bow)
+        return super(Shaft, shaft)._describe(path)
+
+    def _length(self, path: str) -> float | None:
+        """Give the length along which a curve is read; None where the core will refuse it."""
+        if self.segments is None:
+            lengths = [] if self.length is None else [real(self.length, f"{path}.length")]
+        else:
+            segments = parts(self.segments, Segment, f"{path}.segments")
+            lengths = [
+                real(segment.length, f"{path}.segments[{i}].length")
+                for i, segment in enumerate(segments)
+            ]
+        length = math.fsum(lengths)
+        return length if 0.0 < length < math.inf else None
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Shaft":
+        given = dict(description)
+        for key, kind in (("material", Material), ("bow", Bow)):
+            if key in given:
+                given[key] = kind._from_description(given[key])
+        if "segments" in given:
+            given["segments"] = tuple(Segment._from_description(s) for s in given["segments"])
+        return cls(**given)

@@ -1,0 +1,59 @@
+"""Coefficients of a bearing that depend on the speed of its shaft."""
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from gearbow.description.part import Part, freeze
+
+__all__ = ["SpeedTable"]
+
+
+@dataclass(frozen=True)
+class SpeedTable(Part):
+    """A coefficient over the magnitude of the speed of a shaft, for the bearing on it.
+
+    Between the given speeds every entry follows a monotone piecewise cubic (PCHIP), as in
+    `scipy.interpolate.PchipInterpolator`; at a given speed it has the given value.
+
+    Parameters
+    ----------
+    speeds : array_like, shape (k,)
+        Magnitudes of the speed of the shaft that carries the bearing [rad/s], ascending from zero
+        or above; at least two.
+    values : array_like, shape (k,), (k, 2) or (k, 2, 2)
+        Stiffness [N/m] or damping [N s/m] at each speed: the same in every direction, (yy, zz), or
+        [[yy, yz], [zy, zz]].
+    outside : str
+        "error" refuses speeds outside the table; "hold" takes the first or the last value there.
+
+    Notes
+    -----
+    Invalid tables are reported by `gearbow.RotorSystem` as a `gearbow.SceneError`. The
+    interpolation is that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J.
+    Numer. Anal. 17 (1980), with the slopes of Fritsch and Butland (1984).
+
+    At a constant speed the bearing is a linear one with the coefficients of that speed. In a run
+    with a changing speed, which takes the method "rk45" or "rk4", stiffness and damping follow the
+    speed; the work that changes the stiffness counts as work of the drive.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> stiffness = gb.SpeedTable([0.0, 200.0, 500.0], [2e7, 3e7, 8e7], outside="hold")
+    >>> damping = gb.SpeedTable([0.0, 500.0], [(900.0, 900.0), (300.0, 400.0)], outside="hold")
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=stiffness, damping=damping) for x in (0, 1)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> for speed in (0.0, 500.0):
+    ...     print(f"{system.modes(speed).frequencies_hz[0]:.1f} Hz")
+    93.9 Hz
+    98.9 Hz
+    """
+
+    speeds: ArrayLike
+    values: ArrayLike
+    outside: str = "error"
+
+    def __post_init__(self) -> None:
+        freeze(self, "speeds", "values")

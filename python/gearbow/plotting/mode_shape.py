@@ -1,0 +1,204 @@
+"""One mode of the train in three dimensions: geometry to scale, enlarged motion.
+
+The three axes have the same scale. One factor enlarges all displacements, rotations and twists, so
+that the drawing shows the mode shape without distortion.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from gearbow._types import Array, ComplexArray, Dof
+from gearbow.description.layout import BodyOutline, Layout, ShaftOutline
+from gearbow.plotting.style import STYLE, colour
+
+__all__ = ["draw"]
+
+#: Largest motion of the drawing, relative to the diagonal of the train.
+LARGEST_MOTION = 0.07
+#: Largest twist of the drawing [rad].
+LARGEST_TWIST = 0.8
+#: Angles of the points around a shaft or a gear [rad].
+AROUND = np.linspace(0.0, 2.0 * np.pi, 25)
+
+
+class _Motion(NamedTuple):
+    """Motion of the nodes of a shaft."""
+
+    x: Array
+    v: Array
+    w: Array
+    gamma: Array
+    beta: Array
+    twist: Array
+
+    def at(self, position: float) -> Array:
+        """(v, w, Γ, B, θ) at a position, interpolated linearly."""
+        return np.array([np.interp(position, self.x, values) for values in self[1:]])
+
+
+def draw(title: str, shape: ComplexArray, dofs: Sequence[Dof], layout: Layout) -> Figure:
+    """Draw one mode of the train.
+
+    Parameters
+    ----------
+    title : str
+        Title of the figure.
+    shape : ndarray, shape (n,)
+        Complex mode shape.
+    dofs : sequence of (str, float, str)
+        Shaft, position [m] and direction of each degree of freedom.
+    layout : Layout
+        Geometry of the train at rest.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shafts with a line along their surface that shows the twist, gears and disks with a spoke
+        and their orbits, and bearings as triangles. Thin lines show the train at rest.
+    """
+    extent = _extent(layout)
+    moving = shape * np.array([_lever(layout, dof) for dof in dofs])
+    twists = [abs(x) for x, dof in zip(shape, dofs, strict=True) if dof[2] == "twist"]
+    factor = LARGEST_MOTION * float(np.linalg.norm(extent)) / float(np.abs(moving).max())
+    factor = min(factor, LARGEST_TWIST / max([*twists, LARGEST_TWIST / factor]))
+    scaled = _at_maximum(shape, moving) * factor
+
+    with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(12.0, 7.6))
+        axes: Any = figure.add_axes((0.0, 0.06, 1.0, 0.82), projection="3d")
+        for index, shaft in enumerate(layout.shafts):
+            motion = _motion(dofs, shaft.name, np.real(scaled))
+            rest = np.array([[0.0, 0.0, 0.0], [shaft.length, 0.0, 0.0]])
+            axes.plot(*(shaft.origin + rest).T, color="0.6", linewidth=0.8)
+            _draw_tube(axes, shaft, motion, colour(index))
+            axes.plot([], [], color=colour(index), linewidth=6.0, label=shaft.name)
+            for body in (body for body in layout.bodies if body.shaft == shaft.name):
+                _draw_disc(axes, shaft.origin, body, motion, colour(index))
+                orbit = _orbit(dofs, body, scaled)
+                axes.plot(*(shaft.origin + orbit).T, color=colour(index), linewidth=1.2)
+        for name, position in layout.bearings:
+            shaft = layout.shaft(name)
+            foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
+            axes.plot(*foot[:, np.newaxis], "^", color="black", markersize=10)
+        _finish(axes, extent)
+        figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
+        figure.suptitle(title)
+    return figure
+
+
+def _finish(axes: Any, extent: Array) -> None:
+    """Set scales, labels and view of the axes."""
+    # Do not clip parts that extend beyond the box of the axes.
+    for artist in axes.get_children():
+        artist.set_clip_on(False)
+    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.35)
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.xaxis.labelpad = axes.yaxis.labelpad = 14
+    axes.locator_params(nbins=4)
+    axes.view_init(elev=22.0, azim=-58.0)
+
+
+def _extent(layout: Layout) -> Array:
+    """Find the lengths of the train along x, y and z [m]."""
+    corners = []
+    for shaft in layout.shafts:
+        radii = [body.radius for body in layout.bodies if body.shaft == shaft.name]
+        reach = max(radii + [radius for _, radius in shaft.steps])
+        for x in (0.0, shaft.length):
+            for side in (-reach, reach):
+                corners.append(shaft.origin + np.array([x, side, side]))
+    extent: Array = np.ptp(np.array(corners), axis=0)
+    return extent
+
+
+def _lever(layout: Layout, dof: Dof) -> float:
+    """Give the displacement of the surface per unit of a degree of freedom."""
+    name, position, direction = dof
+    if direction in ("v", "w"):
+        return 1.0
+    if direction in ("B", "G"):
+        return 0.0
+    rims = [
+        body.radius
+        for body in layout.bodies
+        if body.shaft == name and abs(body.position - position) < 1e-9
+    ]
+    return max(rims, default=layout.shaft(name).outer_radius(position))
+
+
+def _at_maximum(shape: Any, moving: Any) -> Any:
+    """Rotate the phase of a complex shape so that its largest motion is real and positive."""
+    largest = moving[int(np.argmax(np.abs(moving)))]
+    return shape * (np.conj(largest) / np.abs(largest))
+
+
+def _motion(dofs: Sequence[Dof], name: str, values: Array) -> _Motion:
+    nodes: dict[float, dict[str, float]] = {}
+    for (shaft, position, direction), value in zip(dofs, values.tolist(), strict=True):
+        if shaft == name:
+            nodes.setdefault(position, {})[direction] = value
+    columns = [
+        np.array([node.get(direction, 0.0) for node in nodes.values()])
+        for direction in ("v", "w", "G", "B", "twist")
+    ]
+    return _Motion(np.array(list(nodes)), *columns)
+
+
+def _ring(position: float, radius: float, moved: Array, around: Array) -> Array:
+    """Give points of a circle on the shaft after its displacement, tilt and twist."""
+    v, w, gamma, beta, twist = moved
+    y, z = radius * np.cos(around + twist), radius * np.sin(around + twist)
+    return np.column_stack([position - gamma * y + beta * z, v + y, w + z])
+
+
+def _draw_tube(axes: Any, shaft: ShaftOutline, motion: _Motion, shade: str) -> None:
+    stations = [
+        (position, radius)
+        for begin, (end, radius) in zip(
+            [0.0, *(end for end, _ in shaft.steps)], shaft.steps, strict=False
+        )
+        for position in np.linspace(begin, end, max(2, int(24 * (end - begin) / shaft.length)))
+    ]
+    rings = np.array([shaft.origin + _ring(x, r, motion.at(x), AROUND) for x, r in stations])
+    surface = np.moveaxis(rings, -1, 0)
+    axes.plot_surface(*surface, color=shade, alpha=0.35, linewidth=0.0, shade=True)
+    # This line is straight and parallel to the shaft at rest.
+    top = np.array([np.pi / 2.0])
+    mark = np.array([shaft.origin + _ring(x, r, motion.at(x), top)[0] for x, r in stations])
+    axes.plot(*mark.T, color="black", linewidth=1.4)
+
+
+def _draw_disc(axes: Any, origin: Array, body: BodyOutline, motion: _Motion, shade: str) -> None:
+    moved = motion.at(body.position)
+    rim = origin + _ring(body.position, body.radius, moved, AROUND)
+    disc = Poly3DCollection([rim], facecolor=shade, edgecolor=shade, alpha=0.25, linewidth=1.6)
+    axes.add_collection3d(disc)
+    rest = origin + _ring(body.position, body.radius, np.zeros(5), AROUND)
+    axes.plot(*rest.T, color="0.6", linewidth=0.8)
+    spoke = origin + _ring(body.position, body.radius, moved, np.array([np.pi / 2.0]))
+    centre = origin + np.array([body.position, *moved[:2]])
+    axes.plot(*np.vstack([centre, spoke]).T, color="black", linewidth=1.4)
+
+
+def _orbit(dofs: Sequence[Dof], body: BodyOutline, scaled: Any) -> Array:
+    """Give the path of the centre of a body over one cycle."""
+    found = {
+        direction: index
+        for index, (shaft, position, direction) in enumerate(dofs)
+        if shaft == body.shaft and abs(position - body.position) < 1e-9
+    }
+    if "v" not in found:
+        return np.array([[body.position, 0.0, 0.0]])
+    cycle = np.exp(1j * AROUND)
+    return np.column_stack(
+        [
+            np.full(AROUND.size, body.position),
+            np.real(scaled[found["v"]] * cycle),
+            np.real(scaled[found["w"]] * cycle),
+        ]
+    )

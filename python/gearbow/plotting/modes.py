@@ -1,0 +1,56 @@
+"""Overview of mode shapes along the shafts."""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from gearbow._types import Array, ComplexArray, Dof
+from gearbow.plotting.style import colour, legend, panels
+
+__all__ = ["overview"]
+
+
+def overview(
+    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[Dof], twists: NDArray[np.bool_]
+) -> Figure:
+    """Draw mode shapes along the shafts.
+
+    Parameters
+    ----------
+    titles : sequence of str
+        Titles of the panels. Their number is the number of modes in the figure.
+    shapes : ndarray, shape (m, n)
+        Complex mode shapes.
+    dofs : sequence of (str, float, str)
+        Shaft, position [m] and direction of each degree of freedom.
+    twists : ndarray of bool, shape (m,)
+        Whether to draw the twist of a mode instead of its displacement.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each mode: v (solid) and w (dashed) or the twist, with the maximum 1.
+    """
+    shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
+    with panels(len(titles), 3.0, columns=2, width=13.0) as (figure, axes):
+        for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
+            lines = {"twist": "-"} if twists[mode] else {"v": "-", "w": "--"}
+            shape = _real(shapes[mode], [direction in lines for _, _, direction in dofs])
+            for (direction, line), (i, shaft) in product(lines.items(), enumerate(shafts)):
+                at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (shaft, direction)]
+                x = [dofs[n][1] for n in at]
+                label = None if direction == "w" else shaft
+                panel.plot(x, shape[at], line, color=colour(i), label=label)
+            panel.set(title=title, xlabel="position [m]")
+            panel.set(ylabel="twist" if twists[mode] else "v (w dashed)", ylim=(-1.15, 1.15))
+        legend(figure, axes[0])
+    return figure
+
+
+def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
+    """Give the real part of a complex shape, scaled so that its largest drawn entry is 1."""
+    largest = shape[int(np.argmax(np.where(drawn, np.abs(shape), 0.0)))]
+    return np.real(shape / largest) if largest != 0.0 else np.real(shape)

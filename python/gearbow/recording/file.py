@@ -1,0 +1,228 @@
+"""Files of responses.
+
+Both file formats contain the arrays, and one JSON text with all other data. Nothing is pickled.
+Numbers are not rounded, so that a run can continue from a loaded response.
+"""
+
+import json
+import os
+from dataclasses import fields
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._core import check_final
+from gearbow._files import replacing
+from gearbow.description.kinematics import Kinematics
+from gearbow.description.speed import read_speed
+from gearbow.errors import GearbowError
+from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
+from gearbow.recording.energy import ENERGIES, WORKS
+from gearbow.recording.record import MeshResponse, RunRecord, Statistics
+from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
+from gearbow.recording.tables import CHANNELS, FORMAT, arrays_of, metadata_of, to_xarray
+
+__all__ = ["load", "read", "save"]
+
+#: Arrays of the final state. Their lengths depend on the method.
+_STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
+
+#: Required entries of the metadata.
+_METADATA = record(
+    format=whole,
+    expected_error=optional(number),
+    accuracy=optional(text),
+    kinematics=optional(
+        record(shafts=each(row(text, number)), meshes=each(row(text, text, text, text, number)))
+    ),
+    points=each(row(text, number, each(text))),
+    bearings=each(row(text, number)),
+    meshes=each(row(text, text)),
+    statistics=record(
+        **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
+        **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
+        limited_by=text,
+    ),
+    events=each(row(number, text, text, text)),
+    final=record(),
+    empty=record(),
+)
+#: A changing speed; a constant speed is a number.
+_PROFILE = record(breaks=each(number), coefficients=each(each(number)))
+
+
+def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
+    """Write a recorded run to a ``.npz`` or ``.nc`` file, completely or not at all.
+
+    Parameters
+    ----------
+    run : RunRecord
+        The recorded run.
+    path : str or path-like
+        The file. Its suffix determines the format.
+    **more
+        Further plain data for the metadata; `read` returns it.
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is unknown, or a library for the format is missing.
+    OSError
+        If the file cannot be written. An existing file is unchanged.
+    """
+    ending = suffix(path)
+    metadata = metadata_of(run, more)
+    if ending == ".nc":
+        content = netcdf_bytes(to_xarray(run).assign_attrs(metadata=metadata))
+        with replacing(path) as file:
+            for part in content:
+                file.write(part)
+        return
+    with replacing(path) as file:
+        np.savez(file, metadata=np.array(metadata), **arrays_of(run))  # type: ignore[arg-type]
+
+
+def load(path: str | os.PathLike[str]) -> RunRecord:
+    """Read a file of `save`.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A ``.npz`` or ``.nc`` file.
+
+    Returns
+    -------
+    RunRecord
+        The recorded run.
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is unknown, or the file is damaged or has another content; the message names
+        the file and the problem.
+    OSError
+        If the file cannot be opened.
+    """
+    return read(path)[0]
+
+
+def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
+    """Read a file of `save` with its metadata.
+
+    Shapes and types are checked before memory is allocated: an invalid file takes at most a small
+    multiple of its size.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A ``.npz`` or ``.nc`` file.
+
+    Returns
+    -------
+    run : RunRecord
+        The recorded run.
+    about : dict
+        The metadata, with the further data of `save`.
+
+    Raises
+    ------
+    GearbowError
+        If the suffix is unknown, or the file is damaged or has another content; the message names
+        the file and the problem.
+    OSError
+        If the file cannot be opened.
+    """
+    with opened(path) as file:
+        about = json.loads(file.metadata())
+        record(format=whole)(about, "")
+        if about["format"] != FORMAT:
+            raise GearbowError(
+                f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
+            )
+        _METADATA(about, "")
+        (_PROFILE if isinstance(about.get("speed"), dict) else number)(about.get("speed"), "speed")
+        arrays = _read_arrays(file, about)
+        return _run(about, arrays), about
+
+
+def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """Check the type and shape of each array, then read it."""
+
+    def header(name: str) -> Header | None:
+        # The metadata describe arrays without elements, which netCDF cannot contain.
+        if name not in about["empty"]:
+            return file.header(name)
+        row(each(whole), text)(about["empty"][name], f"empty.{name}")
+        shape, kind = about["empty"][name]
+        if prod(shape) != 0:
+            raise GearbowError(f"empty.{name}: must have no elements, got the shape {shape}")
+        return tuple(shape), np.dtype(kind)
+
+    time = header("time")
+    sizes: dict[str, int | None] = {
+        "time": time[0][0] if time is not None and time[0] else 0,
+        "axis": 2,
+        **{f"{name}": len(about[f"{name}s"]) for name in ("point", "bearing")},
+        "mesh": len(about["meshes"]),
+    }
+    expected: dict[str, tuple[type, tuple[int | None, ...]]] = {
+        "time": (np.float64, (sizes["time"],)),
+        **{
+            name: (np.float64, tuple(sizes[axis] for axis in axes))
+            for name, (_, axes) in CHANNELS.items()
+        },
+        **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
+    }
+    energies = [name for name in expected if name.startswith("energy")]
+    if all(header(name) is None for name in energies):
+        expected = {name: value for name, value in expected.items() if name not in energies}
+    arrays: dict[str, NDArray[Any]] = {}
+    for name, (kind, shape) in expected.items():
+        found = header(name)
+        if found is None:
+            raise GearbowError(f"{name}: is missing")
+        fits = len(found[0]) == len(shape) and all(
+            wanted in {None, size} for size, wanted in zip(found[0], shape, strict=True)
+        )
+        if found[1].newbyteorder("=") != kind or not fits:
+            wanted = ", ".join("any" if size is None else str(size) for size in shape)
+            raise GearbowError(
+                f"{name}: must be {np.dtype(kind)} of shape ({wanted}), got {found[1]} of shape "
+                f"{found[0]}"
+            )
+        values = np.empty(found[0]) if name in about["empty"] else file.read(name)
+        arrays[name] = np.ascontiguousarray(values, dtype=kind)
+    return arrays
+
+
+def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
+    """Make a recorded run from checked data."""
+    final = {**about["final"], **{name: arrays[f"final_{name}"] for name in _STATE}}
+    check_final(final)
+    mesh = {field.name: arrays[f"mesh_{field.name}"] for field in fields(MeshResponse)}
+    energies = {name: arrays.get(f"energy_{name}") for name in (*ENERGIES, *WORKS)}
+    return RunRecord(
+        data={
+            "time": arrays["time"],
+            "points": [(shaft, position, names) for shaft, position, names in about["points"]],
+            "displacement": arrays["displacement"],
+            "twist": arrays["twist"],
+            "bearings": [(shaft, position) for shaft, position in about["bearings"]],
+            "bearing_force": arrays["bearing_force"],
+            "meshes": [(driver, driven) for driver, driven in about["meshes"]],
+            "mesh": mesh,
+            "energy": arrays.get("energy"),
+            "energy_terms": energies if "energy" in arrays else None,  # type: ignore[typeddict-item]
+            "events": [tuple(event) for event in about["events"]],
+            "final": final,
+            "statistics": {
+                field.name: about["statistics"][field.name] for field in fields(Statistics)
+            },
+        },
+        speed=read_speed(about["speed"]),
+        kinematics=Kinematics.from_plain(about["kinematics"]),
+        expected_error=about["expected_error"],
+        accuracy=about["accuracy"],
+    )

@@ -1,0 +1,143 @@
+"""A recorded run as plain data."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, RunData
+from gearbow.description.kinematics import Kinematics
+from gearbow.description.speed import SpeedProfile
+
+__all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
+
+
+@dataclass(frozen=True, eq=False)
+class RunRecord:
+    """Everything that a file keeps of a run.
+
+    Parameters
+    ----------
+    data : mapping
+        Recorded arrays, events, final state and statistics.
+    speed : float or SpeedProfile
+        Speed of the reference shaft [rad/s].
+    kinematics : Kinematics or None
+        Speed ratios and tooth frequencies; None if unknown.
+    expected_error : float or None
+        Expected error of a run with `accuracy=`.
+    accuracy : str or None
+        Explanation of the expected error.
+    """
+
+    data: RunData
+    speed: float | SpeedProfile
+    kinematics: Kinematics | None = None
+    expected_error: float | None = None
+    accuracy: str | None = None
+
+
+class Event(NamedTuple):
+    """A change of the contact of a mesh.
+
+    Parameters
+    ----------
+    time : float
+        Time [s].
+    driver : str
+        Name of the driving gear.
+    driven : str
+        Name of the driven gear.
+    kind : str
+        "contact" (the drive flanks meet), "back contact" (the back flanks meet), "separation" (the
+        flanks separate), "tight" (both flanks are in contact), "contact ratio below 1", "contact
+        ratio above 1", "tip interference" (a tip reaches the root circle of the other gear), "tip
+        clearance" (the tip interference ends), "involute interference" (a tip reaches beyond the
+        base circle of the other gear, which shortens the path of contact) or "involute clearance"
+        (the involute interference ends).
+    """
+
+    time: float
+    driver: str
+    driven: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False)
+class MeshResponse(ReadOnly):
+    """Time history of one mesh at the k times of a response.
+
+    Parameters
+    ----------
+    deflection : ndarray, shape (k,)
+        Mesh deflection along the line of action [m].
+    force : ndarray, shape (k,)
+        Mesh force [N].
+    stiffness : ndarray, shape (k,)
+        Mesh stiffness [N/m].
+    pressure_angle : ndarray, shape (k,)
+        Operating pressure angle at the moving centres [rad]; NaN where the base circles overlap,
+        which only frozen geometry allows.
+    centre_distance : ndarray, shape (k,)
+        Distance between the moving centres [m].
+    centre_line_angle : ndarray, shape (k,)
+        Angle of the line of centres, driver to driven, from y towards z [rad].
+    contact_ratio : ndarray, shape (k,)
+        Contact ratio at the moving centres, NaN where the base circles overlap.
+    pairs_in_contact : ndarray, shape (k,)
+        Number of tooth pairs that carry load.
+    """
+
+    deflection: Array
+    force: Array
+    stiffness: Array
+    pressure_angle: Array
+    centre_distance: Array
+    centre_line_angle: Array
+    contact_ratio: Array
+    pairs_in_contact: Array
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Counts and step lengths of a simulation.
+
+    Parameters
+    ----------
+    steps : int
+        Accepted steps.
+    rejected : int
+        Rejected steps.
+    evaluations : int
+        Evaluations of the right-hand side.
+    events : int
+        Events that ended a step.
+    step_min : float
+        Smallest step [s].
+    step_max : float
+        Largest step [s].
+    omega_max : float
+        Largest natural frequency of the model [rad/s], which bounds the step of an explicit method.
+    limited_by : str
+        What limited the length of most steps: "step" (the given step), "stability", "tolerance",
+        "cycle" (the longest step that resolves the prescribed excitation) or "events" (changes of
+        tooth contact).
+    condition : float
+        Condition number of the mode shapes; NaN for a method that does not use modes.
+    """
+
+    steps: int
+    rejected: int
+    evaluations: int
+    events: int
+    step_min: float
+    step_max: float
+    omega_max: float
+    limited_by: str
+    condition: float
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dataclass_fields__)

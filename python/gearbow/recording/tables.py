@@ -1,0 +1,175 @@
+"""A recorded run as a data set or a table, and the names, units and axes of its arrays."""
+
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._extras import extra
+from gearbow.description.speed import plain_speed
+from gearbow.recording.energy import ENERGIES, WORKS
+from gearbow.recording.record import RunRecord
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+__all__ = ["CHANNELS", "FORMAT", "arrays_of", "metadata_of", "to_dataframe", "to_xarray"]
+
+#: Number of the file format. It increases if older readers cannot read a newer file.
+FORMAT = 1
+
+#: Unit and axes of every array over time.
+CHANNELS = {
+    "displacement": ("m", ("time", "point", "axis")),
+    "twist": ("rad", ("time", "point")),
+    "bearing_force": ("N", ("time", "bearing", "axis")),
+    "energy": ("J", ("time",)),
+    **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
+    "mesh_deflection": ("m", ("time", "mesh")),
+    "mesh_force": ("N", ("time", "mesh")),
+    "mesh_stiffness": ("N/m", ("time", "mesh")),
+    "mesh_pressure_angle": ("rad", ("time", "mesh")),
+    "mesh_centre_distance": ("m", ("time", "mesh")),
+    "mesh_centre_line_angle": ("rad", ("time", "mesh")),
+    "mesh_contact_ratio": ("1", ("time", "mesh")),
+    "mesh_pairs_in_contact": ("1", ("time", "mesh")),
+}
+
+
+def to_xarray(run: RunRecord) -> "xr.Dataset":
+    """Convert a recorded run to a data set with units.
+
+    Parameters
+    ----------
+    run : RunRecord
+        The recorded run.
+
+    Returns
+    -------
+    xarray.Dataset
+        The arrays over time, point, axis, mesh and bearing; the final state as variables
+        ``final_...``.
+    """
+    with extra("netcdf"):
+        import xarray as xr  # noqa: PLC0415
+
+    arrays = {name: values for name, values in arrays_of(run).items() if values.size}
+    data = run.data
+    variables: dict[str, Any] = {}
+    for name, values in arrays.items():
+        if name in CHANNELS:
+            unit, axes = CHANNELS[name]
+            variables[name] = (axes, values, {"units": unit})
+        elif name.startswith("final_"):
+            variables[name] = ((f"{name}_entry",), values)
+    labels = {
+        "point": [
+            "+".join(names) or f"{shaft}@{position:g}" for shaft, position, names in data["points"]
+        ],
+        "mesh": ["/".join(pair) for pair in data["meshes"]],
+        "bearing": [f"{shaft}@{position:g}" for shaft, position in data["bearings"]],
+    }
+    coordinates: dict[str, Any] = {
+        name: (name, np.array(label)) for name, label in labels.items() if label
+    }
+    coordinates["axis"] = ("axis", np.array(["y", "z"]))
+    if "time" in arrays:
+        coordinates["time"] = ("time", data["time"], {"units": "s"})
+    dataset = xr.Dataset(variables, coordinates, {"metadata": metadata_of(run, {})})
+    for variable in dataset.variables.values():
+        # No value means that a value is missing.
+        variable.encoding["_FillValue"] = None
+    return dataset
+
+
+def to_dataframe(run: RunRecord) -> "pd.DataFrame":
+    """Convert a recorded run to a table.
+
+    Parameters
+    ----------
+    run : RunRecord
+        The recorded run.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows by time; columns such as "g1 v [m]", "g1/g2 force [N]", "input@0.5 force_y [N]",
+        "energy [J]", "work damping [J]".
+    """
+    with extra("dataframe"):
+        import pandas as pd  # noqa: PLC0415
+
+    data = run.data
+    columns = {}
+    for i, (shaft, position, names) in enumerate(data["points"]):
+        for name in names or [f"{shaft}@{position:g}"]:
+            columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
+            columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
+            columns[f"{name} twist [rad]"] = data["twist"][:, i]
+    for i, pair in enumerate(data["meshes"]):
+        for field, values in data["mesh"].items():
+            columns[f"{'/'.join(pair)} {field} [{CHANNELS[f'mesh_{field}'][0]}]"] = values[:, i]
+    for i, (shaft, position) in enumerate(data["bearings"]):
+        for axis, direction in enumerate("yz"):
+            columns[f"{shaft}@{position:g} force_{direction} [N]"] = data["bearing_force"][
+                :, i, axis
+            ]
+    if data["energy"] is not None:
+        columns["energy [J]"] = data["energy"]
+    for name, values in (data["energy_terms"] or {}).items():
+        columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
+    table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(data["time"], name="time [s]"))
+    return table
+
+
+def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
+    """Collect all arrays of a recorded run by their names in a file."""
+    data = run.data
+    arrays: dict[str, NDArray[Any]] = {
+        "time": data["time"],
+        "displacement": data["displacement"],
+        "twist": data["twist"],
+        "bearing_force": data["bearing_force"],
+    }
+    arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
+    if data["energy"] is not None:
+        arrays["energy"] = data["energy"]
+    terms = data["energy_terms"] or {}
+    arrays |= {f"energy_{name}": values for name, values in terms.items()}
+    state = data["final"].items()
+    return arrays | {
+        f"final_{name}": value for name, value in state if isinstance(value, np.ndarray)
+    }
+
+
+def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
+    """Write everything except arrays as JSON, which keeps all digits of a float."""
+    data = run.data
+    arrays = arrays_of(run)
+    about = {
+        "format": FORMAT,
+        "speed": plain_speed(run.speed),
+        "expected_error": run.expected_error,
+        "accuracy": run.accuracy,
+        "kinematics": None if run.kinematics is None else asdict(run.kinematics),
+        "points": data["points"],
+        "bearings": data["bearings"],
+        "meshes": data["meshes"],
+        "statistics": data["statistics"],
+        "events": data["events"],
+        "final": {
+            name: value
+            for name, value in data["final"].items()
+            if not isinstance(value, np.ndarray)
+        },
+        "empty": {
+            name: (values.shape, str(values.dtype))
+            for name, values in arrays.items()
+            if not values.size
+        },
+        **more,
+    }
+    return json.dumps(about)

@@ -1,0 +1,280 @@
+"""Campbell diagram: modes against the speed, and their intersections with excitation lines."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, CampbellData, ComplexArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+__all__ = ["Campbell", "ExcitationLine", "Intersection"]
+
+
+@dataclass(frozen=True)
+class ExcitationLine:
+    """An excitation whose frequency is proportional to the speed.
+
+    Parameters
+    ----------
+    kind : {"shaft", "mesh"}
+        Rotation of a shaft, or teeth of a mesh.
+    source : str or tuple of (str, str)
+        Name of the shaft, or of the driving and the driven gear.
+    harmonic : int
+        The harmonic of the tooth frequency; 1 for a shaft.
+    order : float
+        Frequency divided by the speed of the reference shaft, not negative.
+    """
+
+    kind: str
+    source: str | tuple[str, str]
+    harmonic: int
+    order: float
+
+    @property
+    def name(self) -> str:
+        """Name in tables and figures.
+
+        Returns
+        -------
+        str
+            E.g. "1× output", "2× teeth of g1–g2".
+        """
+        if self.kind == "shaft":
+            return f"1× {self.source}"
+        return f"{self.harmonic}× teeth of {'–'.join(self.source)}"
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """A speed at which the frequency of a mode equals that of an excitation.
+
+    Parameters
+    ----------
+    mode : int
+        Number of the mode in the diagram, from 0.
+    line : ExcitationLine
+        The excitation. The intersection with a shaft is a critical speed, with teeth a tooth
+        resonance.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    frequency_hz : float
+        Frequency [Hz].
+    damping_ratio : float
+        Damping ratio of the mode at this speed.
+    whirl : str
+        Whirl of the mode at this speed.
+    """
+
+    mode: int
+    line: ExcitationLine
+    speed: float
+    frequency_hz: float
+    damping_ratio: float
+    whirl: str
+
+
+@dataclass(frozen=True, eq=False)
+class Campbell(ReadOnly):
+    """Modes against the speed, and their intersections with excitation lines.
+
+    Parameters
+    ----------
+    speeds : ndarray, shape (k,)
+        Speeds of the reference shaft [rad/s].
+    eigenvalues : ndarray, shape (k, m)
+        Complex eigenvalues [1/s]. A mode keeps its column where frequencies cross.
+    whirl : ndarray of str, shape (k, m)
+        "forward", "backward", "planar", "torsion", "rigid" or "coupled".
+    lines : tuple of ExcitationLine
+        Rotation of every shaft, and tooth frequencies of every mesh.
+    intersections : tuple of Intersection
+        Intersections of modes and lines, by ascending speed.
+
+    Notes
+    -----
+    Modes at neighbouring speeds are matched by their shapes in the energy norm. Where the match is
+    uncertain, the speed step is halved, up to ten times. A veering wider than a hundredth of a step
+    is resolved, and the two modes exchange their shapes; a narrower one counts as a crossing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
+    >>> disk = gb.Disk("disk", "rotor", 0.3, mass=20.0, diametral_inertia=0.3, polar_inertia=0.6)
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, disks=[disk])
+    >>> campbell = system.campbell(np.linspace(0.0, 700.0, 15), count=4)
+    >>> for intersection in campbell.criticals:
+    ...     print(f"{intersection.speed:.1f} rad/s {intersection.whirl}")
+    324.7 rad/s backward
+    341.1 rad/s forward
+    """
+
+    speeds: Array
+    eigenvalues: ComplexArray
+    whirl: NDArray[np.str_]
+    lines: tuple[ExcitationLine, ...]
+    intersections: tuple[Intersection, ...]
+
+    @classmethod
+    def from_data(cls, speeds: Array, data: CampbellData) -> "Campbell":
+        """Make a diagram of the plain data of the core.
+
+        Parameters
+        ----------
+        speeds : ndarray, shape (k,)
+            Speeds of the reference shaft [rad/s].
+        data : mapping
+            Eigenvalues, lines and intersections.
+
+        Returns
+        -------
+        Campbell
+            The diagram.
+        """
+        lines = []
+        for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
+            source = names[0] if kind == "shaft" else (names[0], names[1])
+            lines.append(ExcitationLine(kind, source, harmonic, float(order)))
+        found = zip(
+            data["intersection_modes"],
+            data["intersection_lines"],
+            data["intersection_speeds"],
+            data["intersection_eigenvalues"],
+            data["intersection_whirl"],
+            strict=True,
+        )
+        intersections = tuple(
+            Intersection(
+                mode=mode,
+                line=lines[line],
+                speed=float(speed),
+                frequency_hz=float(value.imag) / (2.0 * np.pi),
+                damping_ratio=float(_ratio(value)),
+                whirl=whirl,
+            )
+            for mode, line, speed, value, whirl in found
+        )
+        whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
+        return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections)
+
+    @property
+    def frequencies_hz(self) -> Array:
+        """Damped natural frequencies.
+
+        Returns
+        -------
+        ndarray, shape (k, m)
+            Frequencies [Hz].
+        """
+        frequencies: Array = self.eigenvalues.imag / (2.0 * np.pi)
+        return frequencies
+
+    @property
+    def damping_ratios(self) -> Array:
+        """Damping ratios −Re λ/|λ|.
+
+        Returns
+        -------
+        ndarray, shape (k, m)
+            Damping ratios; 0 for an eigenvalue of 0.
+        """
+        ratios: Array = _ratio(self.eigenvalues)
+        return ratios
+
+    @property
+    def criticals(self) -> tuple[Intersection, ...]:
+        """Critical speeds: intersections with the rotation of a shaft.
+
+        Returns
+        -------
+        tuple of Intersection
+            By ascending speed. Backward modes are included, because unbalance excites them if
+            bearings or meshes are anisotropic.
+        """
+        return tuple(
+            intersection for intersection in self.intersections if intersection.line.kind == "shaft"
+        )
+
+    def table(self) -> str:
+        """Format the intersections as a text table.
+
+        Returns
+        -------
+        str
+            One line for each intersection: speed, frequency, damping, whirl, mode and excitation.
+        """
+        heads = f"{'speed [rad/s]':>13}  {'frequency [Hz]':>14}  {'damping [%]':>11}"
+        lines = [f"{heads}  {'whirl':<9}  mode  excited by"]
+        lines += [
+            f"{intersection.speed:>13.2f}  {intersection.frequency_hz:>14.3f}"
+            f"  {100.0 * intersection.damping_ratio:>11.3f}  {intersection.whirl:<9}"
+            f"  {intersection.mode + 1:>4}  {intersection.line.name}"
+            for intersection in self.intersections
+        ]
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Convert the intersections to a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each intersection.
+        """
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
+
+        rows = [
+            {
+                "speed [rad/s]": intersection.speed,
+                "frequency [Hz]": intersection.frequency_hz,
+                "damping ratio": intersection.damping_ratio,
+                "whirl": intersection.whirl,
+                "mode": intersection.mode,
+                "excited by": intersection.line.name,
+                "order": intersection.line.order,
+            }
+            for intersection in self.intersections
+        ]
+        table: pd.DataFrame = pd.DataFrame(rows)
+        return table
+
+    def plot(self) -> "Figure":
+        """Draw frequencies and damping ratios against the speed.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Frequencies with excitation lines and intersections above, damping ratios below. Line
+            styles show the whirl.
+        """
+        with extra("plot"):
+            from gearbow.plotting import frequency  # noqa: PLC0415
+
+        return frequency.campbell(
+            self.speeds,
+            self.frequencies_hz,
+            self.damping_ratios,
+            self.whirl,
+            lines=[(line.name, line.order) for line in self.lines],
+            intersections=[(each.speed, each.frequency_hz) for each in self.intersections],
+        )
+
+
+def _ratio(eigenvalues: ComplexArray) -> Array:
+    size = np.abs(eigenvalues)
+    ratio: Array = np.where(size > 0.0, -eigenvalues.real / np.where(size > 0.0, size, 1.0), 0.0)
+    return ratio

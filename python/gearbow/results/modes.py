@@ -1,0 +1,223 @@
+"""Natural modes at one speed, with names of their shapes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from gearbow._convert import whole
+from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, ComplexArray, Dof, MatricesData
+from gearbow.description.layout import Layout
+from gearbow.errors import GearbowError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+__all__ = ["Modes"]
+
+#: Name of the motion to which each direction contributes: bending has the name of its translation.
+_DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist"}
+
+
+class MatrixSource(Protocol):
+    """The compiled model, which assembles matrices on demand."""
+
+    def matrices(self, speed: float = 0.0) -> MatricesData:
+        """Assemble the matrices at a speed [rad/s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Modes(ReadOnly):
+    """Natural modes at one speed, in ascending order of frequency.
+
+    Parameters
+    ----------
+    frequencies_hz : ndarray, shape (m,)
+        Damped natural frequencies [Hz]; 0 for the rigid-body rotation of an unconstrained train.
+    damping_ratios : ndarray, shape (m,)
+        Damping ratios.
+    whirl : tuple of str
+        "forward", "backward", "planar", "torsion", "rigid" or "coupled" for each mode.
+    shapes : ndarray, shape (m, n)
+        Complex shapes; the motion is Re(shape exp(eigenvalue t)).
+    eigenvalues : ndarray, shape (m,)
+        Complex eigenvalues [1/s].
+    speed : float
+        Speed of the reference shaft [rad/s].
+    dofs : tuple of (str, float, str)
+        Shaft, position [m] and direction of each degree of freedom.
+    layout : Layout
+        Geometry of the train at rest.
+    source : MatrixSource
+        The compiled model, for the mass matrix.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> modes = gb.RotorSystem(shafts=[rotor], bearings=bearings).modes(speed=300.0, count=2)
+    >>> modes.whirl
+    ('backward', 'forward')
+    """
+
+    frequencies_hz: Array
+    damping_ratios: Array
+    whirl: tuple[str, ...]
+    shapes: ComplexArray
+    eigenvalues: ComplexArray
+    speed: float
+    dofs: tuple[Dof, ...]
+    layout: Layout = field(repr=False)
+    source: MatrixSource = field(repr=False)
+
+    def energy_shares(self) -> dict[tuple[str, str], Array]:
+        """Share of each shaft and direction in the kinetic energy of each mode.
+
+        Returns
+        -------
+        dict of {(str, str): ndarray of shape (m,)}
+            Share for each (shaft, "v" | "w" | "twist"). The rotation of a bent shaft belongs to
+            its translation. The shares of a mode add up to 1.
+        """
+        mass = self.source.matrices()["mass"]
+        energy = np.real(self.shapes.conj() * (self.shapes @ mass))
+        energy /= energy.sum(axis=1, keepdims=True)
+        groups = [(shaft, _DIRECTION[direction]) for shaft, _, direction in self.dofs]
+        return {
+            group: energy[:, [other == group for other in groups]].sum(axis=1)
+            for group in dict.fromkeys(groups)
+        }
+
+    def names(self) -> list[str]:
+        """Name each shape by its largest motions, e.g. "middle v" or "twist of output".
+
+        Returns
+        -------
+        list of str, length m
+            Every motion with at least half of the largest share of kinetic energy. A rotation of
+            the train without any stiffness is the "rigid-body rotation".
+        """
+        groups, shares = zip(*self.energy_shares().items(), strict=True)
+        table = np.array(shares)
+        names = []
+        for mode, whirl in enumerate(self.whirl):
+            order = np.argsort(-table[:, mode], kind="stable")
+            largest = table[order[0], mode]
+            # Round-off decides the order of equal shares: keep the order of the shafts.
+            strong = sorted(int(g) for g in order if table[g, mode] >= 0.5 * largest)
+            name = _name([groups[g] for g in strong])
+            if whirl == "rigid":
+                twists = groups[order[0]][1] == "twist"
+                name = "rigid-body rotation" if twists else f"rigid motion of {name}"
+            names.append(name)
+        return names
+
+    def table(self, count: int | None = None) -> str:
+        """Format the modes as a text table.
+
+        Parameters
+        ----------
+        count : int, optional
+            Number of modes; None is all.
+
+        Returns
+        -------
+        str
+            One line for each mode: number, frequency, damping, whirl and name.
+        """
+        lines = [
+            f"{'mode':>4}  {'frequency [Hz]':>14}  {'damping [%]':>11}  {'whirl':<9} largest motion"
+        ]
+        most = None if count is None else whole(count, "count")
+        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
+        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:most], start=1):
+            lines.append(
+                f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
+            )
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Convert the table to a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each mode.
+        """
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
+
+        table: pd.DataFrame = pd.DataFrame(
+            {
+                "frequency [Hz]": self.frequencies_hz,
+                "damping ratio": self.damping_ratios,
+                "whirl": list(self.whirl),
+                "largest motion": self.names(),
+            }
+        )
+        return table
+
+    def plot(self, number: int | None = None, *, count: int = 6) -> "Figure":
+        """Draw one mode of the train in three dimensions, or an overview of the first shapes.
+
+        Parameters
+        ----------
+        number : int, optional
+            Number of the mode to draw in three dimensions, from 1; None is the overview.
+        count : int
+            Number of modes in the overview.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The train with shafts, gears and bearings to scale, or one panel for each mode with the
+            shapes along the shafts.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such mode.
+        """
+        with extra("plot"):
+            from gearbow.plotting import mode_shape, modes  # noqa: PLC0415
+
+        if number is None:
+            titles = [
+                f"{frequency:.1f} Hz: {name}"
+                for frequency, name in zip(self.frequencies_hz, self.names(), strict=True)
+            ]
+            shares = self.energy_shares()
+            twist = sum(share for (_, direction), share in shares.items() if direction == "twist")
+            twists = np.broadcast_to(twist, len(self.whirl)) > 0.5
+            return modes.overview(titles[: whole(count, "count")], self.shapes, self.dofs, twists)
+        number = whole(number, "number")
+        if not 1 <= number <= len(self.whirl):
+            raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
+        title = (
+            f"mode {number}: {self.frequencies_hz[number - 1]:.1f} Hz, {self.whirl[number - 1]}, "
+            f"damping {100.0 * self.damping_ratios[number - 1]:.2f} %\n{self.names()[number - 1]}"
+        )
+        return mode_shape.draw(title, self.shapes[number - 1], self.dofs, self.layout)
+
+
+def _name(groups: Sequence[tuple[str, str]]) -> str:
+    """Write (shaft, direction) pairs as text: "input v and w, twist of output"."""
+    lateral: dict[str, list[str]] = {}
+    twist = []
+    for shaft, direction in groups:
+        if direction == "twist":
+            twist.append(shaft)
+        else:
+            lateral.setdefault(shaft, []).append(direction)
+    words = [f"{shaft} {' and '.join(directions)}" for shaft, directions in lateral.items()]
+    if twist:
+        words.append(f"twist of {' and '.join(twist)}")
+    return ", ".join(words)

@@ -1,0 +1,336 @@
+"""Linear response to bow and unbalance: amplitudes, phases, peaks and bearing forces."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from gearbow._convert import number
+from gearbow._extras import extra
+from gearbow._lookup import locate
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, At, ComplexArray, SynchronousData
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.places import place_label, places
+from gearbow.errors import ChannelError, GearbowError
+from gearbow.results.peak import Peak, operating_range
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Synchronous", "SynchronousSolver"]
+
+
+class SynchronousSolver(Protocol):
+    """The compiled model, which solves for further speeds."""
+
+    def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData:
+        """Solve for the amplitudes at some speeds [rad/s]."""
+
+    def peaks(
+        self,
+        speeds: Array,
+        index: int,
+        source: int,
+        excitation: str,
+        slow_roll: float | None,
+    ) -> list[tuple[float, float, float, float]]:
+        """Find the peaks of an orbit between some speeds [rad/s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Synchronous(ReadOnly):
+    """Linear response to bow and unbalance, without time stepping.
+
+    Each shaft s excites the train at its own speed r_s Ω. The motion is Σ_s Re(a_s exp(i r_s Ω t)).
+
+    Parameters
+    ----------
+    speeds : ndarray, shape (speeds,)
+        Speeds Ω of the reference shaft [rad/s].
+    shafts : tuple of str
+        The shafts, which are the sources of excitation.
+    amplitudes : ndarray, shape (speeds, shafts, n)
+        Complex amplitudes a_s of each degree of freedom [m, rad].
+    excitation : {"both", "bow", "unbalance"}
+        The excitation.
+    slow_roll : float or None
+        Speed [rad/s] of the subtracted slow-roll amplitudes; None if none were subtracted.
+    coordinates : Coordinates
+        Degrees of freedom of the system.
+    solver : SynchronousSolver
+        The compiled model, for slow roll and peaks.
+
+    Examples
+    --------
+    The orbit of a slowly rotating shaft is its bow. It grows towards the critical speed:
+
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8, bow=bow)
+    >>> response = gb.RotorSystem(shafts=[rotor], bearings=bearings).synchronous([1.0, 300.0])
+    >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(6)
+    array([0.0001  , 0.000129])
+    """
+
+    speeds: Array
+    shafts: tuple[str, ...]
+    amplitudes: ComplexArray
+    excitation: str
+    slow_roll: float | None
+    coordinates: Coordinates = field(repr=False)
+    solver: SynchronousSolver = field(repr=False)
+    _bearings: tuple[tuple[str, float], ...] = field(repr=False)
+    _bearing_force: ComplexArray = field(repr=False)
+    _bow: ComplexArray = field(repr=False)
+
+    def displacement(self, name: At) -> ComplexArray:
+        """Complex amplitudes of the lateral displacement of a place.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts, 2)
+            Amplitudes a of v and w [m] for each speed and each shaft as the source. Shaft s
+            contributes Re(a exp(i r_s Ω t)).
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return self.amplitudes[:, :, self.coordinates.lateral(name)]
+
+    def twist(self, name: At) -> ComplexArray:
+        """Complex amplitudes of the twist of a place.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Amplitudes [rad] for each speed and each shaft as the source.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no twist.
+        """
+        return self.amplitudes[:, :, self.coordinates.twist(name)]
+
+    def orbit(self, name: At) -> Array:
+        """Major semi-axis of the orbit that each shaft causes at a place.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Semi-axis [m]. It is the sum of the radii of the forward and the backward circular
+            motion, of which the elliptic orbit consists.
+        """
+        v, w = np.moveaxis(self.displacement(name), -1, 0)
+        semi_axis: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
+        return semi_axis
+
+    def phase(self, name: At) -> Array:
+        """Phase of the orbit that each shaft causes, relative to the angle of this shaft.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Phase [rad] between −π and π of the circular motion in the direction of rotation of
+            the exciting shaft: the angle of the high spot in the shaft. On isotropic bearings this
+            circular motion is the orbit. NaN without an orbit.
+        """
+        v, w = np.moveaxis(self.displacement(name), -1, 0)
+        # v = Re(a e^{iϑ}), w = Re(b e^{iϑ}): the part of v + iw that rotates with the shaft is
+        # (a + ib) e^{iϑ}/2.
+        circle = v + 1j * w
+        phase: Array = np.where(circle == 0.0, np.nan, np.angle(circle))
+        return phase
+
+    def elastic(self, name: At) -> ComplexArray:
+        """Complex amplitudes of the elastic deflection of the shaft: displacement minus bow.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts, 2)
+            Amplitudes of v and w [m]. The bow is subtracted from the amplitudes with the own shaft
+            as the source, unless `excitation` is "unbalance".
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        indices = self.coordinates.lateral(name)
+        elastic: ComplexArray = self.amplitudes[:, :, indices].copy()
+        own = self.shafts.index(self.coordinates.shaft(name))
+        if self.excitation != "unbalance" and self.slow_roll is None:
+            elastic[:, own] -= self._bow[indices]
+        return elastic
+
+    def bearing_force(self, shaft: str, position: float) -> ComplexArray:
+        """Complex amplitudes of the force of a shaft on a bearing.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts, 2)
+            Amplitudes along y and z [N] for each speed and each shaft as the source.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing.
+        """
+        i = locate(self._bearings, shaft, position)
+        if i is None:
+            raise ChannelError(
+                f"no bearing at ({shaft!r}, {position:g}); there are {list(self._bearings)}"
+            )
+        force: ComplexArray = self._bearing_force[:, :, 2 * i : 2 * i + 2]
+        return force
+
+    def subtract_slow_roll(self, speed: float) -> "Synchronous":
+        """Subtract the amplitudes at a slow-roll speed, as for measured run-out.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft [rad/s], far below the first critical speed.
+
+        Returns
+        -------
+        Synchronous
+            The response minus the slow-roll amplitudes of each shaft as the source. Bearing forces
+            do not change.
+
+        Raises
+        ------
+        SceneError
+            If the speed is not finite.
+        """
+        slow = number(speed, "speed")
+        run_out = self.solver.synchronous(np.array([slow]), self.excitation)["amplitudes"]
+        return replace(self, amplitudes=self.amplitudes - run_out, slow_roll=slow)
+
+    def peaks(
+        self,
+        name: At,
+        source: str | None = None,
+        *,
+        operating: float | tuple[float, float] | None = None,
+    ) -> list[Peak]:
+        """Find the peaks of the orbit at a place, with the criteria of API RP 684.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+        source : str, optional
+            The shaft that excites; None is the shaft of the place.
+        operating : float or tuple of (float, float), optional
+            Operating speed of the reference shaft, or the lowest and the highest [rad/s]; of one
+            sign and not zero.
+
+        Returns
+        -------
+        list of Peak
+            The peaks on the grid `speeds`, refined by further solutions. Each sense of rotation is
+            searched from standstill on.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place or shaft.
+        SceneError
+            If the operating speeds are invalid.
+        """
+        indices = self.coordinates.lateral(name)
+        shaft = self.coordinates.shaft(name) if source is None else source
+        if shaft not in self.shafts:
+            raise GearbowError(f"no shaft is called {shaft!r}; there are {list(self.shafts)}")
+        span = operating_range(operating)
+        found = self.solver.peaks(
+            np.unique(self.speeds),
+            indices[0],
+            self.shafts.index(shaft),
+            self.excitation,
+            self.slow_roll,
+        )
+        return [Peak(*row, operating=span) for row in found]
+
+    def bode(self, names: At | Sequence[At], source: str | None = None) -> "Figure":
+        """Draw amplitude and phase against the speed.
+
+        Parameters
+        ----------
+        names : str, tuple of (str, float), or sequence of them
+            A gear or disk by name, (shaft, position [m]), or several.
+        source : str, optional
+            The shaft that excites; None is the shaft of each place.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Phase above, major semi-axis of the orbits below.
+        """
+        with extra("plot"):
+            from gearbow.plotting import frequency  # noqa: PLC0415
+
+        lines = {}
+        for name in places(names, "names"):
+            own = self.coordinates.shaft(name)
+            shaft = self.shafts.index(own if source is None else source)
+            lines[place_label(name)] = (self.phase(name)[:, shaft], self.orbit(name)[:, shaft])
+        return frequency.bode(self.speeds, lines)
+
+    def plot(self, names: At | Sequence[At]) -> "Figure":
+        """Draw the major semi-axis of the orbits against the speed.
+
+        Parameters
+        ----------
+        names : str, tuple of (str, float), or sequence of them
+            A gear or disk by name, (shaft, position [m]), or several.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            One panel for each name, one line for each shaft as the source.
+        """
+        with extra("plot"):
+            from gearbow.plotting import frequency  # noqa: PLC0415
+
+        orbits = {place_label(name): self.orbit(name) for name in places(names, "names")}
+        return frequency.synchronous(self.speeds, orbits, self.shafts)

@@ -1,0 +1,294 @@
+"""Checkpoint file of a long run.
+
+The file is a response with the data recorded so far. Its metadata contain the state of the
+interrupted run and the arguments of the run, so that only the same run can continue from it. A lock
+file prevents simultaneous use by a second run.
+"""
+
+import hashlib
+import json
+import os
+import reprlib
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from gearbow._convert import number
+from gearbow._core import __version__, check_final
+from gearbow._files import BusyError, FileLock
+from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
+from gearbow.description.speed import SpeedProfile
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError
+from gearbow.recording import file
+from gearbow.recording.container import suffix
+from gearbow.recording.record import RunRecord
+
+#: Runs the core. Arguments: remaining times, state of the interrupted run, progress callable.
+Core: TypeAlias = Callable[[Array, CoreCheckpoint | None, Progress], RunData]
+
+
+class _Due(Exception):  # noqa: N818  # it is not an error
+    """It is time to write the file."""
+
+
+class Checkpoint:
+    """Checkpoint file of one run. Within a ``with`` statement no other run can use it.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. It need not exist.
+    interval : float
+        Wall-clock time between two writings of the file [s].
+    asked : mapping
+        Arguments that identify the run, as plain data and arrays.
+
+    Attributes
+    ----------
+    complete : RunRecord or None
+        The complete run, if it was finished before. Such a file is only read.
+
+    Raises
+    ------
+    SceneError
+        If the folder is missing, or if the file belongs to another run, is not a checkpoint, or is
+        in use by another run; the message names the difference and the remedy.
+    MissingExtraError
+        If a library for the format is missing.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], interval: object, asked: Mapping[str, Any]
+    ) -> None:
+        self.path = Path(path)
+        self.interval = number(interval, "checkpoint_interval", infinite=True)
+        if not self.interval > 0.0:
+            raise SceneError(f"checkpoint_interval: must be positive, got {interval!r}")
+        suffix(self.path)
+        if not self.path.parent.is_dir():
+            raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
+        self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))
+        self._kept: RunData | None = None
+        self._lock = FileLock(self.path)
+        self.complete: RunRecord | None = None
+
+    def __enter__(self) -> "Checkpoint":
+        self._read()
+        if self.complete is None:
+            self._acquire()
+            try:
+                self._read()  # Another run may have written the file before this run locked it.
+            except BaseException:
+                self._lock.release()
+                raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._lock.release()
+
+    def _acquire(self) -> None:
+        try:
+            self._lock.acquire()
+        except BusyError:
+            raise SceneError(
+                f"checkpoint: {self.path} is in use by another run, of this process or of another "
+                "one; wait until that run has ended, or give each run a file of its own"
+            ) from None
+        except OSError as error:
+            raise SceneError(
+                f"checkpoint: {self.path} cannot be protected from other runs by a lock beside it: "
+                f"{error.strerror}; give a file in a folder that can be written to and whose file "
+                "system has locks"
+            ) from error
+
+    def _read(self) -> None:
+        """Read the file, if it exists."""
+        self._kept = None
+        try:
+            record, about = file.read(self.path)
+        except FileNotFoundError:
+            return
+        except (GearbowError, OSError) as error:
+            raise self._invalid(error) from None
+        try:
+            known = about["checkpoint"]
+            asked, checkpoint = known["asked"], known["checkpoint"]
+            if checkpoint is not None:
+                check_final(record.data["final"], checkpoint)
+            differences = list(_differences(asked, self._asked))
+        except (KeyError, TypeError):
+            message = "it is a response without a valid checkpoint entry"
+            raise self._invalid(message) from None
+        except (GearbowError, RecursionError) as error:
+            raise self._invalid(error) from None
+        for where, was, now in differences:
+            raise SceneError(
+                f"checkpoint: {self.path} belongs to a run with {where} {_short(was)}, "
+                f"not {_short(now)}"
+            )
+        if checkpoint is None:
+            self.complete = record
+        else:
+            self._kept = {**record.data, "checkpoint": checkpoint}
+
+    def _invalid(self, reason: object) -> SceneError:
+        return SceneError(
+            f"checkpoint: {self.path} exists but is not valid, nothing was run: {reason}"
+        )
+
+    def run(
+        self,
+        core: Core,
+        times: Array,
+        speed: float | SpeedProfile,
+        progress: Progress | None,
+    ) -> RunData:
+        """Run to the end, and write the file at regular intervals.
+
+        Parameters
+        ----------
+        core : callable
+            Runs the core.
+        times : ndarray
+            All times to record [s], ascending.
+        speed : float or SpeedProfile
+            Speed of the reference shaft [rad/s].
+        progress : callable or None
+            Receives the completed fraction.
+
+        Returns
+        -------
+        mapping
+            Recorded data. An exception that ends the run early carries the data as ``partial``.
+        """
+        while True:
+            kept = self._kept
+            done = 0 if kept is None else kept["time"].size
+            checkpoint = None if kept is None else (kept["final"], kept["checkpoint"])
+            watch = _Watch(self.interval, progress)
+            try:
+                return _joined(kept, core(times[done:], checkpoint, watch))
+            except BaseException as error:
+                partial: RunData | None = getattr(error, "partial", None)
+                if kept is not None and partial is None and isinstance(error, SceneError):
+                    raise self._invalid(error) from None  # the state in the file does not fit
+                joined = kept if partial is None else _joined(kept, partial)
+                if joined is None:
+                    raise
+                self._kept = joined
+                if (
+                    watch.fraction < 1.0
+                ):  # otherwise only the progress callable failed after the end of the run
+                    self._write(joined, speed)
+                if not isinstance(error, _Due):
+                    error.partial = joined  # type: ignore[attr-defined]
+                    raise
+
+    def _write(self, data: RunData, speed: float | SpeedProfile) -> None:
+        """Write the data recorded so far. An error other than a full disk carries the data."""
+        try:
+            self._save(RunRecord(data, speed), data["checkpoint"])
+        except BaseException as error:
+            error.partial = data  # type: ignore[attr-defined]
+            raise
+
+    def finish(self, record: RunRecord) -> None:
+        """Write the complete run.
+
+        Parameters
+        ----------
+        record : RunRecord
+            The complete run.
+        """
+        self._save(record, None)
+
+    def _save(self, record: RunRecord, checkpoint: dict[str, Plain] | None) -> None:
+        try:
+            file.save(
+                record, self.path, checkpoint={"asked": self._asked, "checkpoint": checkpoint}
+            )
+        except (OSError, MemoryError) as error:
+            reason = getattr(error, "strerror", None) or str(error) or "out of memory"
+            message = f"checkpoint: {self.path} could not be written and is unchanged: {reason}"
+            warnings.warn(message, CheckpointWarning, stacklevel=2)
+
+
+class _Watch:
+    """Forwards the progress of a run, and interrupts the run when it is time to write the file."""
+
+    def __init__(self, interval: float, progress: Progress | None) -> None:
+        self.interval = interval
+        self.progress = progress
+        self.fraction = 0.0
+        self._begun: tuple[float, float] | None = None
+
+    def __call__(self, fraction: float) -> None:
+        self.fraction = fraction
+        now = time.monotonic()
+        # The time counts from the first report, after the set-up. At least one step is done between
+        # two writings.
+        at, begun = self._begun = self._begun or (now, fraction)
+        if self.progress is not None:
+            self.progress(fraction)
+        if begun < fraction < 1.0 and now - at >= self.interval:
+            raise _Due
+
+
+def _joined(first: RunData | None, second: RunData) -> RunData:
+    """Append recorded data to the data recorded before."""
+    if first is None:
+        return second
+
+    def both(a: Any, b: Any) -> Any:
+        if isinstance(a, dict):
+            return {name: both(values, b[name]) for name, values in a.items()}
+        return a if a is None else np.concatenate([a, b])
+
+    recorded: Any = {
+        name: both(first[name], second[name])
+        for name in (
+            *("time", "displacement", "twist", "bearing_force"),
+            *("mesh", "energy", "energy_terms"),
+        )
+    }
+    return {**second, **recorded, "events": [*first["events"], *second["events"]]}
+
+
+def _short(value: Any) -> str:
+    """Format a value of a file for a message, shortened if necessary."""
+    return str(value) if isinstance(value, str | float | int | None) else reprlib.repr(value)
+
+
+def _plain(value: Any) -> Any:
+    """Convert arguments for JSON. The length and digest of an array represent it."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, np.ndarray):
+        digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return {"length": value.size, "digest": digest}
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _differences(was: Any, now: Any, where: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Find the differences between two pieces of plain data."""
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in {**was, **now}:
+            place = f"{where}.{name}".lstrip(".")
+            yield from _differences(was.get(name), now.get(name), place)
+    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
+        for i, (a, b) in enumerate(zip(was, now, strict=True)):
+            yield from _differences(a, b, f"{where}[{i}]")
+    elif repr(was) != repr(now):
+        yield where, was, now

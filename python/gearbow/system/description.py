@@ -1,0 +1,335 @@
+"""Description of a system: parts and options, variants, files and degrees of freedom."""
+
+import os
+import sys
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearbow._convert import copied, nested, number, shown, text
+from gearbow._core import Model
+from gearbow._files import replacing
+from gearbow._lookup import nearest
+from gearbow._types import Array, Dof, Plain
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.loads import Bearing, Torque
+from gearbow.description.part import Part, parts, tuples
+from gearbow.description.shafts import Shaft
+from gearbow.description.speed import plain_speed
+from gearbow.errors import SceneError, SceneWarning
+from gearbow.system.run import SpeedLike, given_speed
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+__all__ = ["SystemDescription"]
+
+_PARTS: dict[str, type[Part]] = {
+    "shafts": Shaft,
+    "gears": Gear,
+    "meshes": Mesh,
+    "bearings": Bearing,
+    "torques": Torque,
+    "disks": Disk,
+}
+#: Options of a system, and their conversion to plain data.
+_OPTIONS: dict[str, Callable[[object, str], Plain]] = {
+    "reference": text,
+    "modal_damping": number,
+    "rayleigh": nested,
+    "gravity": nested,
+    "motion": text,
+}
+
+
+class SystemDescription:
+    """Parts and options of a system, checked by the core.
+
+    The parameters are those of `gearbow.RotorSystem`.
+    """
+
+    shafts: tuple[Shaft, ...]
+    gears: tuple[Gear, ...]
+    meshes: tuple[Mesh, ...]
+    bearings: tuple[Bearing, ...]
+    torques: tuple[Torque, ...]
+    disks: tuple[Disk, ...]
+    reference: str | None
+    modal_damping: float | None
+    rayleigh: tuple[float, float] | None
+    gravity: float | tuple[float, float] | None
+    motion: str | None
+
+    def __init__(
+        self,
+        shafts: Sequence[Shaft],
+        gears: Sequence[Gear] = (),
+        meshes: Sequence[Mesh] = (),
+        bearings: Sequence[Bearing] = (),
+        torques: Sequence[Torque] = (),
+        *,
+        disks: Sequence[Disk] = (),
+        reference: str | None = None,
+        modal_damping: float | None = None,
+        rayleigh: tuple[float, float] | None = None,
+        gravity: float | tuple[float, float] | None = None,
+        motion: str | None = None,
+    ) -> None:
+        self.shafts = parts(shafts, Shaft, "shafts")
+        self.gears = parts(gears, Gear, "gears")
+        self.meshes = parts(meshes, Mesh, "meshes")
+        self.bearings = parts(bearings, Bearing, "bearings")
+        self.torques = parts(torques, Torque, "torques")
+        self.disks = parts(disks, Disk, "disks")
+        options = {
+            "reference": reference,
+            "modal_damping": modal_damping,
+            "rayleigh": rayleigh,
+            "gravity": gravity,
+            "motion": motion,
+        }
+        description: dict[str, Plain] = {
+            key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
+            for key in _PARTS
+        }
+        for key, value in options.items():
+            converted = None if value is None else _OPTIONS[key](value, key)
+            setattr(self, key, tuples(converted))
+            if converted is not None:
+                description[key] = converted
+        self._model = Model(description)
+        _warn(self._model)
+
+    @classmethod
+    def _from_model(cls, model: Model) -> "Self":
+        """Make a system of a checked model; parts and options follow from its description."""
+        system = cls.__new__(cls)
+        system._model = model
+        description = model.description()
+        for key, kind in _PARTS.items():
+            setattr(
+                system,
+                key,
+                tuple(kind._from_description(part) for part in description.get(key, ())),
+            )
+        for key in _OPTIONS:
+            setattr(system, key, tuples(description.get(key)))
+        return system
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Self":
+        """Make a system that was checked before, without warnings."""
+        return cls._from_model(Model(copied(description, "")))
+
+    @classmethod
+    def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
+        """Make a system from plain data, the inverse of `description`.
+
+        Parameters
+        ----------
+        description : mapping
+            The keys are the names of the parameters, as in a TOML file; complex numbers may be
+            pairs [re, im].
+
+        Returns
+        -------
+        RotorSystem
+            The system.
+
+        Raises
+        ------
+        SceneError
+            If the description is invalid, or has an unknown key.
+
+        Warns
+        -----
+        SceneWarning
+            If the description is implausible.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> shaft = {"name": "rotor", "length": 1.0, "outer_diameter": 0.05, "elements": 4}
+        >>> gb.RotorSystem.from_dict({"shafts": [shaft], "gravity": 9.81}).gravity
+        9.81
+        """
+        if not isinstance(description, Mapping):
+            raise SceneError(f"description: must be a mapping, got {shown(description)}")
+        system = cls._from_description(description)
+        _warn(system._model)
+        return system
+
+    def replace(self, **changes: Any) -> "Self":
+        """Make a system with other parts or options. All others stay the same.
+
+        Parameters
+        ----------
+        **changes
+            Parameters of `RotorSystem` by name: lists of parts replace the whole list, None removes
+            an option. `dataclasses.replace` changes a single part.
+
+        Returns
+        -------
+        RotorSystem
+            The new system. This system does not change.
+
+        Raises
+        ------
+        SceneError
+            If a name is unknown, or the new system is invalid.
+
+        Warns
+        -----
+        SceneWarning
+            If the new system is implausible.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import gearbow as gb
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+        >>> system = gb.RotorSystem(shafts=[shaft], gravity=9.81)
+        >>> bent = system.replace(shafts=[replace(shaft, bow=gb.Bow.half_sine(1e-4))])
+        >>> bent.shafts[0].bow.amplitude, bent.gravity
+        (0.0001, 9.81)
+        >>> system.replace(gravity=None).gravity is None
+        True
+        """
+        names = (*_PARTS, *_OPTIONS)
+        for key in changes:
+            if key not in names:
+                raise SceneError(
+                    f"replace: {key!r} is not a parameter of a system{nearest(key, names)}"
+                )
+        return type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Self":
+        """Read a system from a TOML file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file whose keys are the names of the parameters, as `save` writes it.
+
+        Returns
+        -------
+        RotorSystem
+            The system.
+
+        Raises
+        ------
+        SceneError
+            If the description is invalid, or the file is not TOML.
+        OSError
+            If the file cannot be opened.
+        """
+        try:
+            document = Path(path).read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise SceneError(
+                f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
+                f"position {error.start}); save it as UTF-8"
+            ) from None
+        model = Model.from_toml(document)
+        _warn(model)
+        return cls._from_model(model)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the description to a TOML file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. It contains the sampled points of a bow that is given as a function.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written. An existing file is unchanged.
+        """
+        text = self._model.to_toml()
+        with replacing(path) as file:
+            file.write(text.encode())
+
+    @property
+    def description(self) -> dict[str, Plain]:
+        """Description of the system as plain data.
+
+        Returns
+        -------
+        dict
+            The keys are the names of the parameters. Options that were not given are absent.
+        """
+        return self._model.description()
+
+    @property
+    def speed_ratios(self) -> Array:
+        """Signed speed of each shaft over that of the reference shaft.
+
+        Returns
+        -------
+        ndarray, shape (shafts,)
+            The ratios r_s; every external mesh reverses the sign.
+        """
+        return self._model.speed_ratios
+
+    @property
+    def dofs(self) -> tuple[Dof, ...]:
+        """All degrees of freedom, in the order of every matrix and vector.
+
+        Returns
+        -------
+        tuple of (str, float, str)
+            Shaft, position [m] and "v", "w" (translation along y, z), "B", "G" (rotation about y,
+            z) or "twist".
+        """
+        return tuple(self._model.dofs)
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """Degrees of freedom by name and place.
+
+        Returns
+        -------
+        Coordinates
+            The coordinates.
+        """
+        return Coordinates.of(self.dofs, self.gears, self.disks)
+
+    def default_output_step(self, duration: float, speed: SpeedLike) -> float:
+        """Give the default time between recorded instants.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time [s]; infinity gives the step for any duration.
+        speed : float, SpeedProfile, callable or (times, speeds)
+            Speed of the reference shaft [rad/s], as for `simulate`.
+
+        Returns
+        -------
+        float
+            Time [s]: a fraction of the shortest period of a shaft rotation or tooth passing.
+        """
+        given = given_speed(speed, 0.0, duration)
+        return self._model.default_output_step(duration, plain_speed(given), 0.0)
+
+    def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
+        return type(self)._from_description, (self.description,)
+
+    def __repr__(self) -> str:
+        counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
+        dofs = len(self._model.dofs)
+        return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
+
+
+def _warn(model: Model) -> None:
+    """Warn about implausible entries, at the line outside this module that made the system."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__") == __name__:
+        level, frame = level + 1, frame.f_back
+    for message in model.warnings:
+        warnings.warn(message, SceneWarning, stacklevel=level)

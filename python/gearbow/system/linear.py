@@ -1,0 +1,207 @@
+"""Linear and static analyses of a system."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, number, text, whole
+from gearbow._core import Model
+from gearbow.description.layout import layout
+from gearbow.results.campbell import Campbell
+from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.matrices import Matrices
+from gearbow.results.modes import Modes
+from gearbow.results.static import Static
+from gearbow.results.synchronous import Synchronous
+from gearbow.system.description import SystemDescription
+
+__all__ = ["LinearAnalyses"]
+
+
+class LinearAnalyses(SystemDescription):
+    """Matrices, modes, equilibrium and linear response of a system."""
+
+    def matrices(self, speed: float = 0.0) -> Matrices:
+        """Assemble the matrices of the linear equations of motion.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft [rad/s]. Its sign determines the flanks in contact. At
+            speed 0 the torques determine them.
+
+        Returns
+        -------
+        Matrices
+            Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
+            flank in contact at this speed.
+
+        Raises
+        ------
+        SceneError
+            If the speed is not finite.
+        """
+        return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
+
+    def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
+        """Find natural frequencies, damping, whirl and shapes at one speed.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft [rad/s].
+        count : int, optional
+            Number of modes; None is all.
+
+        Returns
+        -------
+        Modes
+            The modes in ascending order of frequency.
+
+        Raises
+        ------
+        SceneError
+            If the speed or the count is invalid.
+        """
+        speed = number(speed, "speed")
+        data = self._model.modes(speed, None if count is None else whole(count, "count"))
+        return Modes(
+            frequencies_hz=data["frequencies_hz"],
+            damping_ratios=data["damping_ratios"],
+            whirl=tuple(data["whirl"]),
+            shapes=data["shapes"],
+            eigenvalues=data["eigenvalues"],
+            speed=speed,
+            dofs=self.dofs,
+            layout=layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings),
+            source=self._model,
+        )
+
+    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
+        """Find the equilibrium under torque, gravity and the non-linear meshes.
+
+        Parameters
+        ----------
+        geometry : {"live", "frozen"}
+            Whether the line of action follows the moving centres or is that at rest.
+        speed : float
+            Speed of the reference shaft [rad/s]. Its sign determines the drive flanks. A torque
+            against the rotation presses the back flanks, with a negative mesh force. At speed 0
+            the torques determine the drive flanks. Forces that depend on the speed are not
+            included.
+
+        Returns
+        -------
+        Static
+            Displacements, mesh states and bearing forces.
+
+        Raises
+        ------
+        SceneError
+            If the speed is not finite, or the loads have no equilibrium.
+        ContactError
+            If the base circles of a pair overlap in live geometry.
+        ConvergenceError
+            If the iteration does not converge.
+        """
+        data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
+        return Static(data, self.coordinates)
+
+    def campbell(self, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
+        """Follow the modes over the speed, and find their intersections with excitation lines.
+
+        Parameters
+        ----------
+        speeds : array_like, shape (k,)
+            Ascending speeds of the reference shaft [rad/s], from 0 or above.
+        count : int
+            Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
+            does not count.
+        harmonics : int
+            Number of harmonics of every tooth frequency; 0 omits the teeth.
+
+        Returns
+        -------
+        Campbell
+            Eigenvalues and whirl of each mode, and the intersections. An eigenvalue problem gives
+            the intersections to about 1e-12 of the speed, for any spacing of `speeds`.
+
+        Raises
+        ------
+        SceneError
+            If an argument is invalid.
+        """
+        wanted = array(speeds, "speeds")
+        count = whole(count, "count")
+        harmonics = whole(harmonics, "harmonics", least=0)
+        return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
+
+    def critical_speed_map(
+        self, stiffnesses: ArrayLike, *, excitation: float = 1.0
+    ) -> CriticalSpeedMap:
+        """Find the undamped critical speeds against the bearing stiffness.
+
+        Parameters
+        ----------
+        stiffnesses : array_like, shape (k,)
+            Stiffnesses of every bearing, the same in every direction [N/m]. Damping has no effect.
+        excitation : float
+            Order of the excitation. At a critical speed, an undamped mode has the frequency
+            excitation·Ω. The order is 1 for unbalance of the reference shaft.
+
+        Returns
+        -------
+        CriticalSpeedMap
+            Critical speeds and their whirl, from one eigenvalue problem for each stiffness.
+
+        Raises
+        ------
+        SceneError
+            If the excitation is not positive, or a stiffness is invalid.
+        """
+        wanted = array(stiffnesses, "stiffnesses")
+        excitation = number(excitation, "excitation")
+        speeds, whirl = [], []
+        for stiffness in wanted:
+            description = self.description
+            for bearing in description.get("bearings", ()):
+                bearing["stiffness"] = float(stiffness)
+                bearing.pop("damping", None)
+            found = Model(description).critical_speeds(excitation)
+            speeds.append(np.array([speed for speed, _ in found]))
+            whirl.append(tuple(name for _, name in found))
+        return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl))
+
+    def synchronous(self, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
+        """Find the linear response to bow and unbalance, without time stepping.
+
+        Parameters
+        ----------
+        speeds : array_like, shape (speeds,) or scalar
+            Speeds of the reference shaft [rad/s].
+        excitation : {"both", "bow", "unbalance"}
+            The excitation.
+
+        Returns
+        -------
+        Synchronous
+            Complex amplitudes for each speed and each shaft as the source.
+
+        Raises
+        ------
+        SceneError
+            If a speed or the excitation is invalid.
+        """
+        wanted = array(speeds, "speeds")
+        data = self._model.synchronous(wanted, excitation)
+        return Synchronous(
+            speeds=wanted,
+            shafts=tuple(self._model.shafts),
+            amplitudes=data["amplitudes"],
+            excitation=excitation,
+            slow_roll=None,
+            coordinates=self.coordinates,
+            solver=self._model,
+            _bearings=tuple(data["bearings"]),
+            _bearing_force=data["bearing_force"],
+            _bow=data["bow"],
+        )

@@ -1,0 +1,70 @@
+"""Arguments and recorded data of a run."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearbow._convert import number, real, shown
+from gearbow._types import RunData
+from gearbow.description.places import place
+from gearbow.description.speed import SpeedProfile
+from gearbow.errors import SceneError
+
+#: Accepted types of the speed of a run.
+SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
+
+
+def given_speed(speed: object, begin: float, duration: float) -> float | SpeedProfile:
+    """Read the speed of a run: a number, a profile, a function of time, or points."""
+    if isinstance(speed, SpeedProfile):
+        return speed
+    if callable(speed):
+        return SpeedProfile.function(speed, duration, begin=begin)
+    if isinstance(speed, (tuple, list)) and len(speed) == 2:
+        return SpeedProfile.table(*speed)
+    if isinstance(speed, np.ndarray) and speed.ndim > 0 and len(speed) == 2:
+        return SpeedProfile.table(*speed)
+    wanted = "a number, a SpeedProfile, a function of time or (times, speeds)"
+    return float(real(speed, "speed", wanted))
+
+
+def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any], float]:
+    """Read the initial state and the start time. A continued run starts at the end of the other."""
+    if isinstance(initial, str):
+        return initial, 0.0 if start is None else number(start, "start")
+    if not isinstance(initial, Mapping) or "time" not in initial:
+        raise SceneError(f"initial: must be a name or a response, got {shown(initial)}")
+    if start is not None:
+        raise SceneError("start: cannot be given with a response to continue; leave it out")
+    return dict(initial), number(initial["time"], "initial.time")
+
+
+def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
+    """Arrange rows in the order of the given times. An incomplete run has only the first rows."""
+    data = data.copy()
+    data.pop("checkpoint", None)
+    if rows is None:
+        return data
+    rows = rows[rows < data["time"].size]
+    energy, terms = data["energy"], data["energy_terms"]
+    return {
+        **data,
+        "time": data["time"][rows],
+        "displacement": data["displacement"][rows],
+        "twist": data["twist"][rows],
+        "bearing_force": data["bearing_force"][rows],
+        "mesh": {name: values[rows] for name, values in data["mesh"].items()},
+        "energy": None if energy is None else energy[rows],
+        "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
+    }
+
+
+def requests(record: object) -> list[Any]:
+    """Convert the argument `record` to names and tuples of names and positions."""
+    if isinstance(record, str):
+        return [record]
+    if not isinstance(record, Iterable):
+        raise SceneError(f"record: must be a list of names or tuples, got {shown(record)}")
+    return [place(entry, f"record[{i}]") for i, entry in enumerate(record)]

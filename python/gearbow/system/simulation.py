@@ -1,0 +1,250 @@
+"""Time integration of a system."""
+
+import os
+from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearbow._convert import number, text, whole
+from gearbow._progress import reported
+from gearbow._times import distinct, grid
+from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
+from gearbow.description.kinematics import Kinematics
+from gearbow.description.speed import SpeedProfile, plain_speed
+from gearbow.errors import SceneError
+from gearbow.results.response import Response
+from gearbow.system.accuracy import accuracy_of
+from gearbow.system.checkpoint import Checkpoint
+from gearbow.system.linear import LinearAnalyses
+from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
+
+__all__ = ["Simulation"]
+
+
+class Simulation(LinearAnalyses):
+    """Time integration of the equations of motion."""
+
+    def simulate(
+        self,
+        duration: float,
+        speed: SpeedLike,
+        *,
+        accuracy: str | None = None,
+        method: str | None = None,
+        step: float | None = None,
+        rtol: float | None = None,
+        stages: int | None = None,
+        modes: int | None = None,
+        initial: str | Response | Mapping[str, Any] = "synchronous",
+        output_step: float | None = None,
+        times: ArrayLike | None = None,
+        record: Iterable[Record] = ("gears", "meshes"),
+        geometry: str = "live",
+        start: float | None = None,
+        progress: bool | Progress | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+        checkpoint_interval: float = 60.0,
+    ) -> Response:
+        """Integrate the equations of motion at a constant or a changing speed.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time [s].
+        speed : float, SpeedProfile, callable or (times, speeds)
+            Speed Ω of the reference shaft [rad/s]. The angle of shaft s is r_s ∫Ω dt from the time
+            0. A callable gives the speed at a time [s]; between points the speed is linear. The
+            speed may start or end at zero, but must not change its sign. The torque that
+            accelerates a section of a shaft acts on this section.
+        accuracy : {"draft", "engineering", "reference"}, optional
+            Settings with a measured error, instead of method, step, rtol, stages and modes.
+            `Response.expected_error` and `Response.accuracy` give the expected error.
+        method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
+            "exponential" integrates the linear motion exactly and the mesh forces by Gauss
+            collocation; it is the default at constant speed. "rk45" is the Dormand–Prince 5(4)
+            method with error control, the default at changing speed. "rk4" is the classical
+            Runge–Kutta method with fixed steps. "etdrk4" (Cox and Matthews 2002) has fixed steps
+            too and integrates the linear motion exactly, so that the shortest element does not
+            limit its step; it needs a constant speed.
+        step : float, optional
+            Fixed step [s] of "rk4", "etdrk4" or "exponential". None chooses a step that resolves
+            the fastest motion for "rk4", and variable steps that meet `rtol` for "exponential".
+        rtol : float, optional
+            Tolerance of the error of a step of "exponential" and "rk45", relative to the motion in
+            the energy norm. None is 1e-6. It excludes a fixed step.
+        stages : int, optional
+            Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
+            number. None is 3.
+        modes : int, optional
+            Number of modes of "exponential" and "etdrk4". The modes with the largest response to
+            the loads are kept. None is all.
+        initial : {"synchronous", "static", "rest"} or Response
+            Initial state: static equilibrium plus linear synchronous response, static equilibrium,
+            or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. A
+            response (or its `final`) is continued: at the same speed without rounding, at another
+            speed with the same displacements, velocities and shaft angles.
+        output_step : float, optional
+            Time between recorded instants [s]. None resolves shaft rotation and tooth passing.
+        times : array_like, shape (k,), optional
+            Recorded times [s] instead, absolute and in any order.
+        record : sequence of str or tuple
+            Recorded items: names of gears, disks or shafts (all their nodes), (shaft, position),
+            (driver, driven), ("bearing", shaft, position), and the groups "gears", "disks",
+            "meshes", "bearings", "nodes", "energy".
+        geometry : {"live", "frozen"}
+            "live": line of action and tooth engagement follow the moving centres. "frozen": they
+            are those of the centres at rest.
+        start : float, optional
+            Time at the start [s]; 0 by default.
+        progress : bool or callable, optional
+            True shows a progress bar; a callable receives the completed fraction.
+        checkpoint : str or path-like, optional
+            A ``.npz`` or ``.nc`` file for the state and the recorded data during the run. After an
+            interruption, the same call continues the run, with the same result as without
+            interruption. At the end the file contains the response, and the same call reads it.
+            Only one run at a time can use a file.
+        checkpoint_interval : float, optional
+            Wall-clock time between two writings of the checkpoint [s].
+
+        Returns
+        -------
+        Response
+            The motion at the recorded times.
+
+        Raises
+        ------
+        SceneError
+            If an argument is invalid, or the checkpoint belongs to another run or is in use by
+            another run.
+        MissingExtraError
+            If the checkpoint is a ``.nc`` file and the extra "netcdf" is not installed.
+        StabilityError
+            If the step is above the stability limit, or the run diverged.
+        ContactError
+            If the base circles of a pair overlap.
+        KeyboardInterrupt
+            At Ctrl-C. This and every other exception that ends a run has the attribute
+            `.response`: the data recorded so far, or None before the first step.
+
+        Warns
+        -----
+        CheckpointWarning
+            If the checkpoint cannot be written, for example on a full disk. The run continues, and
+            the file does not change.
+
+        Examples
+        --------
+        A bowed shaft is released from rest:
+
+        >>> import gearbow as gb
+        >>> bow = gb.Bow.half_sine(1e-4)
+        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+        >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
+        >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+        >>> middle = ("rotor", 0.5)
+        >>> options = {"initial": "rest", "record": [middle, "energy"], "rtol": 1e-8}
+        >>> response = system.simulate(0.01, speed=0.0, **options)
+        >>> print(f"{1e6 * response.displacement(middle)[:, 0].max():.0f} µm")
+        200 µm
+        """
+        duration = number(duration, "duration")
+        state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
+        profile = given_speed(speed, begin, duration)
+        level = None
+        if accuracy is not None:
+            given = {"method": method, "step": step, "rtol": rtol}
+            given |= {"stages": stages, "modes": modes}
+            level = accuracy_of(accuracy, given, constant=isinstance(profile, float))
+            method, rtol = level.method, level.rtol
+        if method is None:
+            method = "exponential" if isinstance(profile, float) else "rk45"
+        arguments: dict[str, Any] = {
+            "duration": duration,
+            "speed": plain_speed(profile),
+            "method": text(method, "method"),
+            "step": None if step is None else number(step, "step"),
+            "rtol": None if rtol is None else number(rtol, "rtol"),
+            "stages": None if stages is None else whole(stages, "stages"),
+            "modes": None if modes is None else whole(modes, "modes"),
+            "initial": state,
+            "record": requests(record),
+            "geometry": text(geometry, "geometry"),
+            "start": begin,
+        }
+        wanted, rows = self._times(arguments, output_step, times)
+        identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
+        with self._checkpoint(checkpoint, checkpoint_interval, identity) as file:
+            if file is not None and file.complete is not None:
+                return Response.from_record(file.complete)
+            response = self._run(arguments, profile, (wanted, rows), progress, file)
+            if level is not None:
+                response.expected_error = level.error
+                response.accuracy = level.explanation(response.events)
+            if file is not None:
+                file.finish(response.to_record())
+        return response
+
+    def _checkpoint(
+        self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
+    ) -> AbstractContextManager[Checkpoint | None]:
+        """Open the checkpoint file of this run; None without a path."""
+        if path is None:
+            return nullcontext()
+        return Checkpoint(path, interval, {"scene": self.description, **identity})
+
+    def _times(
+        self, arguments: Mapping[str, Any], output_step: float | None, times: ArrayLike | None
+    ) -> tuple[Array, NDArray[np.intp] | None]:
+        """Find the recorded times, ascending, and the row of each given time."""
+        duration, speed, begin = (arguments[name] for name in ("duration", "speed", "start"))
+        if times is None:
+            if output_step is None:
+                output_step = self._model.default_output_step(duration, speed, begin)
+            return grid(begin, duration, number(output_step, "output_step")), None
+        if output_step is not None:
+            raise SceneError("times: cannot be given together with output_step")
+        return distinct(times)
+
+    def _run(
+        self,
+        arguments: dict[str, Any],
+        speed: float | SpeedProfile,
+        times: tuple[Array, NDArray[np.intp] | None],
+        progress: bool | Progress | None,
+        file: Checkpoint | None,
+    ) -> Response:
+        """Run with or without a checkpoint. An exception carries the response so far."""
+        wanted, rows = times
+
+        def core(
+            left: Array, checkpoint: CoreCheckpoint | None, report: Progress | None
+        ) -> RunData:
+            return self._model.simulate(
+                **arguments, times=left, checkpoint=checkpoint, progress=report
+            )
+
+        try:
+            with reported(progress, arguments["duration"]) as report:
+                if file is None:
+                    data = core(wanted, None, report)
+                else:
+                    data = file.run(core, wanted, speed, report)
+        except BaseException as error:
+            partial: RunData | None = getattr(error, "partial", None)
+            if partial is not None:
+                error.response = self._response(partial, rows, speed)  # type: ignore[attr-defined]
+                del error.partial  # type: ignore[attr-defined]
+            elif not hasattr(error, "response"):
+                error.response = None  # type: ignore[attr-defined]  # no step was done
+            raise
+        return self._response(data, rows, speed)
+
+    def _response(
+        self, data: RunData, rows: NDArray[np.intp] | None, speed: float | SpeedProfile
+    ) -> Response:
+        response = Response(in_order(data, rows), speed)
+        response.kinematics = Kinematics.of(self)
+        return response
