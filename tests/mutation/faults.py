@@ -451,7 +451,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "description/speed.py",
-        "speed_and_bow",
+        "bow_and_speed_profile",
         (
             "[begin, begin + duration], [number(start",
             "[0.0, duration], [number(start",
@@ -462,7 +462,7 @@ FAULTS: list[Fault] = [
     ),
     *_faults(
         "description/bow.py",
-        "speed_and_bow",
+        "bow_and_speed_profile",
         (
             'cls("half_sine", amplitude=amplitude, phase=phase)',
             'cls("half_sine", amplitude=amplitude)',
