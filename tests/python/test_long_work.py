@@ -211,7 +211,7 @@ class TestEstimate:
         monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
         with warnings.catch_warnings():
             warnings.simplefilter("error", gb.RunTimeWarning)
-            with pytest.raises(gb.RunTimeWarning, match="shorten the duration") as caught:
+            with pytest.raises(gb.RunTimeWarning, match="reduce the duration") as caught:
                 train().simulate(1e4, 100.0, output_step=0.1)
         assert 0 < caught.value.response.time.size < 100_001
 

@@ -382,7 +382,7 @@ def test_an_unknown_word_is_told_the_known_ones():
 
 
 def test_a_word_is_known_at_constant_speed_only():
-    with pytest.raises(gb.SceneError, match=r"^accuracy: known at constant speed only"):
+    with pytest.raises(gb.SceneError, match=r"^accuracy: is known at constant speed only"):
         SCENE.package().simulate(1e-4, lambda t: 100.0 + 1e3 * t, accuracy="draft")
 
 
