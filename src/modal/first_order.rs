@@ -96,7 +96,7 @@ impl FirstOrder {
         }
     }
 
-    /// Calls `visit(mode, i, scale, j)` for every mode, where η = scale · y[i] and η̇ = y[j].
+    /// Calls `visit(mode, i, scale, j)` for every mode, where η = scale · yᵢ and η̇ = yⱼ.
     fn for_each_mode(&self, real: &RealModes, mut visit: impl FnMut(usize, usize, f64, usize)) {
         for (index, mode) in self.elastic.iter().enumerate() {
             visit(*mode, index, 1.0 / real.frequencies[*mode], self.velocity_index(*mode));

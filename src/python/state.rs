@@ -45,7 +45,7 @@ struct FinalEntries {
     /// Time of the state since the origin, s.
     #[serde(deserialize_with = "not_negative")]
     elapsed: f64,
-    /// As [`State::carry`], s.
+    /// As [`State::time_offset`], s.
     #[serde(deserialize_with = "finite")]
     carry: f64,
     /// Length of the step to try next, s.

@@ -13,6 +13,7 @@ use crate::modal::{CachedModel, Quadratic};
 
 /// Samples between two neighbouring speeds of the tables.
 const SAMPLES: usize = 8;
+
 /// Critical speeds with the stiffness at the same speed, ascending.
 pub(super) fn critical_speeds(
     cached: &CachedModel,
@@ -28,8 +29,10 @@ pub(super) fn critical_speeds(
     let samples = samples(cached);
     let Some((first, last)) = samples.first().copied().zip(samples.last().copied()) else {
         // The tables have no speed in common.
-        let knots = cached.model.bearings.iter().flat_map(|bearing| bearing.knots());
-        return knots.map(|speed| Ok(cached.model.check_speed(speed)?)).collect::<Result<(), _>>().map(|()| Vec::new());
+        for speed in cached.model.bearings.iter().flat_map(|bearing| bearing.knots()) {
+            cached.model.check_speed(speed)?;
+        }
+        return Ok(Vec::new());
     };
     let found = samples.iter().map(|speed| at(*speed)).collect::<Result<Vec<_>, _>>()?;
     let mut critical = Vec::new();
@@ -40,14 +43,14 @@ pub(super) fn critical_speeds(
         Ok(())
     };
     let holds = cached.model.bearings.iter().all(|bearing| bearing.holds());
-    for number in 0..found[0].len() {
-        if holds && found[0][number] < first {
+    for (number, critical) in found[0].iter().enumerate() {
+        if holds && *critical < first {
             add(first, number)?;
         }
     }
     for (speeds, values) in samples.windows(2).zip(found.windows(2)) {
-        for number in 0..values[0].len().min(values[1].len()) {
-            let ends = [0, 1].map(|end| (speeds[end], values[end][number] - speeds[end]));
+        for (number, (low, high)) in values[0].iter().zip(&values[1]).enumerate() {
+            let ends = [(speeds[0], low - speeds[0]), (speeds[1], high - speeds[1])];
             let starts = ends[0].1 >= 0.0;
             if starts == (ends[1].1 < 0.0) {
                 let speed =

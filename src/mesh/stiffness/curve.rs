@@ -112,12 +112,12 @@ impl Cycle {
         }
     }
 
-    /// The smallest value, to the resolution of [`Self::samples`].
+    /// The smallest value, to the resolution of the sampling of the curve.
     pub fn smallest(&self) -> f64 {
         self.samples().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest value, to the resolution of [`Self::samples`].
+    /// The largest value, to the resolution of the sampling of the curve.
     pub fn largest(&self) -> f64 {
         self.samples().fold(0.0, f64::max)
     }
