@@ -29,8 +29,8 @@ class SpeedTable(Part):
 
     Notes
     -----
-    Invalid tables are reported by `gearbow.RotorSystem` as a `gearbow.SceneError`. The interpolation
-    is that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J. Numer. Anal. 17
+    `gearbow.RotorSystem` reports an invalid table as a `gearbow.SceneError`. The interpolation is
+    that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J. Numer. Anal. 17
     (1980), with the slopes of Fritsch and Butland (1984).
 
     At a constant speed the bearing is a linear one with the coefficients of that speed. In a run

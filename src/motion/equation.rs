@@ -237,7 +237,9 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Whether the instants at which laws change depend on the motion.
     pub fn motion_changes_contact_modes(&self) -> bool {
-        let moves = |mesh: &GearMesh| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();
+        let moves = |mesh: &GearMesh| {
+            mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.engagement_follows_motion()
+        };
         self.model.meshes.iter().any(|mesh| mesh.switches() && moves(mesh))
     }
 

@@ -144,17 +144,13 @@ impl SpeedTable {
         }
         let (left, right) = (above - 1, above);
         let (width, t) = (self.speeds[right] - self.speeds[left], speed - self.speeds[left]);
-        let mut found = [[[0.0; 2]; 2]; 2];
-        for i in 0..2 {
-            for j in 0..2 {
-                let (y, m, n) = (self.values[left][i][j], self.slopes[left][i][j], self.slopes[right][i][j]);
-                let secant = (self.values[right][i][j] - y) / width;
-                let (c, d) = ((3.0 * secant - 2.0 * m - n) / width, (m + n - 2.0 * secant) / (width * width));
-                found[0][i][j] = y + t * (m + t * (c + t * d));
-                found[1][i][j] = m + t * (2.0 * c + t * 3.0 * d);
-            }
-        }
-        found
+        let entry = |i: usize, j: usize| {
+            let (y, m, n) = (self.values[left][i][j], self.slopes[left][i][j], self.slopes[right][i][j]);
+            let secant = (self.values[right][i][j] - y) / width;
+            let (c, d) = ((3.0 * secant - 2.0 * m - n) / width, (m + n - 2.0 * secant) / (width * width));
+            [y + t * (m + t * (c + t * d)), m + t * (2.0 * c + t * 3.0 * d)]
+        };
+        std::array::from_fn(|of| std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)[of])))
     }
 
     fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
@@ -233,6 +229,7 @@ fn end_slope(widths: [f64; 2], secants: [f64; 2]) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
 

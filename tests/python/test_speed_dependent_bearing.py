@@ -168,7 +168,10 @@ def judged() -> judge.Motion:
     def bearings(speed: float) -> tuple[Array, Array]:
         k, c = np.zeros_like(train.mass), np.zeros_like(train.mass)
         for i in places:
-            k[i : i + 2, i : i + 2], c[i : i + 2, i : i + 2] = stiffness(speed), np.diag(damping(speed))
+            k[i : i + 2, i : i + 2], c[i : i + 2, i : i + 2] = (
+                stiffness(speed),
+                np.diag(damping(speed)),
+            )
         return k, c
 
     # the second derivative of the interpolation jumps at its knots
@@ -185,7 +188,11 @@ def profile() -> gb.SpeedProfile:
 
 
 def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(judged: judge.Motion):
-    options: dict[str, Any] = {"initial": "rest", "times": judged.time, "record": ["wheel", "bearings"]}
+    options: dict[str, Any] = {
+        "initial": "rest",
+        "times": judged.time,
+        "record": ["wheel", "bearings"],
+    }
     exact = judged.displacement("wheel")
     size = np.abs(exact).max()
     found = rotor().simulate(END, profile(), method="rk45", rtol=1e-10, **options)
@@ -291,7 +298,10 @@ def test_invalid_tables_name_the_entry(table: Any, message: str):
 def test_tables_survive_files_and_descriptions(tmp_path: Any):
     system = rotor(damping=gb.SpeedTable(SPEEDS, DAMPING, outside="hold"))
     system.save(tmp_path / "scene.toml")
-    for again in (gb.RotorSystem.load(tmp_path / "scene.toml"), gb.RotorSystem.from_dict(system.description)):
+    for again in (
+        gb.RotorSystem.load(tmp_path / "scene.toml"),
+        gb.RotorSystem.from_dict(system.description),
+    ):
         assert again.bearings == system.bearings
         assert again.description == system.description
         np.testing.assert_array_equal(again.modes(33.0).shapes, system.modes(33.0).shapes)

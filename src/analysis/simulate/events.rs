@@ -120,7 +120,7 @@ impl EventRecorder {
 
     /// Whether there is a mesh to watch at every step; the others are seen when they are recorded.
     pub fn watches(motion: &EquationOfMotion) -> bool {
-        motion.model().meshes.iter().any(GearMesh::varies)
+        motion.model().meshes.iter().any(GearMesh::is_time_varying)
     }
 
     fn push(&mut self, elapsed: f64, mesh: usize, kind: EventKind) {
@@ -170,7 +170,7 @@ impl EventRecorder {
         let Some(q) = step.end_displacement() else {
             return;
         };
-        for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
+        for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.is_time_varying()) {
             // Centres that overlap stop the run elsewhere.
             if let Ok(apart) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
                 self.see(motion, index, step.end(), &apart);

@@ -99,7 +99,7 @@ fn time_grid(
             let resonant = if field.is_resonant() { STEPS_A_RESONANT_TURN / STEPS_A_CYCLE } else { 1.0 };
             let speed = options.fastest().abs();
             let turning = model.fastest_turn() * speed * resonant;
-            let travelling = model.fastest_teeth_of(GearMesh::travels) * speed;
+            let travelling = model.fastest_teeth_of(GearMesh::depends_on_tooth_position) * speed;
             let engaging = model.fastest_teeth_of(GearMesh::switches) * speed * STEPS_A_PAIR / STEPS_A_CYCLE;
             let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
             let mut most = TAU / (STEPS_A_CYCLE * fastest);
