@@ -1,6 +1,6 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //!
-//! At a constant speed K and C are constant: [`Model::at_speed`](crate::model::Model::at_speed) then puts the bearing into
+//! At a constant speed K and C are constant: `Model::at_speed` then puts the bearing into
 //! the matrices, so that it costs nothing there. Where the speed changes, K and C follow it at every evaluation. The energy
 //! ½uᵀKu then changes with K as well; the drive, which prescribes the speed, does that work: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
