@@ -96,8 +96,8 @@ impl SpeedDependentBearing {
         form(&k, [q[self.index], q[self.index + 1]]) / 2.0
     }
 
-    /// Power [W] that the changing stiffness takes from the drive, and power that damping and cross-coupling take from
-    /// the shaft, where the reference shaft turns at `speed` [rad/s] and accelerates at `acceleration` [rad/s²].
+    /// Powers, W: the power that the changing stiffness takes from the drive, and the power that damping and
+    /// cross-coupling take from the shaft. `speed` [rad/s] and `acceleration` [rad/s²] are those of the reference shaft.
     pub fn powers(&self, speed: f64, acceleration: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let ([k, c], u, rate) =
             (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);

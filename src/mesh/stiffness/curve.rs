@@ -113,12 +113,12 @@ impl PeriodicCurve {
         }
     }
 
-    /// The smallest value, to the resolution of [`Self::samples`].
+    /// The smallest value, among at least 1000 samples.
     pub fn smallest(&self) -> f64 {
         self.samples().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest value, to the resolution of [`Self::samples`].
+    /// The largest value, among at least 1000 samples.
     pub fn largest(&self) -> f64 {
         self.samples().fold(0.0, f64::max)
     }
