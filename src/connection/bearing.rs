@@ -1,6 +1,6 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //!
-//! At a constant speed K and C are constant: [`Model::at_speed`](crate::model::Model::at_speed) then puts the bearing into
+//! At a constant speed K and C are constant: `Model::at_speed` then puts the bearing into
 //! the matrices, so that it costs nothing there. Where the speed changes, K and C follow it at every evaluation. The energy
 //! ½uᵀKu then changes with K as well; the drive, which prescribes the speed, does that work: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
@@ -96,8 +96,8 @@ impl SpeedDependentBearing {
         form(&k, [q[self.index], q[self.index + 1]]) / 2.0
     }
 
-    /// Power (W) that the changing stiffness takes from the drive, and power that damping and cross-coupling take from
-    /// the shaft, where the reference shaft turns at `speed` (rad/s) and accelerates at `acceleration` (rad/s²).
+    /// Powers, W: the power that the changing stiffness takes from the drive, and the power that damping and
+    /// cross-coupling take from the shaft. `speed` (rad/s) and `acceleration` (rad/s²) are those of the reference shaft.
     pub fn powers(&self, speed: f64, acceleration: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let ([k, c], u, rate) =
             (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);

@@ -6,7 +6,7 @@
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
 use super::Row;
-use super::interface::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
 use crate::mesh::{
     Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
 };

@@ -18,6 +18,7 @@
 //! The `match` over the variants has no wildcard, so an analysis that does not answer for a new variant does not compile.
 
 mod bearing;
+mod instant;
 mod interface;
 mod mesh;
 mod spring;
@@ -25,7 +26,8 @@ mod spring;
 use nalgebra::DMatrix;
 
 pub use bearing::SpeedDependentBearing;
-pub use interface::{GuaranteedInterval, Instant, Interface, InterfaceOptions, SpringInterface};
+pub use instant::{GuaranteedInterval, Instant, InterfaceOptions};
+pub use interface::{Interface, SpringInterface};
 pub use mesh::MeshInterface;
 pub use spring::Spring;
 

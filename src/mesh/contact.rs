@@ -1,8 +1,8 @@
-//! What a mesh is doing: which flank carries, with what force, and what a response reports of it.
+//! Contact of a mesh: the flank in contact, its force, and the quantities that a response reports.
 
 use super::Centres;
 
-/// How a shaft stands and turns.
+/// Angle and spin of a shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShaftPhase {
     /// Angle ϑ of its spin, rad.
@@ -11,60 +11,59 @@ pub struct ShaftPhase {
     pub spin: f64,
 }
 
-/// The flank that carries.
+/// The flank in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flank {
-    /// The one that drives.
+    /// The drive flank.
     Drive,
-    /// The other one.
+    /// The back flank.
     Back,
-    /// Neither: the teeth have parted.
+    /// Neither: the teeth are separated.
     Apart,
-    /// Both: the centres have closed by more than the backlash.
+    /// Both: the centre distance is smaller than the backlash allows.
     Both,
 }
 
 impl Flank {
-    /// Whether the drive flank carries.
+    /// Whether the drive flank is in contact.
     pub fn drives(self) -> bool {
         matches!(self, Self::Drive | Self::Both)
     }
 
-    /// Whether the back flank carries.
+    /// Whether the back flank is in contact.
     pub fn holds_back(self) -> bool {
         matches!(self, Self::Back | Self::Both)
     }
 }
 
-/// The law of a mesh over a step: it changes between steps alone, so that a step never sees a jump.
+/// The contact mode of a mesh in a step. It changes only between steps, so that the force is smooth within a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactMode {
-    /// The flank that carries.
+    /// The flank in contact.
     pub flank: Flank,
-    /// First and last pair between the tip circles on the drive flank and on the back flank, where pairs come and go
-    /// in jumps.
+    /// First and last pair on the path of contact of the drive flank and of the back flank, where engagement is sharp.
     pub engaged: [(i64, i64); 2],
 }
 
-/// Pairs are counted from the first that was in contact; f64 holds each number up to this one.
+/// Largest number of a tooth pair: f64 represents every whole number up to it.
 const MOST_PAIR: u64 = 1 << 53;
-/// More pairs than this are never in contact at once: a contact ratio is below 10.
+/// Upper bound on the pairs in contact at once; contact ratios are below 10.
 const MOST_PAIRS: u64 = 1000;
 
 impl ContactMode {
-    /// The law of a mesh that never changes it.
+    /// The contact mode of a mesh without backlash and without sharp engagement.
     pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: [(0, 0); 2] };
 
     /// Length of [`Self::code`].
     pub const CODE: usize = 5;
 
-    /// As numbers: flank, then first and last pair of each flank.
+    /// The contact mode as numbers: flank, then first and last pair of each flank.
     pub fn code(&self) -> [i64; Self::CODE] {
         let [(a, b), (c, d)] = self.engaged;
         [self.flank as i64, a, b, c, d]
     }
 
-    /// Whether numbers are those of a law: a flank, and ranges of pairs that a gear can have in contact.
+    /// Whether numbers represent a contact mode: a flank, and ranges of pairs that can be in contact.
     pub fn is_code(code: &[i64]) -> bool {
         let range = |pairs: &[i64]| {
             pairs.iter().all(|pair| pair.unsigned_abs() <= MOST_PAIR) && pairs[1].abs_diff(pairs[0]) <= MOST_PAIRS
@@ -72,7 +71,7 @@ impl ContactMode {
         code.len() == Self::CODE && (0..=3).contains(&code[0]) && range(&code[1..3]) && range(&code[3..5])
     }
 
-    /// From its numbers.
+    /// The contact mode of numbers that [`Self::is_code`] accepts.
     pub fn from_code(code: &[i64]) -> Self {
         let flank = match code[0] {
             0 => Flank::Drive,
@@ -101,21 +100,21 @@ pub struct Contact {
     pub push: [f64; 2],
     /// Generalised forces on θ_a and θ_b, N m.
     pub moments: [f64; 2],
-    /// Power of what is prescribed (error, spin of the teeth, run-out), W.
+    /// Power of the prescribed motion (transmission error, spin of the teeth, run-out), W.
     pub drive_power: f64,
-    /// Power that damping takes, cδ̇², W.
+    /// Power dissipated by damping, cδ̇², W.
     pub damping_power: f64,
-    /// Deflection of the back flank, m; −∞ where flanks never part.
+    /// Deflection of the back flank, m; −∞ without backlash.
     pub back_flank_deflection: f64,
 }
 
 impl Contact {
-    /// What is left of it where the flanks do not touch.
-    pub(super) fn relative_displacement(&self) -> Self {
+    /// The contact of separated flanks: deflection and rate, without force.
+    pub(super) fn separated(&self) -> Self {
         Self { deflection: self.deflection, rate: self.rate, ..Self::default() }
     }
 
-    /// This of the drive flank with that of the back flank beside it.
+    /// The sum of this contact of the drive flank and the contact of the back flank.
     pub(super) fn and_back(&self, back: &Self) -> Self {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {

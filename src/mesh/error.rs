@@ -3,14 +3,14 @@
 use std::f64::consts::PI;
 
 use super::contact::ShaftPhase;
-use super::stiffness::Cycle;
+use super::stiffness::PeriodicCurve;
 use crate::scene::TransmissionError;
 
 /// An error that can be evaluated.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorCurve {
-    harmonics: [(Cycle, f64); 3],
-    table: Option<Cycle>,
+    harmonics: [(PeriodicCurve, f64); 3],
+    table: Option<PeriodicCurve>,
     teeth: f64,
 }
 
@@ -18,10 +18,10 @@ impl ErrorCurve {
     /// The error of a mesh whose driver has `teeth` teeth.
     pub fn new(given: &TransmissionError, teeth: u32) -> Self {
         let teeth = f64::from(teeth);
-        let of = |harmonics: &Vec<[f64; 2]>| Cycle::Fourier(0.0, harmonics.clone());
+        let of = |harmonics: &Vec<[f64; 2]>| PeriodicCurve::Fourier(0.0, harmonics.clone());
         Self {
             harmonics: [(of(&given.tooth), teeth), (of(&given.driver), 1.0), (of(&given.driven), 1.0)],
-            table: (!given.table.is_empty()).then(|| Cycle::table(&given.table)),
+            table: (!given.table.is_empty()).then(|| PeriodicCurve::table(&given.table)),
             teeth,
         }
     }
@@ -30,7 +30,7 @@ impl ErrorCurve {
     pub fn at(&self, turning: &[ShaftPhase; 2]) -> (f64, f64) {
         let [driver, driven] = turning;
         let mut sum = (0.0, 0.0);
-        let mut add = |cycle: &Cycle, order: f64, turning: &ShaftPhase| {
+        let mut add = |cycle: &PeriodicCurve, order: f64, turning: &ShaftPhase| {
             let (value, slope) = cycle.at(order * turning.angle / (2.0 * PI));
             sum.0 += value;
             sum.1 += slope * order * turning.spin / (2.0 * PI);

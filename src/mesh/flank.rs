@@ -1,37 +1,37 @@
-//! One flank of a mesh: how far it is pressed in, what its tooth pairs store, and the law that follows from both flanks.
+//! One flank of a mesh: its deflection and force; and the contact mode, which follows from both flanks.
 
 use super::contact::{Contact, ContactMode, Flank};
 use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
 use super::involute::{CentreGeometry, LineOfAction, Overlap};
-use super::stiffness::{ContactPath, Stored};
+use super::stiffness::{ContactPath, ElasticState};
 use crate::scene::Phase;
 
-/// How the gears approach each other: what both flanks have in common.
+/// Kinematics of the gears that both flanks have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GearKinematics<'a> {
     pose: MeshPose<'a>,
     pub position: RelativeMotion,
     velocity: RelativeMotion,
-    /// Where the base circles stand off their shafts, m, and the velocity that the spins give them, m/s.
+    /// Run-out vectors of both gears, m, and the relative velocity of the centres that the spins cause, m/s.
     eccentric: Option<[[f64; 2]; 2]>,
     carried: [f64; 2],
     pub centre_geometry: Option<CentreGeometry>,
 }
 
-/// How the teeth of one flank meet.
+/// Kinematics of one flank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FlankKinematics {
     back: bool,
     sigma: f64,
     line: LineOfAction,
-    /// δ, m, and its rate, m/s; at or below zero the flank is clear.
+    /// δ, m, and its rate, m/s; the flank is separated if δ ≤ 0.
     deflection: f64,
     rate: f64,
     error_rate: f64,
 }
 
 impl GearMesh {
-    /// How the gears approach each other.
+    /// Kinematics of the gears.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -54,7 +54,7 @@ impl GearMesh {
         Ok(GearKinematics { pose: *pose, position, velocity, eccentric, carried, centre_geometry })
     }
 
-    /// How the teeth of the drive flank meet, or those of the back flank.
+    /// Kinematics of the drive flank or of the back flank.
     #[inline(always)]
     pub(super) fn meet(&self, approach: &GearKinematics<'_>, back: bool) -> FlankKinematics {
         let GearKinematics { pose, position, velocity, centre_geometry, .. } = approach;
@@ -71,7 +71,7 @@ impl GearMesh {
         FlankKinematics { back, sigma, line, deflection, rate, error_rate }
     }
 
-    /// Deflection of the back flank, m; −∞ where flanks never part.
+    /// Deflection of the back flank, m; −∞ without backlash.
     #[inline(always)]
     pub(super) fn back_flank_deflection(
         &self,
@@ -97,24 +97,25 @@ impl GearMesh {
         let GearKinematics { pose: MeshPose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
         let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *meeting;
         let path = || self.path_of(&approach.pose, meeting);
-        let Stored { energy, force: elastic, stiffness, travel, opening } =
-            self.teeth.stored(path, contact_mode.engaged[usize::from(back)], deflection);
+        let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } =
+            self.teeth.elastic_state(path, contact_mode.engaged[usize::from(back)], deflection);
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);
         let mut moments = [-force * sigma * ra, -force * sigma * rb];
-        // Power of what is prescribed: the error, and the spin that carries teeth along the path and eccentric gears.
-        let mut drive_power = -force * error_rate + travel * ra * sigma * turning[0].spin;
+        // Power of the prescribed motion: transmission error, teeth moving along the path, and run-out turning with the
+        // shafts.
+        let mut drive_power = -force * error_rate + by_position * ra * sigma * turning[0].spin;
         let steeper = self.involute.base_circles() / line.tangent;
         match self.phase {
             Phase::Twist => {
-                moments[0] -= travel * ra * sigma;
+                moments[0] -= by_position * ra * sigma;
                 if *geometry == Geometry::Live {
                     for ((push, normal), tangent_direction) in
                         push.iter_mut().zip(line.normal).zip(line.tangent_direction)
                     {
-                        *push -= travel * ra * tangent_direction / line.tangent
-                            + opening * (normal + tangent_direction * steeper);
+                        *push -= by_position * ra * tangent_direction / line.tangent
+                            + by_tangent * (normal + tangent_direction * steeper);
                     }
                 }
             }
@@ -123,8 +124,8 @@ impl GearMesh {
                     dot(line.normal, velocity.relative_displacement),
                     dot(line.tangent_direction, velocity.relative_displacement),
                 );
-                drive_power +=
-                    travel * ra * tangent_direction / line.tangent + opening * (along + tangent_direction * steeper);
+                drive_power += by_position * ra * tangent_direction / line.tangent
+                    + by_tangent * (along + tangent_direction * steeper);
             }
             Phase::Prescribed => {}
         }
@@ -149,7 +150,7 @@ impl GearMesh {
         }
     }
 
-    /// Where the tooth pairs of a flank are on the path of contact.
+    /// Position of the tooth pairs of a flank on the path of contact.
     pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, twist: f64) -> ContactPath {
         let turned = match self.phase {
             Phase::Twist => angle + twist,
@@ -157,18 +158,19 @@ impl GearMesh {
         };
         let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
         let centres = self.involute.angle_at_rest() + line.turned;
-        // What thinner teeth leave for the backlash is a hundredth of the pitch, and not known of either gear alone.
+        // Backlash makes the teeth thinner by about a hundredth of the pitch; how it divides between the gears is unknown,
+        // so it is neglected here.
         let back_flank_deflection = if back { self.involute.base_thickness } else { 0.0 };
         let position = self.involute.position(sigma, turned, centres, pressure_angle) + back_flank_deflection;
         ContactPath { position, ..self.involute.path(line.tangent) }
     }
 
-    /// The same of teeth that meet so.
+    /// Position of the tooth pairs of a flank with known kinematics.
     fn path_of(&self, pose: &MeshPose<'_>, meeting: &FlankKinematics) -> ContactPath {
         self.path(meeting.sigma, meeting.back, &meeting.line, pose.turning[0].angle, pose.position.twist[0])
     }
 
-    /// Where the tooth pairs of the drive flank are on the path of contact, or those of the back flank.
+    /// Position of the tooth pairs of the drive flank or of the back flank on the path of contact.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -177,7 +179,7 @@ impl GearMesh {
         Ok(self.path_of(pose, &self.meet(&approach, back)))
     }
 
-    /// The law that holds: which flank presses, and which pairs are between the tip circles.
+    /// The contact mode: the pressed flanks, and the tooth pairs on the path of contact.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.

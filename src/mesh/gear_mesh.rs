@@ -1,16 +1,16 @@
-//! A mesh as the equation of motion sees it: one scalar force that acts on six coordinates.
+//! The force of a mesh: one scalar that acts on six coordinates.
 //!
 //! ```text
 //! F = ∂U/∂δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) over (u_a, u_b, θ_a, θ_b)
 //! ```
 //!
-//! with U = ½kδ² where the stiffness is a mean, and the sum over the tooth pairs where it is not. One law for modes,
-//! static equilibrium and motion. Live geometry takes n from the centres as they lie; with constant k the force then
-//! derives from ½kδ², and an undamped scene conserves its energy although n moves. Frozen geometry keeps n of the
-//! centres at rest, which makes the law linear. A stiffness that depends on the motion adds −∂U/∂q of its own.
+//! U is ½kδ² for a mean stiffness k, otherwise the sum over the tooth pairs. Modes, static equilibrium and motion use the
+//! same force. Live geometry takes n from the moving centres; with constant k the force then derives from ½kδ², and an
+//! undamped scene conserves its energy. Frozen geometry keeps n of the centres at rest, so that the force is linear. A
+//! stiffness that depends on the displacements adds its own −∂U/∂q.
 //!
-//! With backlash the flanks part: F acts on the drive flank while it presses, on the back flank (σ → −σ, from the
-//! backlash on) while that does, and otherwise not at all; it never pulls. The force of one flank is in `flank.rs`.
+//! With backlash F acts on the drive flank while that is pressed, on the back flank (σ → −σ, deflection less the backlash)
+//! while that is pressed, and is zero otherwise; it never pulls. The force of one flank is in `flank.rs`.
 
 use super::contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
@@ -21,13 +21,13 @@ use crate::scene::{Damping, Gear, Mesh, Phase};
 /// Whether the line of action follows the centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Geometry {
-    /// It follows them at every instant.
+    /// The line of action follows the moving centres.
     Live,
-    /// It stays that of the centres at rest.
+    /// The line of action is that of the centres at rest.
     Frozen,
 }
 
-/// Where the six coordinates of a mesh stand in a vector of displacements.
+/// Indices of the six coordinates of a mesh in a vector of displacements.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshCoordinates {
     /// v of driver and driven gear (w follows v); `None` in a scene that has no bending.
@@ -36,7 +36,7 @@ pub struct MeshCoordinates {
     pub twist: [usize; 2],
 }
 
-/// How a mesh stands: all that its force depends on but its law.
+/// Everything on which the force of a mesh depends except its contact mode.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshPose<'a> {
     /// Whether its line of action follows the centres.
@@ -45,20 +45,20 @@ pub struct MeshPose<'a> {
     pub sigma: f64,
     /// Angles and spins of the shafts of driver and driven gear.
     pub turning: &'a [ShaftPhase; 2],
-    /// What it sees of the displacements.
+    /// Relative displacements.
     pub position: RelativeMotion,
-    /// What it sees of their rates.
+    /// Relative velocities.
     pub velocity: RelativeMotion,
 }
 
-/// What a mesh sees of displacements, or of their rates.
+/// Relative motion of the gears of a mesh: displacements, or velocities (then per second).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RelativeMotion {
     /// u_b − u_a over (y, z), m.
     pub relative_displacement: [f64; 2],
     /// r_a θ_a + r_b θ_b, m.
     pub rolling_displacement: f64,
-    /// θ_a and θ_b, rad: they matter by themselves where teeth follow the twist, or gears run off their centres.
+    /// θ_a and θ_b, rad: used where the tooth engagement follows the twist, and for run-out.
     pub twist: [f64; 2],
 }
 
@@ -71,15 +71,15 @@ pub struct GearMesh {
     pub coordinates: MeshCoordinates,
     /// Stiffness of the teeth.
     pub teeth: Stiffness,
-    /// What moves the teeth along the path of contact.
+    /// The angle that moves the teeth along the path of contact: the prescribed angle, or that with the twist.
     pub phase: Phase,
-    /// Mean stiffness, N/m: that of modes, equilibrium and everything linear.
+    /// Mean stiffness, N/m, used by modes, equilibrium and all linear analyses.
     pub stiffness: f64,
-    /// A bound of the stiffness, N/m.
+    /// Upper bound of the stiffness, N/m.
     pub stiffest: f64,
     /// Damping c, N s/m.
     pub damping: f64,
-    /// Backlash along the line of action, m; none for a mesh that never parts.
+    /// Backlash along the line of action, m; none for a mesh whose flanks never separate.
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
     pub shafts: [usize; 2],
@@ -91,7 +91,7 @@ pub struct GearMesh {
 }
 
 impl GearMesh {
-    /// The coupling of `mesh` on `coordinates`.
+    /// The mesh of two gears on its coordinates.
     pub fn new(mesh: &Mesh, gears: &[Gear], coordinates: MeshCoordinates) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let involute = Involute::new(mesh, gears);
@@ -105,7 +105,7 @@ impl GearMesh {
                 2.0 * ratio * (mean / (compliance(a) + compliance(b))).sqrt()
             }
         };
-        // Both flanks press where the centres close by more than the backlash.
+        // Both flanks are in contact if the centre distance shrinks by more than the backlash allows.
         let flanks = if mesh.teeth.backlash.is_some() { 2.0 } else { 1.0 };
         let out = [a, b].map(|gear| (gear.run_out.norm(), gear.run_out.arg()));
         Self {
@@ -124,32 +124,32 @@ impl GearMesh {
         }
     }
 
-    /// Whether a step of the integration must end where this mesh changes its law.
+    /// Whether the mesh has contact modes, at whose changes a step of the integration must end.
     pub fn switches(&self) -> bool {
         self.backlash.is_some() || self.teeth.is_sharp()
     }
 
-    /// Whether its teeth come and go: the centres must be watched at every step.
-    pub fn varies(&self) -> bool {
+    /// Whether the stiffness varies with time or the contact mode changes: the centres are then observed at every step.
+    pub fn is_time_varying(&self) -> bool {
         self.switches() || !self.teeth.is_constant()
     }
 
-    /// Whether its force depends, between changes of its law, on where the teeth stand along their path.
-    pub fn travels(&self) -> bool {
-        !self.teeth.is_stepwise() || self.error.is_some()
+    /// Whether the force depends, between changes of the contact mode, on the position of the teeth on the path of contact.
+    pub fn depends_on_tooth_position(&self) -> bool {
+        !self.teeth.is_piecewise_constant() || self.error.is_some()
     }
 
-    /// Whether its teeth are moved by the twist, or by gears that run off their centres.
-    pub fn follows(&self) -> bool {
+    /// Whether the motion moves the tooth engagement: by the twist, or by run-out.
+    pub fn engagement_follows_motion(&self) -> bool {
         self.phase == Phase::Twist || self.run_out.is_some()
     }
 
-    /// Whether a gear runs off its centre.
+    /// Whether a gear has run-out.
     pub fn has_run_out(&self) -> bool {
         self.run_out.is_some()
     }
 
-    /// How the centres of the base circles lie.
+    /// Position of the centres of the base circles.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -173,18 +173,18 @@ impl GearMesh {
         }
     }
 
-    /// The coordinates that it acts on.
+    /// Indices of the coordinates on which the mesh acts.
     pub fn indices(&self) -> Vec<usize> {
         let MeshCoordinates { translation, twist } = self.coordinates;
         twist.into_iter().chain(translation.into_iter().flatten().flat_map(|v| [v, v + 1])).collect()
     }
 
-    /// Whether the force depends on the displacements of the mesh alone, not on where its shafts stand.
+    /// Whether the force does not depend on the angles of the shafts.
     fn is_autonomous(&self) -> bool {
         self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
     }
 
-    /// What it sees of displacements that contain its coordinates, or of their rates.
+    /// Relative motion of the gears for displacements or velocities of the whole model.
     #[inline(always)]
     pub fn relative(&self, q: &[f64]) -> RelativeMotion {
         let [ra, rb] = self.involute.base_radius;
@@ -196,7 +196,7 @@ impl GearMesh {
         RelativeMotion { relative_displacement, rolling_displacement: ra * twist[0] + rb * twist[1], twist }
     }
 
-    /// How it stands in displacements `q` that contain its coordinates, with rates `v`.
+    /// The pose for displacements `q` and velocities `v` of the whole model.
     #[inline(always)]
     pub fn pose<'a>(
         &self,
@@ -209,7 +209,7 @@ impl GearMesh {
         MeshPose { geometry, sigma, turning, position: self.relative(q), velocity: self.relative(v) }
     }
 
-    /// Where the base circles stand off their shafts.
+    /// Run-out vectors of driver and driven gear over (y, z), m.
     pub(super) fn eccentric(&self, turning: &[ShaftPhase; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;
         let at = |i: usize| {
@@ -220,7 +220,7 @@ impl GearMesh {
         Some([at(0), at(1)])
     }
 
-    /// How the centres lie, where that matters: frozen geometry keeps them at rest.
+    /// Geometry of the moving centres; none in frozen geometry, which keeps the centres at rest.
     #[inline(always)]
     pub(super) fn centre_geometry(
         &self,
@@ -233,7 +233,7 @@ impl GearMesh {
         }
     }
 
-    /// The line of action; in frozen geometry that at rest, with the deflection of small displacements.
+    /// The line of action; in frozen geometry the line at rest, with the deflection by small displacements.
     #[inline(always)]
     pub(super) fn line(
         &self,
@@ -250,7 +250,7 @@ impl GearMesh {
         }
     }
 
-    /// The contact on the flank that `contact_mode` says.
+    /// The contact on the flanks of the contact mode.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -283,12 +283,10 @@ impl GearMesh {
         let back_flank_deflection = || self.back_flank_deflection(sigma, &approach.centre_geometry, &approach.position);
         match contact_mode.flank {
             Flank::Drive => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive }),
-            Flank::Apart => {
-                Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.relative_displacement() })
-            }
+            Flank::Apart => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.separated() }),
             Flank::Back | Flank::Both => {
                 let back = self.press(&approach, &self.meet(&approach, true), contact_mode);
-                let drive = if contact_mode.flank.drives() { drive } else { drive.relative_displacement() };
+                let drive = if contact_mode.flank.drives() { drive } else { drive.separated() };
                 Ok(drive.and_back(&back))
             }
         }
@@ -332,7 +330,7 @@ impl GearMesh {
         visit(b, sigma * rb);
     }
 
-    /// What a response reports under `contact_mode`.
+    /// The quantities that a response reports.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.

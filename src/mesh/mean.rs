@@ -1,4 +1,4 @@
-//! The mesh under its mean stiffness: what modes, equilibrium and everything linear see of it.
+//! The mesh with its mean stiffness, for modes, equilibrium and all linear analyses.
 
 use super::contact::{Flank, MeshState};
 use super::gear_mesh::{GearMesh, Geometry, dot};
@@ -46,7 +46,7 @@ impl GearMesh {
             self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
         });
         if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
-            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action turns as the centres move across it.
+            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action rotates when the centres move across it.
             let curvature = -force / line.tangent;
             for (row, sign) in [(a, -1.0), (b, 1.0)] {
                 for (column, other) in [(a, -1.0), (b, 1.0)] {
@@ -63,7 +63,7 @@ impl GearMesh {
         Ok((force, line.normal))
     }
 
-    /// What is reported of an equilibrium under the mean stiffness, in displacements `q`.
+    /// The quantities that are reported of an equilibrium with the mean stiffness at the displacements `q`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.

@@ -1,4 +1,4 @@
-//! Where the energy of the motion is, and what changes it.
+//! Energies of the motion, and the powers that change them.
 
 use super::EquationOfMotion;
 use crate::connection::Connection;
@@ -14,18 +14,18 @@ pub struct Energies {
     pub shafts: f64,
     /// ½qᵀK_bearings q, and the energy of other connections that are no meshes.
     pub bearings: f64,
-    /// ΣU.
+    /// ΣU of the meshes.
     pub meshes: f64,
 }
 
 impl Energies {
-    /// Their sum.
+    /// Total energy, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.shafts + self.bearings + self.meshes
     }
 }
 
-/// What changes the energy, in this order: its names.
+/// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
 
 impl<'m> EquationOfMotion<'m> {
@@ -137,7 +137,7 @@ impl<'m> EquationOfMotion<'m> {
         Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
     }
 
-    /// q less the stress-free shape of every bowed shaft.
+    /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.
     fn unbend(&self, elapsed: f64, q: &[f64], unbent: &mut [f64]) {
         unbent.copy_from_slice(q);
         for (index, shaft) in self.model.shafts.iter().enumerate() {
@@ -152,7 +152,7 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// What a response reports of a mesh.
+    /// The quantities of a mesh that a response reports.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -161,7 +161,7 @@ impl<'m> EquationOfMotion<'m> {
         self.model.meshes[mesh].state(&self.pose(mesh, &turning, q, v), &self.contact_modes[mesh])
     }
 
-    /// The model that moves.
+    /// The model.
     pub fn model(&self) -> &'m Model {
         self.model
     }

@@ -1,11 +1,12 @@
 //! M q̈ = f(t) − K q − (C + ΩG) q̇ − Σ_mesh F ∂δ/∂q, node by node.
 //!
 //! The two bending planes of a shaft are the lanes of one complex chain, its twist is a chain of its own; every chain
-//! is multiplied and solved in time proportional to its nodes. What a scene leaves out (spin, damping, bow) is skipped.
+//! is multiplied and solved in time proportional to its nodes. Terms that a scene does not have (spin, damping, bow) are
+//! skipped.
 //!
-//! Where Ω changes, every shaft has its true angle, spin and acceleration at each evaluation. The torque that
-//! accelerates a section is taken to act where its inertia is: along its own axis, so there is no term Ω̇G q, and
-//! against its own inertia, so twist, which is measured from the prescribed spin, does not feel it.
+//! Where Ω changes, every shaft has its exact angle, spin and acceleration at each evaluation. The torque that accelerates
+//! a section is assumed to act on that section along its own axis: there is no term Ω̇G q, and the twist, which is measured
+//! from the prescribed spin, is not excited.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -19,14 +20,14 @@ use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel, Support};
 use crate::scene::Node;
 
-/// A force on a coordinate pair that turns with its shaft.
+/// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
 struct TurningForce {
     index: usize,
     amplitude: Complex64,
 }
 
-/// What turns with one shaft.
+/// The rotating forces of one shaft.
 #[derive(Clone, Debug)]
 struct Excited {
     shaft: usize,
@@ -45,25 +46,25 @@ pub struct EquationOfMotion<'m> {
     spins: Vec<f64>,
     /// Speed of the reference shaft, rad/s, where it is constant.
     speed: f64,
-    /// The speed where it is not.
+    /// The speed where it changes.
     changing: Option<Changing>,
-    /// e^{iϑ} of each shaft at the origin of the elapsed time.
+    /// Phasor e^{iϑ} of each shaft at elapsed time zero.
     pub(super) at_origin: Vec<Complex64>,
-    /// arg of that.
+    /// Angle of each shaft at elapsed time zero, rad.
     angles: Vec<f64>,
-    /// The law of each mesh over the step.
+    /// Contact mode of each mesh in the step.
     pub(super) contact_modes: Vec<ContactMode>,
-    /// The coordinates of the meshes that change their law.
+    /// Indices of the coordinates of meshes with several contact modes.
     switching: Vec<usize>,
     excited: Vec<Excited>,
-    /// The damping that is a ratio of every mode: a matrix over all displacements. At constant speed runs are in the
-    /// modes, which carry it as a number each.
+    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping. Runs at a constant speed do not use it:
+    /// they are in modal coordinates.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Bearings that depend on the speed, at the largest speed of the run: they measure the energy norm of tolerances,
     /// which must not change along a run.
     norm_supports: Vec<Support>,
     equilibrium: DVector<f64>,
-    /// Room for one vector of displacements.
+    /// Scratch memory for one vector of displacements.
     pub(super) scratch: Vec<f64>,
 }
 
@@ -80,7 +81,7 @@ impl<'m> EquationOfMotion<'m> {
         Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
     }
 
-    /// The motion while the reference shaft turns as `course` says.
+    /// The motion with the rotation `course` of the reference shaft.
     pub fn along(
         cached: &'m CachedModel,
         geometry: Geometry,
@@ -193,7 +194,7 @@ impl<'m> EquationOfMotion<'m> {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.turned(shaft, elapsed).0)
     }
 
-    /// Angle of a shaft since the origin, and its spin.
+    /// Angle of a shaft since elapsed time zero, rad, and its spin, rad/s.
     #[inline(always)]
     fn turned(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
         match &self.changing {
@@ -205,7 +206,7 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// Spin of a shaft and its rate.
+    /// Spin of a shaft, rad/s, and its acceleration, rad/s².
     pub(super) fn spin_at(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
         match &self.changing {
             None => (self.spins[shaft], 0.0),
@@ -226,7 +227,8 @@ impl<'m> EquationOfMotion<'m> {
         self.sigma[mesh]
     }
 
-    /// Whether laws that a run left can be those of this motion: none, or one for each mesh and the piece of the speed.
+    /// Whether the contact modes of a final state fit this motion: none, or one code for each mesh and the piece of the
+    /// speed profile.
     pub fn accepts_laws(&self, contact_modes: &[i64]) -> bool {
         let meshes = self.contact_modes.len() * ContactMode::CODE;
         let whole = meshes + usize::from(self.changing.is_some());
@@ -235,19 +237,21 @@ impl<'m> EquationOfMotion<'m> {
                 && contact_modes[..meshes].chunks_exact(ContactMode::CODE).all(ContactMode::is_code)
     }
 
-    /// Whether the instants at which laws change depend on the motion.
+    /// Whether the motion decides when contact modes change.
     pub fn motion_changes_contact_modes(&self) -> bool {
-        let moves = |mesh: &GearMesh| mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.follows();
+        let moves = |mesh: &GearMesh| {
+            mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.engagement_follows_motion()
+        };
         self.model.meshes.iter().any(|mesh| mesh.switches() && moves(mesh))
     }
 
-    /// The fastest that teeth swing on their stiffness, the gears being all that moves, rad/s.
+    /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
     pub fn fastest_swing(&self) -> f64 {
         let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.stiffest * self.mobility(mesh);
         self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
     }
 
-    /// What a force of one newton between the teeth of a mesh accelerates them by, the gears being all that moves, 1/kg.
+    /// Relative acceleration of the teeth of a mesh along the line of action by a unit force between two free gears, 1/kg.
     pub fn mobility(&self, mesh: usize) -> f64 {
         let scene = &self.model.scene;
         let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
@@ -258,22 +262,22 @@ impl<'m> EquationOfMotion<'m> {
         mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
     }
 
-    /// Whether the flanks of a mesh may part.
+    /// Whether the flanks of a mesh may separate.
     pub fn parts(&self) -> bool {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some())
     }
 
-    /// Whether the flanks of a mesh may part whose stiffness varies.
+    /// Whether the flanks of a mesh with varying stiffness may separate.
     pub fn parts_and_varies(&self) -> bool {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some() && !mesh.teeth.is_constant())
     }
 
-    /// Shafts that excite.
+    /// Indices of the shafts with rotating forces.
     pub fn sources(&self) -> impl Iterator<Item = usize> + '_ {
         self.excited.iter().map(|excited| excited.shaft)
     }
 
-    /// What a shaft excites at ϑ = 0 and at ϑ = π/2, as entries (index, force): weights of cos ϑ and sin ϑ.
+    /// The rotating force of a shaft at ϑ = 0 and at ϑ = π/2 as entries (index, force): the factors of cos ϑ and sin ϑ.
     pub fn turning_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
         let forces = self.excited.iter().filter(|excited| excited.shaft == shaft).flat_map(|excited| &excited.forces);
         let (mut cosine, mut sine) = (Vec::new(), Vec::new());
@@ -284,7 +288,7 @@ impl<'m> EquationOfMotion<'m> {
         [cosine, sine]
     }
 
-    /// How the shafts of a mesh stand.
+    /// Angles and spins of the two shafts of a mesh.
     #[inline(always)]
     pub fn turning(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
         self.model.meshes[mesh].shafts.map(|shaft| {
@@ -293,13 +297,13 @@ impl<'m> EquationOfMotion<'m> {
         })
     }
 
-    /// How a mesh stands.
+    /// Pose of a mesh.
     #[inline(always)]
     pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], turning, q, v)
     }
 
-    /// The forces that turn with shafts whose speed changes.
+    /// Adds the rotating forces of shafts with a changing speed.
     fn add_changing(&self, elapsed: f64, force: &mut [f64]) {
         for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
             let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
@@ -311,7 +315,7 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// The external forces and the mesh forces, into `force`.
+    /// Writes the external forces and the forces of all connections into `force`.
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
         force.copy_from_slice(self.model.constant_load.as_slice());

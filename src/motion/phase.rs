@@ -1,4 +1,4 @@
-//! Shaft angles of long runs, without the digits that a large product loses.
+//! Shaft angles of long runs without the round-off of a large product.
 
 use num_complex::Complex64;
 
@@ -7,7 +7,7 @@ use num_complex::Complex64;
 pub struct DoubleDouble {
     /// The number, rounded.
     pub high: f64,
-    /// What rounding took.
+    /// The rounding error.
     pub low: f64,
 }
 

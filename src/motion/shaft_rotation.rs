@@ -1,4 +1,4 @@
-//! How the reference shaft turns in a run: its speed, and an angle from which all others follow.
+//! Rotation of the reference shaft in a run: its speed, and one known angle.
 
 use num_complex::Complex64;
 
@@ -6,35 +6,35 @@ use super::phase;
 use super::phase::DoubleDouble;
 use super::speed::{Profile, Speed};
 
-/// A known angle of the reference shaft; where nothing else is known, it is 0 at the time 0.
+/// A known angle of the reference shaft; by default it is 0 at the time 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Anchor {
     /// Time, s.
     pub time: f64,
-    /// Angle, rad, not reduced: the other shafts turn by r_s of it.
+    /// Angle, rad, not reduced to one turn: the other shafts turn by r_s times this angle.
     pub angle: DoubleDouble,
 }
 
-/// How the reference shaft turns in a run.
+/// Rotation of the reference shaft in a run.
 #[derive(Clone, Debug)]
 pub struct ShaftRotation {
-    /// Its speed.
+    /// Speed.
     pub speed: Speed,
-    /// An angle that is known.
+    /// A known angle.
     pub anchor: Anchor,
-    /// Time that elapsed time counts from, s.
+    /// Time at which elapsed time is zero, s.
     pub origin: f64,
-    /// Its largest speed, rad/s, with the sign that it has in the run: see [`Speed::fastest`].
+    /// Largest speed, rad/s, with the sign of the speed in the run: see [`Speed::fastest`].
     pub fastest: f64,
 }
 
 impl ShaftRotation {
-    /// Constant speed; the shafts stand at r_s Ω t.
+    /// Constant speed; shaft s has the angle r_s Ω t.
     pub fn constant(speed: f64, origin: f64) -> Self {
         Self { speed: Speed::Constant(speed), anchor: Anchor::default(), origin, fastest: speed }
     }
 
-    /// Whether its speed does not change.
+    /// Whether the speed is constant.
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.speed, Speed::Constant(_))
     }
@@ -44,7 +44,7 @@ impl ShaftRotation {
         self.anchor.angle.plus(self.speed.turned(self.anchor.time, time))
     }
 
-    /// e^{iϑ} at the origin of a shaft with the speed ratio r_s.
+    /// Phasor e^{iϑ} of a shaft with the speed ratio r_s at elapsed time zero.
     pub fn phasor_at_origin(&self, ratio: f64) -> Complex64 {
         match &self.speed {
             Speed::Constant(speed) => {
@@ -55,7 +55,7 @@ impl ShaftRotation {
         }
     }
 
-    /// The speed over elapsed time, where it changes.
+    /// The speed over elapsed time; none if it is constant.
     pub(super) fn changing(&self) -> Option<Changing> {
         match &self.speed {
             Speed::Constant(_) => None,
@@ -64,8 +64,8 @@ impl ShaftRotation {
     }
 }
 
-/// A changing speed from the origin of a run on. Which piece holds is a law of the step, so that no step goes across a
-/// kink, and an evaluation looks for nothing.
+/// A changing speed from elapsed time zero. The current piece is fixed within a step, so that no step crosses a kink and an
+/// evaluation needs no search.
 #[derive(Clone, Debug)]
 pub(super) struct Changing {
     stretches: Vec<Stretch>,
@@ -76,7 +76,7 @@ pub(super) struct Changing {
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     start: f64,
-    /// How long it holds, s.
+    /// Duration, s.
     length: f64,
     /// Angle since the origin, rad.
     angle: f64,
@@ -108,19 +108,19 @@ impl Changing {
         Self { stretches: stretches.collect(), holds: 0 }
     }
 
-    /// Which piece the motion is in.
+    /// Index of the piece at an elapsed time.
     pub fn piece_at(&self, elapsed: f64) -> i64 {
         self.stretches.partition_point(|stretch| stretch.start <= elapsed).saturating_sub(1) as i64
     }
 
-    /// Sets the piece of the steps to come.
+    /// Sets the piece for the following steps.
     pub fn hold(&mut self, piece: i64) {
         self.holds = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
     }
 
-    /// The reference shaft at an instant of the piece that holds. A step that is only tried may go beyond its end, where
-    /// the cubic of a short piece could go anywhere: Ω̇ stays what it was.
-    // Out of the way of constant speed, which is the common case.
+    /// The reference shaft at an instant of the current piece. A trial step may end after the piece, where the cubic would
+    /// extrapolate without bound: Ω̇ is constant there.
+    // Not inlined, because the constant speed is the common case.
     #[inline(never)]
     pub fn at(&self, elapsed: f64) -> Instant {
         let stretch = &self.stretches[self.holds];

@@ -1,20 +1,19 @@
-//! The speed Ω of the reference shaft: constant, or a continuous chain of cubic pieces, held before and after it.
+//! The speed Ω of the reference shaft: constant, or continuous cubic pieces with constant speed before and after them.
 //!
 //! Pieces are polynomials, so the angle ϑ = ∫Ω dt and the acceleration Ω̇ are exact.
 
 use super::phase::DoubleDouble;
 use crate::scene::{EntryPath, SceneError};
 
-/// A speed below this part of the largest is none: round-off, and what the sampling of a function leaves, turn no shaft
-/// backwards and make no jump.
+/// Relative to the largest speed, smaller speeds and jumps count as zero: they are round-off or interpolation errors.
 const NOTHING: f64 = 1e-9;
 
 /// Speed of the reference shaft, rad/s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Speed {
-    /// The same at all times.
+    /// Constant.
     Constant(f64),
-    /// One that changes.
+    /// Changing with time.
     Changing(Profile),
 }
 
@@ -33,8 +32,9 @@ impl Speed {
         }
     }
 
-    /// The largest |Ω| of all, with the sign that Ω has between two times; where nothing turns then, with that of other
-    /// times: it says which flanks of the teeth press. What follows from it is the same in every part of a run.
+    /// The largest |Ω| of the whole profile with the sign of Ω between two times, or of the whole profile if Ω is zero between
+    /// them. The sign decides which flanks are in contact. The magnitude is the same for every part of a run, so that a
+    /// continued run has the same steps.
     pub fn fastest(&self, start: f64, end: f64) -> f64 {
         match self {
             Self::Constant(speed) => *speed,
@@ -71,10 +71,10 @@ impl Speed {
         }
     }
 
-    /// Checks that it is finite and does not change its sign between two times.
+    /// Checks that the speed is finite and does not change its sign between two times.
     ///
     /// # Errors
-    /// [`SceneError`] that names the time.
+    /// [`SceneError`] with the time of the change.
     pub fn check(&self, start: f64, end: f64) -> Result<(), SceneError> {
         match self {
             Self::Constant(speed) => EntryPath::root("speed").finite(*speed).map(|_| ()),
@@ -83,11 +83,11 @@ impl Speed {
     }
 }
 
-/// A speed that changes: cubic after cubic.
+/// A changing speed of cubic pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     breaks: Vec<f64>,
-    /// One before the first break, one between each two, one after the last.
+    /// Pieces before the first break, between the breaks, and after the last break.
     pieces: Vec<Piece>,
 }
 
@@ -95,7 +95,7 @@ impl Profile {
     /// The pieces between `breaks`, s, with the coefficients of 1, τ, τ², τ³ over the time τ since the break.
     ///
     /// # Errors
-    /// [`SceneError`] for times that do not ascend, numbers that are not finite, a speed that jumps.
+    /// [`SceneError`] if times do not ascend, a number is not finite, or the speed jumps.
     pub fn new(breaks: Vec<f64>, coefficients: &[[f64; 4]]) -> Result<Self, SceneError> {
         let error = |message: String| SceneError::new("speed", message);
         let (pieces, times) = (coefficients.len(), breaks.len());
@@ -159,7 +159,7 @@ impl Profile {
         within.map(angle).fold(DoubleDouble::default(), DoubleDouble::plus)
     }
 
-    /// Ω at both ends, at every break and at every extreme between two times, in order.
+    /// Ω at both ends, at every break and at every extremum between two times, as ascending (time, Ω).
     fn extremes(&self, start: f64, end: f64) -> Vec<(f64, f64)> {
         let mut found = Vec::new();
         for (piece, until) in self.pieces().filter(|(piece, until)| piece.begin <= end && *until >= start) {
@@ -206,7 +206,7 @@ impl Profile {
 pub(super) struct Piece {
     /// Time at which it begins.
     pub begin: f64,
-    /// Time that τ counts from.
+    /// Time at which τ is zero, s.
     pub about: f64,
     /// Coefficients of 1, τ, τ², τ³.
     pub cubic: [f64; 4],
@@ -230,11 +230,11 @@ impl Piece {
         since(to).plus(since(from).times(DoubleDouble::from(-1.0)))
     }
 
-    /// Times at which Ω̇ = 0, where there are any.
+    /// Times at which Ω̇ = 0, s; NaN or infinite if there are none.
     fn level(&self) -> [f64; 2] {
         let [_, b, c, d] = self.cubic;
         let root = (c * c - 3.0 * b * d).sqrt();
-        // That of the two whose terms do not cancel, and the other from the product of both.
+        // The root without cancellation, and the other root from the product of both (Vieta).
         let sum = -(c + root.copysign(c));
         [self.about + sum / (3.0 * d), self.about + b / sum]
     }

@@ -144,14 +144,13 @@ impl SpeedTable {
         }
         let (left, right) = (above - 1, above);
         let (width, t) = (self.speeds[right] - self.speeds[left], speed - self.speeds[left]);
-        // Coefficients of the cubic in t for the entry in row i and column j.
-        let cubic = |i: usize, j: usize| {
+        let entry = |i: usize, j: usize| {
             let (y, m, n) = (self.values[left][i][j], self.slopes[left][i][j], self.slopes[right][i][j]);
             let secant = (self.values[right][i][j] - y) / width;
-            [y, m, (3.0 * secant - 2.0 * m - n) / width, (m + n - 2.0 * secant) / (width * width)]
+            let (c, d) = ((3.0 * secant - 2.0 * m - n) / width, (m + n - 2.0 * secant) / (width * width));
+            [y + t * (m + t * (c + t * d)), m + t * (2.0 * c + t * 3.0 * d)]
         };
-        let matrix = |of: &dyn Fn([f64; 4]) -> f64| std::array::from_fn(|i| std::array::from_fn(|j| of(cubic(i, j))));
-        [matrix(&|[y, m, c, d]| y + t * (m + t * (c + t * d))), matrix(&|[_, m, c, d]| m + t * (2.0 * c + t * 3.0 * d))]
+        std::array::from_fn(|of| std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)[of])))
     }
 
     fn excludes(&self, speed: f64) -> Option<[f64; 2]> {

@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::common::COORDINATES;
-use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, ContactPath, Cycle, Pair, Stiffness, Tooth, UniformCurve, iso6336};
+use gearbow::mesh::stiffness::{
+    CONTACT_COMPLIANCE, ContactPath, PeriodicCurve, Stiffness, Tooth, ToothPair, UniformCurve, iso6336,
+};
 use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
@@ -105,7 +107,7 @@ proptest! {
     fn a_table_is_the_periodic_spline_through_its_values(
         values in prop::collection::vec(0.0..1.0_f64, 3..12), turns in -5..5_i32,
     ) {
-        let cycle = Cycle::table(&values);
+        let cycle = PeriodicCurve::table(&values);
         let n = values.len();
         let spacing = 1.0 / n as f64;
         let at = |x: f64| cycle.at(x + f64::from(turns));
@@ -126,7 +128,7 @@ proptest! {
 
 #[test]
 fn a_harmonic_oscillates_about_its_mean() {
-    let cycle = Cycle::Fourier(3.0, vec![[1.0, 0.0]]);
+    let cycle = PeriodicCurve::Fourier(3.0, vec![[1.0, 0.0]]);
     assert_eq!((cycle.mean(), cycle.largest()), (3.0, 4.0));
     assert!((cycle.smallest() - 2.0).abs() < 1e-15);
 }
@@ -168,7 +170,7 @@ fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
         let found = touch(&gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
         assert!((found + ny * (by - ay) + nz * (bz - az)).abs() < 1e-18, "{found:e}");
     }
-    assert!(gear_mesh.follows() && gear_mesh.has_run_out());
+    assert!(gear_mesh.engagement_follows_motion() && gear_mesh.has_run_out());
 }
 
 #[test]
@@ -400,8 +402,8 @@ proptest! {
         begins_at_base: bool, ends_at_base: bool, deflection in 1e-6..1e-4_f64,
     ) {
         let pair = match uniform {
-            true => Pair::Uniform(2e8),
-            false => Pair::Parabolic { middle: 2e8, end_ratio: 0.5, path: (8e-3, 1e-2) },
+            true => ToothPair::Uniform(2e8),
+            false => ToothPair::Parabolic { middle: 2e8, end_ratio: 0.5, path: (8e-3, 1e-2) },
         };
         let relief = relieved.then_some(Relief { amount: 2e-5, length: 3e-3, exponent: 2 });
         let teeth = Stiffness::Pairs { pair, engagement: Engagement::Smooth(width), relief };
@@ -412,7 +414,7 @@ proptest! {
         if ends_at_base {
             at.tangent = at.high;
         }
-        let stored = |at: ContactPath, deflection: f64| teeth.stored(|| at, (0, 0), deflection);
+        let stored = |at: ContactPath, deflection: f64| teeth.elastic_state(|| at, (0, 0), deflection);
         let here = stored(at, deflection);
         // A short path has ramps that overlap: both of its ends matter to a pair at once.
         let slope = |step: f64, moved: &dyn Fn(f64) -> f64| (moved(step) - moved(-step)) / (2.0 * step);
@@ -422,8 +424,8 @@ proptest! {
         let by_deflection = slope(1e-10, &|by| stored(at, deflection + by).energy);
         // Energies up to a joule over millimetres; a pair that just touches bends its force within a step.
         let size = 4e8 * deflection * deflection / 1e-3;
-        prop_assert!((here.travel - by_position).abs() < 1e-4 * size, "{:e} {by_position:e}", here.travel);
-        prop_assert!((here.opening - by_tangent).abs() < 1e-4 * size, "{:e} {by_tangent:e}", here.opening);
+        prop_assert!((here.by_position - by_position).abs() < 1e-4 * size, "{:e} {by_position:e}", here.by_position);
+        prop_assert!((here.by_tangent - by_tangent).abs() < 1e-4 * size, "{:e} {by_tangent:e}", here.by_tangent);
         prop_assert!((here.force - by_deflection).abs() < 1e-4 * 4e8 * deflection);
     }
 }
@@ -438,7 +440,7 @@ fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
         for i in 0..50 {
             let energy = |position: f64, by: f64| {
                 let path = ContactPath { position, ..gear_mesh.involute.path(tangent + by) };
-                gear_mesh.teeth.stored(|| path, (0, 0), 1e-5)
+                gear_mesh.teeth.elastic_state(|| path, (0, 0), 1e-5)
             };
             let position = path.pitch * f64::from(i) / 50.0;
             let here = energy(position, 0.0);
@@ -446,8 +448,8 @@ fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
             let by_position = slope(&|by| energy(position + by, 0.0).energy);
             let by_tangent = slope(&|by| energy(position, by).energy);
             let size = 1e-4 * here.energy / 1e-3;
-            assert!((here.travel - by_position).abs() < size, "{:e} {by_position:e} at {i}", here.travel);
-            assert!((here.opening - by_tangent).abs() < size, "{:e} {by_tangent:e} at {i}", here.opening);
+            assert!((here.by_position - by_position).abs() < size, "{:e} {by_position:e} at {i}", here.by_position);
+            assert!((here.by_tangent - by_tangent).abs() < size, "{:e} {by_tangent:e} at {i}", here.by_tangent);
             assert!(here.stiffness > 0.0);
         }
     }
@@ -455,10 +457,13 @@ fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
 
 #[test]
 fn pairs_carry_as_many_as_there_are() {
-    let sharp =
-        |relief: Option<Relief>| Stiffness::Pairs { pair: Pair::Uniform(2e8), engagement: Engagement::Sharp, relief };
+    let sharp = |relief: Option<Relief>| Stiffness::Pairs {
+        pair: ToothPair::Uniform(2e8),
+        engagement: Engagement::Sharp,
+        relief,
+    };
     for (engaged, pairs) in [((0, -1), 0.0), ((3, 3), 1.0), ((-2, 1), 4.0)] {
-        let found = sharp(None).stored(|| path(1.5, 0.2), engaged, 1e-5);
+        let found = sharp(None).elastic_state(|| path(1.5, 0.2), engaged, 1e-5);
         assert_eq!((found.force, found.stiffness), (pairs * (2e8 * 1e-5), pairs * 2e8));
         assert!((found.energy - pairs * 2e8 * 1e-10 / 2.0).abs() < 1e-17);
     }
@@ -466,14 +471,14 @@ fn pairs_carry_as_many_as_there_are() {
     let relief = Relief { amount: 8e-6, length: 1.8e-3, exponent: 1 };
     for place in [0.1, 0.8] {
         let [light, loaded] =
-            [3e-6, 1e-5].map(|deflection| sharp(Some(relief)).stored(|| path(0.9, place), (0, 0), deflection));
+            [3e-6, 1e-5].map(|deflection| sharp(Some(relief)).elastic_state(|| path(0.9, place), (0, 0), deflection));
         assert_eq!((light.force, light.stiffness), (0.0, 0.0));
         assert!((loaded.force - 2e8 * (1e-5 - 4e-6)).abs() < 1e-9, "{}", loaded.force);
     }
     // At the very end of the path a pair carries half.
-    let smooth = Stiffness::Pairs { pair: Pair::Uniform(2e8), engagement: Engagement::Smooth(0.2), relief: None };
+    let smooth = Stiffness::Pairs { pair: ToothPair::Uniform(2e8), engagement: Engagement::Smooth(0.2), relief: None };
     for place in [0.0, 0.7] {
-        assert!((smooth.stored(|| path(0.7, place), (0, 0), 1e-5).stiffness - 1e8).abs() < 1.0);
+        assert!((smooth.elastic_state(|| path(0.7, place), (0, 0), 1e-5).stiffness - 1e8).abs() < 1.0);
     }
 }
 
@@ -566,7 +571,7 @@ fn contact_lasts_while_the_force_is_compressive() {
 fn a_mesh_reports_whether_it_switches_varies_or_follows_the_twist() {
     let of = |mesh: &str| {
         let gear_mesh = gear_mesh(mesh);
-        (gear_mesh.switches(), gear_mesh.varies(), gear_mesh.follows())
+        (gear_mesh.switches(), gear_mesh.is_time_varying(), gear_mesh.engagement_follows_motion())
     };
     assert_eq!(of("stiffness = 3e8"), (false, false, false));
     assert_eq!(of("stiffness = 3e8, backlash = 1e-5"), (true, true, false));

@@ -29,9 +29,9 @@ class SpeedTable(Part):
 
     Notes
     -----
-    Invalid tables are reported by `gearbow.RotorSystem` as a `gearbow.SceneError`. The
-    interpolation is that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J.
-    Numer. Anal. 17 (1980), with the slopes of Fritsch and Butland (1984).
+    `gearbow.RotorSystem` reports an invalid table as a `gearbow.SceneError`. The interpolation is
+    that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J. Numer. Anal. 17
+    (1980), with the slopes of Fritsch and Butland (1984).
 
     At a constant speed the bearing is a linear one with the coefficients of that speed. In a run
     with a changing speed, which takes the method "rk45" or "rk4", stiffness and damping follow the
@@ -47,7 +47,7 @@ class SpeedTable(Part):
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> for speed in (0.0, 500.0):
     ...     print(f"{system.modes(speed).frequencies_hz[0]:.1f} Hz")
-    93.9 Hz
+    94.7 Hz
     98.9 Hz
     """
 

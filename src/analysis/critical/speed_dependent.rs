@@ -20,55 +20,46 @@ pub(super) fn critical_speeds(
     excitation: f64,
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
-    // Every answer has its own Quadratic, because undamped modes are those of one stiffness.
     let at = |speed: f64| -> Result<Vec<f64>, AnalysisError> {
         interrupt.check()?;
         let found = Quadratic::new(&*cached.at_speed(speed)?, 1.0)?.critical(excitation)?;
         Ok(found.into_iter().map(|met| met.speed).collect())
     };
-    let samples = samples(cached);
-    let Some((first, last)) = samples.first().copied().zip(samples.last().copied()) else {
-        // The tables have no speed in common.
-        for speed in cached.model.bearings.iter().flat_map(|bearing| bearing.knots()) {
-            cached.model.check_speed(speed)?;
-        }
-        return Ok(Vec::new());
-    };
-    let found = samples.iter().map(|speed| at(*speed)).collect::<Result<Vec<_>, _>>()?;
-    let mut critical = Vec::new();
-    let mut add = |speed: f64, number: usize| -> Result<(), AnalysisError> {
-        let model = cached.at_speed(speed)?;
-        let nearest = Quadratic::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
-        critical.extend(nearest.map(|met| named(&model, met, interrupt)).transpose()?);
-        Ok(())
-    };
+    let samples = samples(cached)?;
+    let found = samples.iter().map(|speed| Ok((*speed, at(*speed)?))).collect::<Result<Vec<_>, AnalysisError>>()?;
+    // The speed whose stiffness counts, and the number of the critical speed.
+    let mut roots: Vec<(f64, usize)> = Vec::new();
     let holds = cached.model.bearings.iter().all(|bearing| bearing.holds());
-    for (number, critical) in found[0].iter().enumerate() {
-        if holds && *critical < first {
-            add(first, number)?;
-        }
+    if let Some((first, values)) = found.first().filter(|_| holds) {
+        roots.extend(values.iter().enumerate().filter(|(_, value)| *value < first).map(|(number, _)| (*first, number)));
     }
-    for (speeds, values) in samples.windows(2).zip(found.windows(2)) {
-        for (number, (low, high)) in values[0].iter().zip(&values[1]).enumerate() {
-            let ends = [(speeds[0], low - speeds[0]), (speeds[1], high - speeds[1])];
-            let starts = ends[0].1 >= 0.0;
-            if starts == (ends[1].1 < 0.0) {
-                let speed =
-                    root(ends, |speed| Ok(at(speed)?.get(number).map_or(f64::INFINITY, |critical| critical - speed)))?;
-                add(speed, number)?;
+    for pair in found.windows(2) {
+        for (number, values) in pair[0].1.iter().zip(&pair[1].1).enumerate() {
+            let ends = [(pair[0].0, values.0 - pair[0].0), (pair[1].0, values.1 - pair[1].0)];
+            if (ends[0].1 >= 0.0) == (ends[1].1 < 0.0) {
+                let value = |speed: f64| Ok(at(speed)?.get(number).map_or(f64::INFINITY, |value| value - speed));
+                roots.push((root(ends, value)?, number));
             }
         }
     }
-    let end = &found[found.len() - 1];
-    for number in (0..end.len()).filter(|number| holds && end[*number] >= last) {
-        add(last, number)?;
+    if let Some((last, values)) = found.last().filter(|_| holds) {
+        roots.extend(values.iter().enumerate().filter(|(_, value)| *value >= last).map(|(number, _)| (*last, number)));
+    }
+    let mut critical = Vec::new();
+    for (speed, number) in roots {
+        let model = cached.at_speed(speed)?;
+        let met = Quadratic::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
+        critical.extend(met.map(|met| named(&model, met, interrupt)).transpose()?);
     }
     critical.sort_by(|a, b| a.speed.total_cmp(&b.speed));
     Ok(critical)
 }
 
 /// Speeds of the reference shaft, ascending, within the range of all tables that do not hold their end values.
-fn samples(cached: &CachedModel) -> Vec<f64> {
+///
+/// # Errors
+/// [`AnalysisError`] if the tables have no speed in common.
+fn samples(cached: &CachedModel) -> Result<Vec<f64>, AnalysisError> {
     let model = &cached.model;
     let mut knots: Vec<f64> = model.bearings.iter().flat_map(|bearing| bearing.knots()).collect();
     knots.sort_by(f64::total_cmp);
@@ -80,5 +71,8 @@ fn samples(cached: &CachedModel) -> Vec<f64> {
     let last = knots.last().copied();
     let mut samples: Vec<f64> = knots.windows(2).flat_map(between).chain(last).collect();
     samples.retain(|speed| model.check_speed(*speed).is_ok());
-    samples
+    if samples.is_empty() {
+        knots.iter().try_for_each(|speed| model.check_speed(*speed))?;
+    }
+    Ok(samples)
 }

@@ -123,7 +123,7 @@ impl EventRecorder {
 
     /// Whether a mesh must be evaluated at every step. Other meshes are evaluated at output times.
     pub fn watches(motion: &EquationOfMotion) -> bool {
-        motion.model().meshes.iter().any(GearMesh::varies)
+        motion.model().meshes.iter().any(GearMesh::is_time_varying)
     }
 
     fn push(&mut self, elapsed: f64, mesh: usize, kind: EventKind) {
@@ -173,7 +173,7 @@ impl EventRecorder {
         let Some(q) = step.end_displacement() else {
             return;
         };
-        for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.varies()) {
+        for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.is_time_varying()) {
             // The integrator reports overlapping base circles.
             if let Ok(centres) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
                 self.check(motion, index, step.end(), &centres);

@@ -101,7 +101,7 @@ fn time_grid(
                 if nonlinear_loads.is_resonant() { STEPS_PER_RESONANT_REVOLUTION / STEPS_PER_CYCLE } else { 1.0 };
             let speed = options.fastest().abs();
             let turning = model.max_speed_ratio() * speed * resonant;
-            let travelling = model.max_mesh_order_of(GearMesh::travels) * speed;
+            let travelling = model.max_mesh_order_of(GearMesh::depends_on_tooth_position) * speed;
             let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
             let fastest = turning.max(travelling).max(engaging).max(slowest.unwrap_or(1.0));
             let mut most = TAU / (STEPS_PER_CYCLE * fastest);

@@ -1,4 +1,4 @@
-//! Curves on equally spaced knots: a twice differentiable cubic spline each, found in constant time.
+//! Cubic splines on equally spaced knots, evaluated in constant time.
 
 use std::f64::consts::PI;
 
@@ -45,7 +45,7 @@ impl UniformCurve {
         hermite(self.knots[i], self.knots[i + 1], place - i as f64, self.spacing)
     }
 
-    /// The same curve, `factor` times as high.
+    /// The curve with its values multiplied by `factor`.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         for (value, slope) in &mut self.knots {
@@ -56,21 +56,22 @@ impl UniformCurve {
     }
 }
 
-/// A function of the mesh cycle.
+/// A periodic function of the mesh cycle.
 #[derive(Clone, Debug)]
-pub enum Cycle {
-    /// Mean, then amplitude and phase of each harmonic: k̄ + Σ aₙ cos(2πn·x + pₙ), x in cycles.
+pub enum PeriodicCurve {
+    /// Mean k̄, and amplitude aₙ and phase pₙ of each harmonic: k̄ + Σ aₙ cos(2πn·x + pₙ), x in cycles.
     Fourier(f64, Vec<[f64; 2]>),
-    /// Values at equal parts of the cycle with the slopes of the periodic cubic spline through them.
+    /// Values at equal parts of the cycle, and the slopes of the periodic cubic spline through them.
     Table(Vec<(f64, f64)>),
 }
 
-impl Cycle {
+impl PeriodicCurve {
     /// The periodic cubic spline through `values` at 0, 1/n, 2/n, … of the cycle.
     pub fn table(values: &[f64]) -> Self {
         let n = values.len();
         let rise = |i: usize| 3.0 * (values[(i + 1) % n] - values[(i + n - 1) % n]) * n as f64;
-        // The cyclic system s₋ + 4s + s₊ = rise contracts by a quarter a sweep: 60 sweeps are round-off.
+        // Gauss–Seidel on the cyclic system s₋ + 4s + s₊ = rise: every sweep divides the error by four, so that 60 sweeps
+        // reach round-off.
         let mut slope: Vec<f64> = (0..n).map(|i| rise(i) / 6.0).collect();
         for _ in 0..60 {
             for i in 0..n {
@@ -112,12 +113,12 @@ impl Cycle {
         }
     }
 
-    /// The smallest value, to the resolution of the sampling of the curve.
+    /// The smallest value, among at least 1000 samples.
     pub fn smallest(&self) -> f64 {
         self.samples().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest value, to the resolution of the sampling of the curve.
+    /// The largest value, among at least 1000 samples.
     pub fn largest(&self) -> f64 {
         self.samples().fold(0.0, f64::max)
     }

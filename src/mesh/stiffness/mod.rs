@@ -1,15 +1,15 @@
-//! How stiff a mesh is: a mean, pairs of teeth on the path of contact, or a function of the mesh cycle.
+//! Stiffness of a mesh: a mean, tooth pairs on the path of contact, or a function of the mesh cycle.
 //!
-//! A pair stands at s_j = s + j·p_b on the path, measured from the interference point of the driver, and carries
-//! between lo = max(0, t − √(tip_b² − r_b²)) and hi = min(t, √(tip_a² − r_a²)), t = C sin α: both ends follow from the
-//! tips, unless a tip reaches beyond the base circle of the other gear. With w_j the engagement of the pair, k_j its
-//! stiffness there and r_j its tip relief, the mesh stores
+//! Pair j is at s_j = s + j·p_b on the path, measured from the interference point of the driver. It carries load
+//! between lo = max(0, t − √(tip_b² − r_b²)) and hi = min(t, √(tip_a² − r_a²)), t = C sin α: the
+//! tips limit the path, or a base circle where a tip reaches beyond it. With the engagement w_j of the pair, its
+//! stiffness k_j and its tip relief r_j, the elastic energy and the force are
 //!
 //! ```text
 //! U = ½ Σ_j w_j k_j (δ − r_j)²,        F = ∂U/∂δ
 //! ```
 //!
-//! and the stiffness of a mesh follows the moving centres through lo, hi, t and s without a rule of its own.
+//! The stiffness follows the moving centres through lo, hi, t and s.
 
 mod curve;
 mod engagement;
@@ -19,16 +19,16 @@ mod pair;
 mod potential_energy;
 mod shared;
 
-pub use curve::{Cycle, UniformCurve};
+pub use curve::{PeriodicCurve, UniformCurve};
 pub use iso6336::{Iso6336, iso6336};
 pub use model::build;
-pub use pair::Pair;
+pub use pair::ToothPair;
 pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
 pub use shared::Shared;
 
 use crate::scene::{Engagement, Relief};
 
-/// Where the pairs are: s of pair 0, the path of contact, and the base pitch.
+/// Position of the tooth pairs on the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPath {
     /// s of pair 0, m.
@@ -44,13 +44,13 @@ pub struct ContactPath {
 }
 
 impl ContactPath {
-    /// Derivatives of both ends over C sin α: an end at a tip of the driven gear, or at its base circle, follows it.
+    /// Derivatives of both ends over C sin α: 1 at a tip of the driven gear and at its base circle, otherwise 0.
     #[inline]
     fn end_slopes(&self) -> [f64; 2] {
         [f64::from(u8::from(self.low > 0.0)), f64::from(u8::from(self.high >= self.tangent))]
     }
 
-    /// Where the ends stand among the pairs, in base pitches.
+    /// Positions of both ends among the pairs, in base pitches from pair 0.
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high].map(|end| (end - self.position) / self.pitch)
     }
@@ -62,81 +62,86 @@ impl ContactPath {
     }
 }
 
-/// What a mesh stores at a deflection, and how that changes.
+/// Elastic energy of a mesh at a deflection, and its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stored {
+pub struct ElasticState {
     /// Elastic energy U, J.
     pub energy: f64,
     /// Force ∂U/∂δ, N.
     pub force: f64,
     /// Stiffness ∂²U/∂δ², N/m.
     pub stiffness: f64,
-    /// ∂U/∂s, N: pairs that travel along the path.
-    pub travel: f64,
-    /// ∂U/∂(C sin α), N: the path of contact changes as the centres move along the line of centres.
-    pub opening: f64,
+    /// ∂U/∂s, N: derivative over the position of the pairs on the path.
+    pub by_position: f64,
+    /// ∂U/∂(C sin α), N: derivative over the length of the line of action, which changes with the centre distance.
+    pub by_tangent: f64,
 }
 
 /// The stiffness of a mesh.
 #[derive(Clone, Debug)]
 pub enum Stiffness {
-    /// The same always, N/m.
+    /// Constant, N/m.
     Mean(f64),
     /// Pairs of teeth.
     Pairs {
-        /// One pair.
-        pair: Pair,
-        /// How a pair comes into contact and leaves it.
+        /// Stiffness of one pair.
+        pair: ToothPair,
+        /// Sharp or smooth beginning and end of the contact of a pair.
         engagement: Engagement,
         /// Tip relief, if the teeth have any.
         relief: Option<Relief>,
     },
     /// Pairs of teeth that share the gear bodies.
     Shared(Shared),
-    /// The whole mesh over its cycle.
-    Cycle(Cycle),
+    /// Stiffness of the whole mesh over its cycle, N/m.
+    Cycle(PeriodicCurve),
 }
 
 impl Stiffness {
-    /// Energy and forces at `deflection`; `engaged` are the pairs that carry where engagement is sharp. Where the pairs
-    /// are is asked for only if it matters.
+    /// Energy and forces at `deflection`, m. `engaged` are the first and the last pair in contact where engagement is
+    /// sharp. `path` is evaluated only if the stiffness depends on it.
     #[inline]
-    pub fn stored(&self, path: impl FnOnce() -> ContactPath, engaged: (i64, i64), deflection: f64) -> Stored {
+    pub fn elastic_state(
+        &self,
+        path: impl FnOnce() -> ContactPath,
+        engaged: (i64, i64),
+        deflection: f64,
+    ) -> ElasticState {
         if let Some(k) = self.while_engaged(engaged) {
-            return Stored {
+            return ElasticState {
                 energy: k * deflection * deflection / 2.0,
                 force: k * deflection,
                 stiffness: k,
-                ..Stored::default()
+                ..ElasticState::default()
             };
         }
         let path = &path();
         match self {
-            // Always engaged.
-            Self::Mean(_) => Stored::default(),
-            Self::Shared(shared) => shared.stored(path, engaged, deflection),
+            // `while_engaged` has returned its stiffness.
+            Self::Mean(_) => ElasticState::default(),
+            Self::Shared(shared) => shared.elastic_state(path, engaged, deflection),
             Self::Cycle(cycle) => {
                 let (k, slope) = cycle.at(path.position / path.pitch);
                 let half = deflection * deflection / 2.0;
-                Stored {
+                ElasticState {
                     energy: k * half,
                     force: k * deflection,
                     stiffness: k,
-                    travel: slope / path.pitch * half,
-                    opening: 0.0,
+                    by_position: slope / path.pitch * half,
+                    by_tangent: 0.0,
                 }
             }
             Self::Pairs { pair, engagement, relief } => {
                 let (first, last) = engagement.range(path, engaged);
                 let [low_slope, high_slope] = path.end_slopes();
-                let mut sum = Stored::default();
+                let mut sum = ElasticState::default();
                 for j in first..last + 1 {
                     let s = path.position + j as f64 * path.pitch;
                     let [k, slope, by_tangent] = pair.at(s, path.tangent);
                     let (entered, left) = (s - path.low, path.high - s);
                     let w = engagement.weight(entered, left, path.pitch);
                     let r = relief.as_ref().map_or([0.0; 3], |relief| relief.at(entered, left));
-                    // A relieved pair that does not touch yet carries nothing; without relief the law is linear.
+                    // A relieved pair carries no load before it touches; without relief the force is linear.
                     let d = if relief.is_some() { (deflection - r[0]).max(0.0) } else { deflection };
                     let half = d * d / 2.0;
                     let (by_entered, by_left) =
@@ -144,48 +149,48 @@ impl Stiffness {
                     sum.energy += w[0] * k * half;
                     sum.force += w[0] * k * d;
                     sum.stiffness += if d == 0.0 && relief.is_some() { 0.0 } else { w[0] * k };
-                    sum.travel += half * w[0] * slope + by_entered - by_left;
-                    sum.opening += half * w[0] * by_tangent - low_slope * by_entered + high_slope * by_left;
+                    sum.by_position += half * w[0] * slope + by_entered - by_left;
+                    sum.by_tangent += half * w[0] * by_tangent - low_slope * by_entered + high_slope * by_left;
                 }
                 sum
             }
         }
     }
 
-    /// Whether pairs come and go in jumps.
+    /// Whether the engagement of tooth pairs is sharp: the stiffness then jumps.
     pub fn is_sharp(&self) -> bool {
         let (Self::Pairs { engagement, .. } | Self::Shared(Shared { engagement, .. })) = self else { return false };
         *engagement == Engagement::Sharp
     }
 
-    /// Whether the tips are relieved: pairs then touch one after the other as the deflection grows.
+    /// Whether the tips are relieved: the number of touching pairs then grows with the deflection.
     pub fn is_relieved(&self) -> bool {
         matches!(self, Self::Pairs { relief: Some(_), .. })
     }
 
-    /// Whether it is the same as long as no pair comes or goes.
-    pub fn is_stepwise(&self) -> bool {
+    /// Whether the stiffness is constant between changes of the pairs in contact.
+    pub fn is_piecewise_constant(&self) -> bool {
         self.while_engaged((0, 0)).is_some()
     }
 
-    /// The stiffness that lasts as long as the `engaged` pairs do, N/m, where it does not depend on where they are.
+    /// The stiffness of the `engaged` pairs, N/m, if it does not depend on their position.
     #[inline]
     fn while_engaged(&self, (first, last): (i64, i64)) -> Option<f64> {
         match self {
             Self::Mean(k) => Some(*k),
-            Self::Pairs { pair: Pair::Uniform(k), engagement: Engagement::Sharp, relief: None } => {
+            Self::Pairs { pair: ToothPair::Uniform(k), engagement: Engagement::Sharp, relief: None } => {
                 Some(k * (last - first + 1).max(0) as f64)
             }
             _ => None,
         }
     }
 
-    /// Whether it is the same always.
+    /// Whether the stiffness is constant.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Mean(_))
     }
 
-    /// Mean over the mesh cycle, N/m, on this path of contact.
+    /// Mean over the mesh cycle on a path of contact, N/m.
     pub fn mean(&self, path: &ContactPath) -> f64 {
         match self {
             Self::Mean(k) => *k,
@@ -195,7 +200,7 @@ impl Stiffness {
         }
     }
 
-    /// A bound of the stiffness, N/m.
+    /// Upper bound of the stiffness, N/m.
     pub fn largest(&self, path: &ContactPath) -> f64 {
         match self {
             Self::Mean(k) => *k,
@@ -206,9 +211,9 @@ impl Stiffness {
     }
 }
 
-/// (1/p_b)∫w k ds over the path of contact, where w reaches beyond it, by Simpson's rule on pieces that meet
-/// where w bends.
-fn mean_of_pairs(pair: &Pair, engagement: &Engagement, path: &ContactPath) -> f64 {
+/// (1/p_b)∫w k ds over the path of contact, N/m, by Simpson's rule. The pieces meet at the kinks of the engagement w,
+/// which extends beyond the path.
+fn mean_of_pairs(pair: &ToothPair, engagement: &Engagement, path: &ContactPath) -> f64 {
     const PIECES: usize = 256;
     let &ContactPath { tangent, low, high, pitch, .. } = path;
     let half = if let Engagement::Smooth(width) = engagement { width * pitch / 2.0 } else { 0.0 };

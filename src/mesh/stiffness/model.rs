@@ -1,19 +1,20 @@
-//! From what a user says of the teeth to the stiffness of the mesh.
+//! Construction of the mesh stiffness from the checked description of the teeth.
 
 use super::{
-    CONTACT_COMPLIANCE, ContactPath, Cycle, Pair, Shared, Stiffness, Tooth, UniformCurve, iso6336, mean_of_pairs,
+    CONTACT_COMPLIANCE, ContactPath, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336,
+    mean_of_pairs,
 };
 use crate::mesh::Involute;
 use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
 
-/// Knots of the compliance of a tooth.
+/// Number of knots of the compliance curve of a tooth.
 const KNOTS: usize = 257;
 
-/// The stiffness that `teeth` describe, on the path of contact of the centres at rest.
+/// The stiffness of the mesh that `teeth` describe, scaled on the path of contact of the centres at rest.
 pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness {
     let at_rest = involute.path_at_rest();
     let ContactPath { low, high, pitch, .. } = at_rest;
-    let pairs = |shape: Pair, scale: &Scale| {
+    let pairs = |shape: ToothPair, scale: &Scale| {
         let pair = match scale {
             Scale::Pair(k) => shape.scaled(*k),
             Scale::Mean(mean) => shape.clone().scaled(mean / mean_of_pairs(&shape, &teeth.engagement, &at_rest)),
@@ -26,15 +27,15 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             let [a, b] = pair;
             Stiffness::Mean(iso6336(a, b, (high - low) / pitch).mesh * width)
         }
-        StiffnessModel::Square(scale) => pairs(Pair::Uniform(1.0), scale),
+        StiffnessModel::Square(scale) => pairs(ToothPair::Uniform(1.0), scale),
         StiffnessModel::Parabolic(scale, end_ratio) => {
             let path = ((low + high) / 2.0, (high - low) / 2.0);
-            pairs(Pair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
+            pairs(ToothPair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores, foundation) => {
-            // Wherever the centres move, a flank is touched between its base circle, or its root circle above that, and
-            // its tip; a smooth engagement reaches beyond by half of its width. The spline goes on by a fifth of the
-            // pitch, as it is least accurate at its ends.
+            // Contact points lie between the base circle, or the root circle if that is larger, and the tip. A smooth
+            // engagement adds half of its width. A margin of a fifth of the pitch follows, because a spline is least
+            // accurate at its ends.
             let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
             let margin = (half + 0.2) * pitch;
             let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
@@ -45,7 +46,7 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
                 UniformCurve::new(from, spacing, &values)
             };
             let tables = |compliance| Box::new([0, 1].map(|i| table(pair[i], bores[i], compliance)));
-            let pair = |compliance| Pair::Teeth { contact: CONTACT_COMPLIANCE, teeth: tables(compliance) };
+            let pair = |compliance| ToothPair::Teeth { contact: CONTACT_COMPLIANCE, teeth: tables(compliance) };
             match foundation {
                 Foundation::Separate => pairs(pair(Tooth::compliance), &Scale::Pair(*width)),
                 Foundation::Shared => Stiffness::Shared(Shared {
@@ -55,7 +56,7 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
                 }),
             }
         }
-        StiffnessModel::Table(values) => Stiffness::Cycle(Cycle::table(values)),
-        StiffnessModel::Fourier(mean, harmonics) => Stiffness::Cycle(Cycle::Fourier(*mean, harmonics.clone())),
+        StiffnessModel::Table(values) => Stiffness::Cycle(PeriodicCurve::table(values)),
+        StiffnessModel::Fourier(mean, harmonics) => Stiffness::Cycle(PeriodicCurve::Fourier(*mean, harmonics.clone())),
     }
 }

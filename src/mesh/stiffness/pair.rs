@@ -1,22 +1,22 @@
-//! Stiffness of one pair of teeth along the path of contact.
+//! Stiffness of one tooth pair along the path of contact.
 
 use super::{ContactPath, UniformCurve};
 
 /// Stiffness of a pair over its position s.
 #[derive(Clone, Debug)]
-pub enum Pair {
-    /// The same along the path, N/m: a square wave once pairs come and go.
+pub enum ToothPair {
+    /// Constant along the path, N/m: the mesh stiffness is a square wave.
     Uniform(f64),
     /// Largest in the middle of the path, falling as a parabola towards its ends.
     Parabolic {
-        /// In the middle, N/m.
+        /// Stiffness in the middle of the path, N/m.
         middle: f64,
-        /// At the ends, as a part of that.
+        /// Stiffness at the ends over that in the middle.
         end_ratio: f64,
         /// Middle and half length of the path of contact at rest, m.
         path: (f64, f64),
     },
-    /// From the compliance of either tooth over where it is touched.
+    /// The series of the contact and of both teeth, whose compliance depends on the contact point.
     Teeth {
         /// Compliance of the contact, m/N.
         contact: f64,
@@ -25,8 +25,9 @@ pub enum Pair {
     },
 }
 
-impl Pair {
-    /// Stiffness at `s` where the line of action between the base circles is `tangent` long, and its slopes over both.
+impl ToothPair {
+    /// Stiffness at the position `s`, N/m, and its derivatives over s and over `tangent`, the length of the line of action
+    /// between the base circles, m.
     #[inline]
     pub fn at(&self, s: f64, tangent: f64) -> [f64; 3] {
         match self {
@@ -45,7 +46,7 @@ impl Pair {
         }
     }
 
-    /// The same pair, `factor` times as stiff.
+    /// The pair with its stiffness multiplied by `factor`.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         match self {
@@ -58,7 +59,7 @@ impl Pair {
         }
     }
 
-    /// The largest stiffness on the path of contact, to the resolution of a table.
+    /// The largest of 65 samples of the stiffness on the path of contact, N/m.
     pub fn largest(&self, path: &ContactPath) -> f64 {
         let place = |i: i32| path.low + (path.high - path.low) * f64::from(i) / 64.0;
         (0..=64).map(|i| self.at(place(i), path.tangent)[0]).fold(0.0, f64::max)

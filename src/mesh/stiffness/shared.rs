@@ -11,27 +11,27 @@
 //! which is positive, is 1/(1/κ + c) for one pair, and 1/(1/Σκ + c) for pairs at places of equal compliance (fillet and
 //! body once for all pairs, in series with them).
 
-use super::{ContactPath, Pair, Stored, UniformCurve};
+use super::{ContactPath, ElasticState, ToothPair, UniformCurve};
 use crate::scene::Engagement;
 
 /// Pairs and the bodies that they share.
 #[derive(Clone, Debug)]
 pub struct Shared {
     /// One pair without the bodies.
-    pub pair: Pair,
+    pub pair: ToothPair,
     /// Compliance of the driver's body over s, and of the driven one's over C sin α − s, m/N.
     pub bodies: Box<[UniformCurve; 2]>,
     /// How a pair comes into contact and leaves it.
     pub engagement: Engagement,
 }
 
-/// A sum over the pairs, and its slopes over their travel and over C sin α.
+/// A sum over the pairs, and its derivatives over their position and over C sin α.
 type Sum = [f64; 3];
 
 impl Shared {
     /// Energy and forces at `deflection`, where `engaged` are the pairs that carry where engagement is sharp.
     #[inline(never)]
-    pub(super) fn stored(&self, path: &ContactPath, engaged: (i64, i64), deflection: f64) -> Stored {
+    pub(super) fn elastic_state(&self, path: &ContactPath, engaged: (i64, i64), deflection: f64) -> ElasticState {
         let (first, last) = self.engagement.range(path, engaged);
         let [low_slope, high_slope] = path.end_slopes();
         let (mut sum, mut with_root, mut with_body): (Sum, Sum, Sum) = Default::default();
@@ -60,18 +60,18 @@ impl Shared {
         let slope = |i: usize| sum[i] - 2.0 * part * with_root[i] + part * part * with_body[i];
         let stiffness = sum[0] - part * with_root[0];
         let half = deflection * deflection / 2.0;
-        Stored {
+        ElasticState {
             energy: stiffness * half,
             force: stiffness * deflection,
             stiffness,
-            travel: slope(1) * half,
-            opening: slope(2) * half,
+            by_position: slope(1) * half,
+            by_tangent: slope(2) * half,
         }
     }
 
     fn stiffness(&self, path: &ContactPath, position: f64) -> f64 {
         let path = ContactPath { position, ..*path };
-        self.stored(&path, path.engaged(), 1.0).stiffness
+        self.elastic_state(&path, path.engaged(), 1.0).stiffness
     }
 
     /// Mean over the mesh cycle, N/m: the two-point Gauss rule on pieces that meet where an engagement begins or ends.
