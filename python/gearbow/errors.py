@@ -102,5 +102,5 @@ class AccuracyWarning(UserWarning):
     ...     warnings.simplefilter("always")
     ...     modes = gb.RotorSystem(shafts=[shaft], bearings=bearings).modes()
     >>> str(caught[-1].message)
-    '...the fastest is that of bearings[0], of 1.000e20 N/m'
+    '...the fastest mode is that of bearings[0], of 1.000e20 N/m'
     """

@@ -103,7 +103,7 @@ def test_growth_at_an_undamped_critical_speed(hold: Hold):
     )
     with pytest.raises(gb.SceneError, match="critical speed with too little damping"):
         system.simulate(0.01, speed, initial="synchronous")
-    with pytest.warns(gb.AccuracyWarning, match=r"speeds\[1\]: a displacement of"):
+    with pytest.warns(gb.AccuracyWarning, match=r"speeds\[1\]: a displacement is"):
         system.synchronous([100.0, speed])
 
 

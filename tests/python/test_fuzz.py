@@ -110,7 +110,7 @@ def test_what_no_memory_holds_is_refused_before_it_is_asked_for(options, text):
 
 
 def test_more_elements_than_a_system_may_have_are_refused():
-    with pytest.raises(gb.SceneError, match=r"^shafts\[0\]: 1000000000 elements"):
+    with pytest.raises(gb.SceneError, match=r"^shafts\[0\]: .* 1000000000 elements"):
         gb.RotorSystem([gb.Shaft("a", length=1.0, outer_diameter=0.1, elements=10**9)])
 
 

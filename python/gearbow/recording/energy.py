@@ -127,12 +127,12 @@ class EnergyBalance(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import response as figures  # noqa: PLC0415
 
-        def terms(names: tuple[str, ...]) -> dict[str, Array]:
+        def _terms(names: tuple[str, ...]) -> dict[str, Array]:
             return {name: getattr(self, name) for name in names}
 
         rows = {
-            "energy": (terms(ENERGIES), self.total),
-            "work": (terms(WORKS), self.work),
+            "energy": (_terms(ENERGIES), self.total),
+            "work": (_terms(WORKS), self.work),
             "residual": (terms(()), self.residual),
         }
         return figures.energy_balance(self.time, rows)

@@ -290,7 +290,7 @@ class SystemDescription:
 
     @property
     def coordinates(self) -> Coordinates:
-        """Degrees of freedom by name and place.
+        """Give the degrees of freedom by name and place.
 
         Returns
         -------

@@ -179,14 +179,14 @@ class Tradeoff(Generic[S]):
 
         duration = _duration(duration)
 
-        def points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
+        def _points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
             # A run below the uncertainty of the reference is drawn at this uncertainty.
             return [trial.bound for trial in trials], [trial.cost(duration) for trial in trials]
 
         given = [trial for trial in self.trials if trial.model == GIVEN]
         simpler = [trial for trial in self.trials if trial.model != GIVEN]
         methods = {
-            method: points([trial for trial in given if trial.method == method])
+            method: _points([trial for trial in given if trial.method == method])
             for method in dict.fromkeys(trial.method for trial in given)
         }
         models = {}
@@ -194,11 +194,11 @@ class Tradeoff(Generic[S]):
             # The last run of a model is its reference run: it shows the model error, not the
             # saving.
             chosen = [trial for trial in simpler if trial.model == model]
-            models[model] = points(chosen[:-1] or chosen)
+            models[model] = _points(chosen[:-1] or chosen)
         return figures.work_precision(
             methods,
             models,
-            points(self.front(duration=duration)),
+            _points(self.front(duration=duration)),
             floor=self.floor,
             worst=max(trial.bound for trial in self.trials),
             simulated=self.duration if duration is None else duration,
