@@ -133,7 +133,7 @@ class EnergyBalance(ReadOnly):
         rows = {
             "energy": (_terms(ENERGIES), self.total),
             "work": (_terms(WORKS), self.work),
-            "residual": (terms(()), self.residual),
+            "residual": (_terms(()), self.residual),
         }
         return figures.energy_balance(self.time, rows)
 
