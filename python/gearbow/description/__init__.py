@@ -1,1 +1,1 @@
-"""What a user describes: parts of a system, their plain form, and what follows from them alone."""
+"""Description of a system: its parts, their plain form, and their geometry and kinematics."""

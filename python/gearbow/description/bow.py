@@ -1,8 +1,8 @@
-"""Residual bow: the curve that a shaft has when nothing acts on it.
+"""Residual bow: the deflection curve of a shaft without load.
 
-The curve is fixed in the shaft, b(x) = b_y + i b_z [m]; it turns with the shaft. The bow loads
-nothing but the shaft itself: the force is K_s q_b, with the elastic stiffness K_s of the shaft and
-the bowed shape q_b.
+The curve b(x) = b_y + i b_z [m] is fixed in the shaft and rotates with it. The bow acts only on the
+shaft itself: the force is K_s q_b, with the elastic stiffness K_s of the shaft and the bowed shape
+q_b.
 """
 
 import cmath
@@ -16,7 +16,7 @@ from gearbow._convert import nested, shown
 from gearbow.description.part import Part, tuples
 from gearbow.errors import SceneError
 
-#: Points at which the curve of `Bow.function` is read.
+#: Number of points at which the curve of `Bow.function` is sampled.
 SAMPLES = 1001
 
 
@@ -35,7 +35,7 @@ class Bow(Part):
     number : int, optional
         Half waves over the length, for "mode".
     positions : sequence of float, optional
-        Where the curve was measured [m], for "points".
+        Positions of the measurements [m], for "points".
     amplitudes : sequence of float, optional
         Deflection at each position [m], for "points".
     phases : sequence of float, optional
@@ -68,7 +68,7 @@ class Bow(Part):
 
     @classmethod
     def half_sine(cls, amplitude: float, phase: float = 0.0) -> "Bow":
-        """One half wave over the length of the shaft.
+        """Make a bow of one half wave over the length of the shaft.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class Bow(Part):
 
     @classmethod
     def sag(cls, amplitude: float, phase: float = 0.0) -> "Bow":
-        """Take the shape that the shaft's own weight bends it to, scaled.
+        """Make a bow with the shape of the deflection by the weight of the shaft.
 
         Parameters
         ----------
@@ -98,13 +98,13 @@ class Bow(Part):
         Returns
         -------
         Bow
-            The bow; a shaft that stood still for months has taken it.
+            The bow, as after months at standstill.
         """
         return cls("sag", amplitude=amplitude, phase=phase)
 
     @classmethod
     def mode(cls, number: int, amplitude: float, phase: float = 0.0) -> "Bow":
-        """Take several half waves over the length of the shaft.
+        """Make a bow of several half waves over the length of the shaft.
 
         Parameters
         ----------
@@ -124,12 +124,12 @@ class Bow(Part):
 
     @classmethod
     def points(cls, positions: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike = 0.0) -> "Bow":
-        """Take a measured curve, e.g. run-out readings along the shaft.
+        """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
         Parameters
         ----------
         positions : array_like, shape (p,)
-            Where it was measured, from the left end of the shaft [m].
+            Positions of the measurements, from the left end of the shaft [m].
         amplitudes : array_like, shape (p,)
             Deflection at each position [m].
         phases : array_like, shape (p,) or scalar
@@ -153,14 +153,14 @@ class Bow(Part):
 
     @classmethod
     def function(cls, f: Callable[[float], complex]) -> "Bow":
-        """Take any curve, as a function of the position.
+        """Make a bow from any curve, given as a function of the position.
 
         Parameters
         ----------
         f : callable
-            Called with x [m] from the left end of the shaft, it gives the deflection b_y + i b_z
-            [m], a complex number. It is read at 1001 equally spaced points, one by one, when the
-            system is made.
+            Function of the distance x from the left end of the shaft [m]. It returns the complex
+            deflection b_y + i b_z [m]. Making the system calls it once at each of 1001 equally
+            spaced points.
 
         Returns
         -------
@@ -178,7 +178,7 @@ class Bow(Part):
         return cls("function", curve=f)
 
     def _sampled(self, length: float, path: str) -> "Bow":
-        """Read the curve of `Bow.function` along a shaft of this length."""
+        """Sample the curve of `Bow.function` along a shaft of this length."""
         if self.curve is None:
             return self
         positions = np.linspace(0.0, length, SAMPLES)

@@ -1,4 +1,4 @@
-"""Coordinates of a system: its degrees of freedom, and where gears and disks are."""
+"""Coordinates of a system: its degrees of freedom, and the positions of gears and disks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -14,7 +14,7 @@ __all__ = ["Disk", "Gear", "Mesh"]
 
 
 class _Body(Part):
-    """What disks and gears have in common: what stands at an angle in the shaft is complex."""
+    """Base of disks and gears: a quantity with an angle in the shaft is complex."""
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:
@@ -32,11 +32,11 @@ class Disk(_Body):
     Parameters
     ----------
     name : str
-        Name, unlike every other name of the system.
+        Name, unique in the system.
     shaft : str
         Name of its shaft.
     position : float
-        Where on the shaft, from its left end [m].
+        Position on the shaft, from its left end [m].
     mass : float
         Mass [kg].
     diametral_inertia : float
@@ -68,15 +68,15 @@ class Gear(_Body):
     Parameters
     ----------
     name : str
-        Name, unlike every other name of the system.
+        Name, unique in the system.
     shaft : str
         Name of its shaft.
     position : float
-        Where on the shaft, from its left end [m].
+        Position on the shaft, from its left end [m].
     teeth : int
         Number of teeth.
     module : float
-        Module [m]; either this or `base_radius`.
+        Module [m]; give either this or `base_radius`.
     base_radius : float
         Base radius [m].
     face_width : float
@@ -86,9 +86,10 @@ class Gear(_Body):
     profile_shift : float
         Profile shift coefficient.
     tip_radius : float
-        Tip radius [m]; that of full-depth teeth if left out.
+        Tip radius [m]; the default is that of full-depth teeth.
     mass : float
-        Mass [kg]; that of a solid steel disk on the pitch circle if left out, like the inertias.
+        Mass [kg]; the defaults of mass and inertias are those of a solid steel disk with the
+        diameter of the pitch circle.
     diametral_inertia : float
         Moment of inertia about a diameter [kg m²].
     polar_inertia : float
@@ -96,8 +97,8 @@ class Gear(_Body):
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
     run_out : complex
-        How far the base circle stands off the axis of the shaft [m]; its argument is the angle in
-        the shaft.
+        Eccentricity of the base circle relative to the axis of the shaft [m]; its argument is the
+        angle in the shaft.
 
     Examples
     --------
@@ -134,24 +135,24 @@ class Mesh(Part):
     driven : str
         Name of the driven gear.
     stiffness : float or Stiffness, optional
-        Stiffness along the line of action: a constant [N/m], or a model. None is the mean of ISO
-        6336-1, `Stiffness.iso6336`, which needs the face width of both gears.
+        Stiffness along the line of action: a constant [N/m], or a model. None is the mean stiffness
+        of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both gears.
     damping_ratio : float
-        Ratio ζ of the damping 2ζ√(k mₑ), with the mass mₑ that the two gears have on the line of
-        action.
+        Damping ratio ζ of the damping 2ζ√(k mₑ), with the equivalent mass mₑ of the two gears on
+        the line of action.
     damping : float, optional
-        Damping along the line of action [N s/m], in place of the ratio.
+        Damping along the line of action [N s/m], instead of the ratio.
     centre_line_angle : float
-        Angle of the line from the driver's centre to the driven's, from y towards z [rad].
+        Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional
         Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
     backlash : float, optional
-        Clearance of the flanks along the line of action, for the centres at rest [m]; None is a
-        mesh that never parts and pulls as well as it pushes.
+        Clearance of the flanks along the line of action, for the centres at rest [m]. None is a
+        mesh that never separates: its force can be tensile.
     tip_relief : TipRelief, optional
-        Relief of the tips of both gears; None is none.
+        Relief of the tips of both gears; None is no relief.
     error : TransmissionError, optional
-        Unloaded transmission error; None is none.
+        Unloaded transmission error; None is no error.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where shafts, gears, disks and bearings are at rest: the geometry that a drawing needs."""
+"""Positions of shafts, gears, disks and bearings at rest: the geometry for a drawing."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

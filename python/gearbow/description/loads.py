@@ -23,10 +23,10 @@ class Bearing(Part):
     shaft : str
         Name of its shaft.
     position : float
-        Where on the shaft, from its left end [m].
+        Position on the shaft, from its left end [m].
     stiffness : float, pair, 2×2 array or SpeedTable
-        Stiffness [N/m]: the same in every direction, (yy, zz), or [[yy, yz], [zy, zz]]; a table
-        of one of these over the speed of the shaft.
+        Stiffness [N/m]: a number for every direction, (yy, zz), or [[yy, yz], [zy, zz]]; or a table
+        of one of these against the speed of the shaft.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
 
@@ -60,7 +60,7 @@ class Torque(Part):
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
     value : float or "balance"
-        The torque [N m]; "balance" is what `Torque.balance` says.
+        The torque [N m]; "balance" is explained in `Torque.balance`.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class Torque(Part):
 
     @classmethod
     def balance(cls, at: At) -> "Torque":
-        """Apply the torque that keeps the train in balance against all the others.
+        """Apply the torque that balances all other torques on the train.
 
         Parameters
         ----------
@@ -83,7 +83,7 @@ class Torque(Part):
         Returns
         -------
         Torque
-            The torque, whose value follows.
+            The torque; the system computes its value.
         """
         return cls(at, "balance")
 

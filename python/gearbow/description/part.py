@@ -1,8 +1,7 @@
-"""From the parts that a user writes to the plain description that the core checks, and back.
+"""Conversion of the parts of a user to the plain description of the core, and back.
 
-Nothing physical is checked here: a part says what it was given, the core says whether that can be.
-What only Python can get wrong, an object of the wrong class, is a `SceneError` with its path like
-every other.
+This module makes no physical checks: the core checks the values. Only an object of the wrong class
+is detected here. It raises a `SceneError` with its path, as all other errors do.
 """
 
 import dataclasses
@@ -27,8 +26,8 @@ class Part:
     def _describe(self, path: str) -> dict[str, Plain]:
         """Give the fields that differ from their default as plain data.
 
-        A default is left to the core: it is stated once, and an option that was not given cannot
-        contradict one that was. What a field may hold follows from its annotation.
+        The core supplies the defaults: they are defined only once, and a default cannot contradict
+        a given option. The annotation of a field determines its valid types.
         """
         given = {}
         kinds = _kinds(type(self))  # type: ignore[arg-type]  # classes have hashes
@@ -44,7 +43,7 @@ class Part:
 
     @classmethod
     def _from_description(cls: type[P], description: Mapping[str, Plain]) -> P:
-        """Give the part back from its plain description."""
+        """Make the part from its plain description."""
         return cls(**description)
 
 
@@ -59,7 +58,7 @@ def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
 
 
 def _members(union: Any) -> tuple[Any, ...]:
-    """Give the members of a union; an array, a union of everything that NumPy converts, is one."""
+    """Give the members of a union; `ArrayLike`, which is itself a union, counts as one member."""
     members, arrays = get_args(union), get_args(ArrayLike)
     if set(arrays) <= set(members):
         return (ArrayLike, *(member for member in members if member not in arrays))
@@ -67,7 +66,7 @@ def _members(union: Any) -> tuple[Any, ...]:
 
 
 def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
-    """Turn the value of a field into plain data."""
+    """Convert the value of a field to plain data."""
     parts_allowed = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
     if isinstance(value, Part) and parts_allowed:
         return expect(value, parts_allowed[0], path)._describe(path)
@@ -95,7 +94,7 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
 
 
 def freeze(part: Part, *names: str) -> None:
-    """Make lists of a part, of whatever kind they were given, tuples that compare and hash."""
+    """Convert sequences in the named fields of a part to tuples, so that they compare and hash."""
     for field in names:
         value = getattr(part, field)
         if value is not None:
@@ -103,13 +102,13 @@ def freeze(part: Part, *names: str) -> None:
 
 
 def tuples(value: Plain) -> Plain:
-    """Make nested lists nested tuples."""
-    # What is not a list is wrong, and the core says so where it stands.
+    """Convert nested lists to nested tuples."""
+    # The core reports an invalid value that is not a list, with its path.
     return tuple(tuples(item) for item in value) if isinstance(value, list) else value
 
 
 def expect(value: object, kind: type[P], path: str) -> P:
-    """Give the value back if it is of the class that belongs here."""
+    """Return the value if it has the expected class; raise an error otherwise."""
     if not isinstance(value, kind):
         raise SceneError(f"{path}: must be a gb.{kind.__name__}, got {shown(value)}")
     return value

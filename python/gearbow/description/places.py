@@ -11,7 +11,7 @@ __all__ = ["is_pair", "is_place", "place", "place_label", "places"]
 
 
 def place(at: object, path: str = "at") -> Any:
-    """Convert a name or (shaft, position), and what else is recorded, to plain Python."""
+    """Convert a name, (shaft, position) or another recorded item to plain Python."""
     if isinstance(at, str):
         return at
     if isinstance(at, (tuple, list)) and len(at) in (2, 3) and isinstance(at[0], str):
@@ -25,7 +25,7 @@ def place(at: object, path: str = "at") -> Any:
 
 
 def is_place(at: object) -> bool:
-    """Tell whether this is (shaft, position)."""
+    """Return whether this is (shaft, position)."""
     return (
         isinstance(at, tuple)
         and len(at) == 2
@@ -35,12 +35,12 @@ def is_place(at: object) -> bool:
 
 
 def is_pair(at: object) -> bool:
-    """Tell whether this is (driver, driven)."""
+    """Return whether this is (driver, driven)."""
     return isinstance(at, tuple) and len(at) == 2 and all(isinstance(name, str) for name in at)
 
 
 def places(given: object, path: str) -> tuple[Any, ...]:
-    """Convert names and (shaft, position) pairs, one of them or several."""
+    """Convert one name or (shaft, position) pair, or several."""
     if isinstance(given, str) or is_place(given):
         return (place(given, path),)
     if not isinstance(given, Iterable):

@@ -27,9 +27,9 @@ class Material(Part):
     density : float
         Density ρ [kg/m³].
     poisson_ratio : float, optional
-        Poisson's ratio ν; either this or `shear_modulus`.
+        Poisson's ratio ν; give either this or `shear_modulus`.
     shear_modulus : float, optional
-        Shear modulus G [Pa]; E = 2G(1 + ν) gives the one from the other.
+        Shear modulus G [Pa]; E = 2G(1 + ν) relates it to Poisson's ratio.
 
     Examples
     --------
@@ -49,7 +49,7 @@ STEEL = Material(youngs_modulus=207e9, density=7850.0, poisson_ratio=0.3)
 
 @dataclass(frozen=True)
 class Segment(Part):
-    """A part of a stepped shaft that has one cross section.
+    """A segment of a stepped shaft, with a uniform cross section.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Segment(Part):
     inner_diameter : float
         Diameter of the bore [m].
     elements : int
-        Least number of elements.
+        Minimum number of elements.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Shaft(Part):
     Parameters
     ----------
     name : str
-        Name, unlike every other name of the system.
+        Name, unique in the system.
     length : float
         Length of a uniform shaft [m].
     outer_diameter : float
@@ -89,16 +89,16 @@ class Shaft(Part):
     inner_diameter : float
         Diameter of its bore [m].
     elements : int
-        Least number of elements of a uniform shaft. Every position at which something stands
-        becomes a node: the element there is split.
+        Minimum number of elements of a uniform shaft. The position of every gear, disk, bearing
+        and torque becomes a node: the element there is split.
     segments : sequence of Segment
-        The steps from x = 0, in place of the four above.
+        The segments from x = 0 on, instead of the four arguments above.
     material : Material
-        What it is made of.
+        Material of the shaft.
     shear : bool
-        Whether it deforms in shear; False is the Rayleigh beam.
+        Whether the model includes shear deformation; False is the Rayleigh beam.
     bow : Bow, optional
-        Its residual bow; None is straight.
+        Residual bow; None is a straight shaft.
 
     Notes
     -----
@@ -134,7 +134,7 @@ class Shaft(Part):
         return super(Shaft, shaft)._describe(path)
 
     def _length(self, path: str) -> float | None:
-        """Give the length along which a curve is read; None where the core will refuse it."""
+        """Give the length for the sampling of a bow curve; None unless positive and finite."""
         if self.segments is None:
             lengths = [] if self.length is None else [real(self.length, f"{path}.length")]
         else:

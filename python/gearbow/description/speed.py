@@ -125,7 +125,7 @@ class SpeedProfile:
                 f"speed: needs equal numbers of times and speeds, at least two, got {t.size} times "
                 f"and {values.size} speeds"
             )
-        # The core refuses times that do not ascend.
+        # The core rejects times that do not ascend.
         with np.errstate(divide="ignore", invalid="ignore"):
             slopes = np.where(np.diff(t) > 0.0, np.diff(values) / np.diff(t), 0.0)
         return cls(t, np.array([slopes, values[:-1]]))

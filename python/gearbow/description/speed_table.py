@@ -11,10 +11,10 @@ __all__ = ["SpeedTable"]
 
 @dataclass(frozen=True)
 class SpeedTable(Part):
-    """A coefficient over the magnitude of the speed of a shaft, for the bearing on it.
+    """A bearing coefficient against the magnitude of the speed of the shaft.
 
-    Between the given speeds every entry follows a monotone piecewise cubic (PCHIP), as in
-    `scipy.interpolate.PchipInterpolator`; at a given speed it has the given value.
+    Each entry is interpolated by a monotone piecewise cubic (PCHIP) through the given values, as by
+    `scipy.interpolate.PchipInterpolator`.
 
     Parameters
     ----------
@@ -22,10 +22,10 @@ class SpeedTable(Part):
         Magnitudes of the speed of the shaft that carries the bearing [rad/s], ascending from zero
         or above; at least two.
     values : array_like, shape (k,), (k, 2) or (k, 2, 2)
-        Stiffness [N/m] or damping [N s/m] at each speed: the same in every direction, (yy, zz), or
+        Stiffness [N/m] or damping [N s/m] at each speed: a number for every direction, (yy, zz), or
         [[yy, yz], [zy, zz]].
     outside : str
-        "error" refuses speeds outside the table; "hold" takes the first or the last value there.
+        "error" rejects speeds outside the table; "hold" uses the first or the last value there.
 
     Notes
     -----
@@ -33,9 +33,9 @@ class SpeedTable(Part):
     that of Fritsch and Carlson, *Monotone piecewise cubic interpolation*, SIAM J. Numer. Anal. 17
     (1980), with the slopes of Fritsch and Butland (1984).
 
-    At a constant speed the bearing is a linear one with the coefficients of that speed. In a run
-    with a changing speed, which takes the method "rk45" or "rk4", stiffness and damping follow the
-    speed; the work that changes the stiffness counts as work of the drive.
+    At a constant speed the bearing is linear, with the coefficients at that speed. In a run with a
+    changing speed, which needs the method "rk45" or "rk4", stiffness and damping change with the
+    speed. The work of the stiffness change is counted as work of the drive.
 
     Examples
     --------

@@ -13,21 +13,21 @@ Harmonics = Sequence[Sequence[float]]
 
 @dataclass(frozen=True)
 class TipRelief(Part):
-    """Relief of the tips of both gears: what the flanks stand back at the ends of the path.
+    """Tip relief of both gears: material removed from the flanks at the ends of the path.
 
     Parameters
     ----------
     amount : float
-        How far the flank stands back at the end of the path of contact [m].
+        Relief at the end of the path of contact [m].
     length : float
-        How far it reaches along the path, from either end [m].
+        Length of the relief along the path, from either end [m].
     shape : {"linear", "parabolic"}
-        How it begins: at a corner, or tangent to the involute.
+        Start of the relief: with a corner, or tangent to the involute.
 
     Notes
     -----
-    It needs a stiffness that is made of tooth pairs: "square", "parabolic" or "potential_energy". A
-    relieved pair carries once the mesh has deflected by more than its relief.
+    It needs a stiffness that consists of tooth pairs: "square", "parabolic" or "potential_energy".
+    A pair with relief carries load when the mesh deflection exceeds the relief.
 
     Examples
     --------
@@ -50,19 +50,19 @@ class TransmissionError(Part):
     tooth : sequence of (float, float), optional
         Amplitude a [m] and phase p [rad] of each harmonic 1, 2, … of the mesh frequency.
     driver : sequence of (float, float), optional
-        The same of the driver's shaft, e.g. its eccentricity and ovality.
+        The same for the harmonics of the driver's shaft, e.g. eccentricity and ovality.
     driven : sequence of (float, float), optional
-        The same of the driven shaft.
+        The same for the driven shaft.
     table : sequence of float, optional
         Values at 0, 1/n, 2/n, … of the mesh cycle [m], at least three; a periodic cubic spline goes
         through them.
 
     Notes
     -----
-    The parts add up to e = Σ a_n cos(nzϑ + p_n), where ϑ is the angle that a shaft has spun: for
-    `tooth` that of the driver, with its z teeth, for `driver` and `driven` that of either shaft,
-    with z = 1. The deflection of the mesh is smaller by e, as if so much were missing from the
-    driving flanks; the flanks behind them have no error.
+    The contributions add up to e = Σ a_n cos(nzϑ + p_n) with the rotation angle ϑ of a shaft. For
+    `tooth` it is the angle of the driver, and z its number of teeth; for `driver` and `driven` it
+    is the angle of this shaft, and z = 1. The error reduces the mesh deflection by e, like material
+    removed from the drive flanks; the back flanks have no error.
 
     Examples
     --------
