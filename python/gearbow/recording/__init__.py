@@ -1,1 +1,1 @@
-"""What a simulation recorded: plain data, access by name, energy, files and tables."""
+"""Recorded runs: plain data, access by name, energy, files and tables."""

@@ -1,13 +1,13 @@
 """The arrays and the metadata of a ``.npz`` or ``.nc`` file, checked before they are read.
 
-A file declares the shape and type of every array. Both formats are written without compression,
-so that an array takes no more bytes than its file: a declaration of more is refused before any
-memory is allocated for it.
+A file declares the shape and type of every array. Both formats are written without compression, so
+that an array is never larger than its file. A larger declaration is rejected before any memory is
+allocated.
 
-A damaged file must not reach the HDF5 library: it can loop for ever or crash the process. A netCDF
-file of gearbow therefore ends with a seal, the SHA-256 digest of the bytes before it. Readers of
-HDF5 ignore what follows the end of the file that its header gives. Archives of NumPy hold a check
-sum of every member.
+A damaged file must not reach the HDF5 library: the library can loop for ever or crash the process.
+A netCDF file of gearbow therefore ends with a seal, the SHA-256 digest of the preceding bytes.
+Readers of HDF5 ignore all bytes after the end of file that the header declares. Archives of NumPy
+contain a checksum of every member.
 """
 
 import hashlib
@@ -31,18 +31,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Container", "Header", "netcdf_bytes", "opened", "seal", "suffix"]
 
-#: What a file declares of an array.
+#: Declaration of an array in a file.
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
 
-#: What the libraries raise for an invalid file. A number that is too large for the format is an
-#: OverflowError, an encrypted or a too new archive a RuntimeError.
+#: Exceptions of the libraries for an invalid file. A number that is too large for the format is an
+#: OverflowError. An encrypted or too new archive is a RuntimeError.
 _INVALID = (
     *(ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RuntimeError),
     *(OSError, EOFError, SyntaxError, zipfile.BadZipFile),
 )
 
 _METADATA = "metadata"
-#: What the seal of a netCDF file begins with; the digest follows.
+#: First bytes of the seal of a netCDF file; the digest follows.
 _SEAL = b"gearbow\n"
 _BLOCK = 1 << 20
 
@@ -61,7 +61,7 @@ class Container(Protocol):
 
 
 def suffix(path: str | os.PathLike[str]) -> str:
-    """Tell the format of a file by its name, and import the libraries that it needs.
+    """Return the suffix of a file, and import the libraries that its format needs.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def suffix(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     GearbowError
-        If the suffix is another, or the libraries for it are missing.
+        If the suffix is unknown, or a library for the format is missing.
     """
     ending = Path(path).suffix
     if ending not in {".npz", ".nc"}:
@@ -101,14 +101,14 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
     Yields
     ------
     Container
-        What is in it.
+        The content of the file.
 
     Raises
     ------
     GearbowError
-        If it is invalid; the text names the file and the problem.
+        If the file is invalid; the message names the file and the problem.
     OSError
-        If it cannot be opened.
+        If the file cannot be opened.
     """
     kind = _NetCdf if suffix(path) == ".nc" else _Npz
     with Path(path).open("rb") as stream:
@@ -234,12 +234,12 @@ class _NetCdf:
 
 
 def seal(content: bytes | memoryview) -> bytes:
-    """Give what stands at the end of a netCDF file with this content."""
+    """Return the seal at the end of a netCDF file with this content."""
     return _SEAL + hashlib.sha256(content).digest()
 
 
 def _check_seal(stream: BinaryIO) -> None:
-    """Refuse a file whose content is not what was written, and go back to its beginning."""
+    """Reject a file whose content does not match its seal, and rewind it."""
     digest = hashlib.sha256()
     length = len(_SEAL) + digest.digest_size
     left = _size(stream) - length
@@ -257,8 +257,8 @@ def _check_seal(stream: BinaryIO) -> None:
 def netcdf_bytes(dataset: "xr.Dataset") -> tuple[memoryview, bytes]:
     """Give a data set as the content of a netCDF file.
 
-    The HDF5 library crashes the process when it closes a file that a full disk has cut short. It
-    therefore writes to memory, which takes as much again as the arrays.
+    The HDF5 library crashes the process when it closes a file that a full disk has truncated. It
+    therefore writes to memory, which needs as much memory again as the arrays.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def netcdf_bytes(dataset: "xr.Dataset") -> tuple[memoryview, bytes]:
     content : memoryview
         The netCDF file.
     seal : bytes
-        What follows it in the file.
+        The bytes that follow the content in the file.
     """
     import h5netcdf  # noqa: PLC0415
     from xarray.backends import H5NetCDFStore  # noqa: PLC0415

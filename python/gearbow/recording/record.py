@@ -14,7 +14,7 @@ __all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
 
 @dataclass(frozen=True, eq=False)
 class RunRecord:
-    """Everything that a file keeps of a run.
+    """All data of a run that a file contains.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ class Recording:
         Returns
         -------
         RunRecord
-            Everything that a file keeps.
+            All data that a file contains.
         """
         return RunRecord(
             self._data, self.speed, self.kinematics, self.expected_error, self.accuracy
@@ -235,7 +235,7 @@ class Recording:
         Raises
         ------
         ChannelError
-            If the energy was not recorded; the text says what to record.
+            If the energy was not recorded; the message says what to record.
         """
         terms = self._data["energy_terms"]
         if terms is None:
@@ -248,7 +248,7 @@ class Recording:
 
         A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
         only after the start of the run. The contact mode at the start is not an event, even if
-        flanks that touch at the start separate or press at once.
+        flanks that touch at the start separate or press immediately.
 
         Returns
         -------

@@ -1,7 +1,7 @@
-"""Checks of plain data: what each entry of a file must be, as a table of small functions.
+"""Checks of plain data: the valid values of each entry of a file, as a table of small functions.
 
-A check takes a value and says where it stands; it raises `GearbowError` for a value that does not
-fit. `record`, `each`, `row` and `optional` build larger checks from smaller ones.
+A check receives a value and its path in the file. It raises `GearbowError` for an invalid value.
+`record`, `each`, `row` and `optional` combine checks.
 """
 
 import reprlib
@@ -48,7 +48,7 @@ def any_number(value: Any, where: str) -> None:
 
 
 def optional(check: Check) -> Check:
-    """Accept None, and what `check` accepts."""
+    """Accept None and every value that `check` accepts."""
 
     def checked(value: Any, where: str) -> None:
         if value is not None:

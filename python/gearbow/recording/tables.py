@@ -80,7 +80,7 @@ def to_xarray(run: RunRecord) -> "xr.Dataset":
         coordinates["time"] = ("time", data["time"], {"units": "s"})
     dataset = xr.Dataset(variables, coordinates, {"metadata": metadata_of(run, {})})
     for variable in dataset.variables.values():
-        # No value means that a value is missing.
+        # No array uses a value that marks missing data.
         variable.encoding["_FillValue"] = None
     return dataset
 
