@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 #: Shortest time before a run may be stopped [s]; the core reports its progress every 50 ms.
 _WATCHED = 0.2
-#: The same as a fraction of the time limit of the run.
+#: The same time as a fraction of the time limit of the run.
 _PATIENCE = 0.1
 
 
