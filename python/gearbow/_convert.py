@@ -1,8 +1,8 @@
-"""Conversion of arguments to plain numbers: the one place that decides what counts as a number.
+"""Conversion of arguments to plain numbers: the only definition of a valid number.
 
-Text, truth values, complex numbers, dates and masked arrays are no real numbers, even where Python
-or NumPy would convert them: each of them is more likely a slip. Every error is a `SceneError` that
-begins with the path of the argument.
+Strings, booleans, complex numbers, dates and masked arrays are not real numbers, even if Python or
+NumPy can convert them: they are probably mistakes. Every error is a `SceneError` that begins with
+the path of the argument.
 """
 
 import math
@@ -16,7 +16,7 @@ import numpy as np
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
-#: Integers from this size on are converted to floats: the core reads 64 bits.
+#: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
 #: Keys whose values may be complex.
 _COMPLEX = ("unbalance", "run_out")
@@ -25,7 +25,7 @@ _LONGEST = 100
 
 
 def shown(value: object) -> str:
-    """Give the representation of a value, shortened to fit into a message."""
+    """Give the representation of a value, shortened for an error message."""
     try:
         text = repr(value)
     except ValueError:  # integers of more than 4300 digits have none
@@ -34,7 +34,7 @@ def shown(value: object) -> str:
 
 
 def real(value: object, path: str, wanted: str = "a number") -> float:
-    """Convert one real number; NaN and infinity pass, since the core refuses them.
+    """Convert one real number; NaN and infinity pass, because the core rejects them.
 
     Integers stay integers. NumPy scalars, arrays without axes and objects with ``__float__`` or
     ``__index__`` are numbers too.
@@ -59,7 +59,7 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
 
 
 def number(value: object, path: str, *, infinite: bool = False) -> float:
-    """Convert one real number, finite unless infinity means something."""
+    """Convert one real number, finite unless `infinite` is set."""
     found = float(real(value, path))
     if not (math.isfinite(found) or (infinite and found == math.inf)):
         raise SceneError(f"{path}: must be finite, got {found}")
@@ -67,7 +67,7 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
 
 
 def whole(value: object, path: str, least: int = 1) -> int:
-    """Convert one whole number; 25.0 is one, 25.5 is not."""
+    """Convert one whole number; 25.0 is valid, 25.5 is invalid."""
     found = real(value, path, "a whole number")
     if not float(found).is_integer():
         raise SceneError(f"{path}: must be a whole number, got {found}")
@@ -127,7 +127,7 @@ def matrix(values: object, path: str) -> Array:
 
 
 def text(value: object, path: str) -> str:
-    """Convert a text."""
+    """Convert a string."""
     if not isinstance(value, str):
         raise SceneError(f"{path}: must be text, got {shown(value)}")
     return str(value)
@@ -150,7 +150,7 @@ def _is_sequence(value: object) -> bool:
 
 
 def copied(value: Any, path: str) -> Plain:
-    """Convert nested mappings and sequences of numbers, texts and truth values to plain data."""
+    """Convert nested mappings and sequences of numbers, strings and booleans to plain data."""
     if isinstance(value, Mapping):
         return {
             text(key, path): copied(item, f"{path}.{key}" if path else key)

@@ -1,4 +1,4 @@
-"""Libraries that only some functions need."""
+"""Optional libraries that only some functions need."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ _PACKAGES = {
 
 @contextmanager
 def extra(name: str) -> Iterator[None]:
-    """Say how to install an extra where an import within the block finds it missing."""
+    """Report how to install an extra if an import within the block fails."""
     try:
         yield
     except ModuleNotFoundError as error:

@@ -1,7 +1,7 @@
 """Files that are written as a whole, and locks between processes.
 
-`replacing` is the only way in which gearbow writes a file. Everything goes to a temporary file in
-the same folder, which takes the place of the target once all of it is on the disk.
+gearbow writes every file with `replacing`. It writes a temporary file in the same folder, which
+replaces the target when all data are on the disk.
 """
 
 import errno
@@ -30,14 +30,14 @@ class BusyError(Exception):
 def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """Open a temporary file that replaces `path` at the end of the block.
 
-    An error within the block, or of the disk, leaves `path` as it was and removes the temporary
-    file. A process that is killed cannot remove it: the next writer of the same file does. An
-    existing file keeps its permissions.
+    After an error within the block, or of the disk, `path` is unchanged and the temporary file is
+    removed. A killed process cannot remove its temporary file: the next writer of the same file
+    removes it. An existing file keeps its permissions.
 
     Raises
     ------
     OSError
-        If the file cannot be written. The text names `path` and the cause.
+        If the file cannot be written. The message names `path` and the cause.
     """
     path = Path(path).resolve()
     trial: Path | None = None
@@ -55,7 +55,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         file.close()
     except BaseException as error:
         if file is not None:
-            with suppress(OSError):  # it tries once more to write what did not fit
+            with suppress(OSError):  # closing retries to write the remaining data
                 file.close()
         if trial is not None:
             with suppress(OSError):
@@ -69,15 +69,15 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 class FileLock:
-    """A lock beside a file, which the operating system releases when its owner ends or is killed.
+    """A lock for a file, which the operating system releases when its owner ends or is killed.
 
     Locks of the operating system (``flock``, or ``msvcrt.locking`` on Windows) are used directly:
-    they belong to an open file, so that they also keep two threads of one process apart.
+    they belong to an open file, so that they also exclude two threads of one process.
 
     Parameters
     ----------
     path : Path
-        The file that is protected. The lock is a hidden empty file beside it.
+        The protected file. The lock is a hidden empty file in the same folder.
     """
 
     def __init__(self, path: Path) -> None:
@@ -86,7 +86,7 @@ class FileLock:
         self._number: int | None = None
 
     def acquire(self) -> None:
-        """Take the lock, or fail at once.
+        """Acquire the lock, or fail immediately.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class FileLock:
             try:
                 if not _lock(number):
                     raise BusyError
-                # The owner before may have removed the file between the two calls.
+                # The previous owner may have removed the file between the two calls.
                 if _is_at(number, self._path):
                     self._number = number
             finally:
@@ -117,7 +117,7 @@ class FileLock:
             if fcntl is None:  # Windows does not remove a file that is open.
                 os.close(number)
                 self._path.unlink()
-            else:  # It is removed before it is released, so that nobody else holds it.
+            else:  # Remove it before the release, so that no other owner holds it.
                 self._path.unlink()
         if fcntl is not None:
             os.close(number)
@@ -139,7 +139,7 @@ def _lock(number: int) -> bool:
 
 
 def _is_at(number: int, path: Path) -> bool:
-    """Tell whether an open file is the one at `path`."""
+    """Return whether an open file is the one at `path`."""
     try:
         return os.path.samestat(os.fstat(number), path.lstat())
     except FileNotFoundError:
@@ -147,7 +147,7 @@ def _is_at(number: int, path: Path) -> bool:
 
 
 def _check_target(path: Path) -> None:
-    """Refuse to replace what is no file, such as a folder or a device."""
+    """Reject a target that is not a regular file, such as a folder or a device."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -159,20 +159,20 @@ def _check_target(path: Path) -> None:
 
 
 def _short(path: Path) -> str:
-    """Give the part of a name that leaves room for more within the 255 bytes of a name."""
+    """Shorten a file name, so that an affix fits into the 255 bytes of a name."""
     return path.name[:40]
 
 
 def _create(path: Path) -> tuple[Path, BinaryIO]:
-    """Create a temporary file for `path`, locked while its writer lives."""
+    """Create a temporary file for `path`, locked while its writer runs."""
     while True:
         trial = path.with_name(f".{_short(path)}.{secrets.token_hex(8)}.part")
         file = trial.open("xb")
         if fcntl is None:
             return trial, file
-        with suppress(OSError):  # Without locks its remains are never removed, which is safe.
+        with suppress(OSError):  # Without locks an abandoned file is never removed, which is safe.
             _lock(file.fileno())
-        if _is_at(file.fileno(), trial):  # else another writer took it for abandoned
+        if _is_at(file.fileno(), trial):  # else another writer removed it as abandoned
             with suppress(OSError):
                 trial.chmod(stat.S_IMODE(path.stat().st_mode))
             return trial, file
@@ -182,7 +182,7 @@ def _create(path: Path) -> tuple[Path, BinaryIO]:
 def _remove_abandoned(path: Path) -> None:
     """Remove temporary files for `path` whose writers were killed.
 
-    A writer that lives holds a lock on its file. Windows does not tell, and nothing is removed.
+    A running writer holds a lock on its file. On Windows this is unknown, and nothing is removed.
     """
     if fcntl is None:
         return
@@ -204,10 +204,10 @@ def _remove_abandoned(path: Path) -> None:
 
 
 def _synchronise(folder: Path) -> None:
-    """Bring the new name in a folder to the disk, where the system permits it."""
+    """Write the new name in a folder to the disk, if the system permits it."""
     if os.name != "posix":
         return
-    with suppress(OSError):  # the file is whole, and some file systems do not synchronise folders
+    with suppress(OSError):  # the file is complete; some file systems cannot synchronise folders
         number = os.open(folder, os.O_RDONLY)
         try:
             os.fsync(number)

@@ -1,4 +1,4 @@
-"""Results that nobody changes by accident: their arrays are read-only."""
+"""Results with read-only arrays, which prevent accidental changes."""
 
 from collections.abc import Mapping
 from typing import TypeVar
@@ -9,10 +9,10 @@ T = TypeVar("T")
 
 
 def read_only(data: T) -> T:
-    """Make all arrays in (nested) mappings and sequences read-only, and give the data back.
+    """Make all arrays in (nested) mappings and sequences read-only, and return the data.
 
-    A result may be continued, saved or asked again, so that a changed array would falsify later
-    answers. Views of a read-only array are read-only too. Whoever wants to change one takes a copy.
+    A simulation can continue from a result, and a result can be saved: a changed array would make
+    later results wrong. Views of a read-only array are read-only too. To change an array, copy it.
     """
     if isinstance(data, np.ndarray):
         data.setflags(write=False)

@@ -19,7 +19,7 @@ def distinct(times: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
 def grid(start: float, duration: float, step: float) -> Array:
     """Give equally spaced times from the start; the end is included if a step ends there."""
     if not 0.0 < duration < np.inf:
-        return np.array([start])  # the core refuses such a duration
+        return np.array([start])  # the core rejects such a duration
     if not 0.0 < step < np.inf:
         raise SceneError(f"output_step: must be positive and finite, got {step!r}")
     with np.errstate(over="ignore"):

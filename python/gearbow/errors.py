@@ -1,4 +1,4 @@
-"""The exceptions, one tree for one ``except`` to catch, and the warnings of gearbow.
+"""The exceptions of gearbow, all derived from `GearbowError`, and its warnings.
 
 This module imports nothing from the package: the compiled core imports it.
 """
@@ -21,20 +21,20 @@ __all__ = [
 
 
 class GearbowError(Exception):
-    """Base of every error that gearbow raises on purpose.
+    """Base of all public exceptions of gearbow.
 
     Attributes
     ----------
     response : gearbow.Response or None
-        What a simulation had computed when it failed; None for every other error.
-        `KeyboardInterrupt` out of a simulation carries it too.
+        Results of a simulation until its failure; None for every other error. A
+        `KeyboardInterrupt` from a simulation has this attribute too.
     """
 
     response: Any = None
 
 
 class SceneError(GearbowError, ValueError):
-    """A description, or an argument, that cannot be; the text begins with where it is.
+    """An invalid scene or argument; the message begins with its path.
 
     Examples
     --------
@@ -47,50 +47,50 @@ class SceneError(GearbowError, ValueError):
 
 
 class StabilityError(GearbowError):
-    """A step above the stability limit, or a run that diverged; the text names the limit."""
+    """A step above the stability limit, or a run that diverged; the message names the limit."""
 
 
 class ContactError(GearbowError):
-    """Base circles that overlap, where no involute contact exists; names mesh and time."""
+    """Base circles overlap, so that involute contact is impossible; names mesh and time."""
 
 
 class ConvergenceError(GearbowError):
-    """An iteration that did not converge; the text names it and its residual."""
+    """An iteration that did not converge; the message names it and its residual."""
 
 
 class ChannelError(GearbowError, KeyError):
-    """A response was asked for something that was not recorded; the text says what to record."""
+    """A requested signal was not recorded; the message says what to record."""
 
     # KeyError prints the repr of its argument, which makes a sentence unreadable.
     __str__ = Exception.__str__
 
 
 class MissingExtraError(GearbowError, ImportError):
-    """A library that an extra of gearbow installs is missing; the text says how to install it."""
+    """A library of an optional extra is missing; the message says how to install it."""
 
 
 class CheckpointWarning(UserWarning):
-    """The file of a long run could not be written; the run goes on, the file is as it was."""
+    """The file of a long run could not be written; the run continues, and the file is unchanged."""
 
 
 class SceneWarning(UserWarning):
-    """A description that is possible but looks like a slip, e.g. unlike base pitches."""
+    """A valid scene with a probable mistake, e.g. different base pitches."""
 
 
 class RunTimeWarning(RuntimeWarning):
-    """A run that takes longer than an hour at the pace of its first second.
+    """A run with an estimated duration of more than one hour, based on its first second.
 
-    The text gives the estimate. An error in its place, by `warnings.simplefilter("error",
-    gb.RunTimeWarning)`, ends the run; the exception carries `.response`, what was computed.
+    The message gives the estimate. `warnings.simplefilter("error", gb.RunTimeWarning)` turns the
+    warning into an error, which ends the run; its attribute `response` contains the results so far.
     """
 
 
 class AccuracyWarning(UserWarning):
-    """An answer that may be worth less than it looks.
+    """A result with reduced accuracy: ill-conditioning or large displacements.
 
-    Frequencies may be so far apart that round-off takes digits of the slow motions, a tolerance may
-    be below round-off, a displacement larger than the shafts, where the equations hold for small
-    ones. The text says by how much, and what is the cause.
+    Possible causes: the frequencies differ so much that round-off reduces the accuracy of the slow
+    motions; a tolerance is below round-off; or a displacement exceeds the size of the shafts,
+    although the equations assume small displacements. The message gives the amount and the cause.
 
     Examples
     --------
