@@ -1,4 +1,4 @@
-"""Balancing a bowed rotor: what is predicted is what a run shows."""
+"""Balancing of a bowed rotor: the predicted residual equals the simulated one."""
 
 from __future__ import annotations
 
@@ -71,12 +71,12 @@ def test_cancelling_one_is_not_cancelling_the_other():
     assert abs(total.unbalances[0] / elastic.unbalances[0]) > 2.0
     still = total.system.synchronous(120.0)
     straight = elastic.system.synchronous(120.0)
-    # a rotor that runs true is bent by its bow, one that is not bent runs out by it
+    # zero runout requires a deflection by the bow; zero deflection leaves the bow as runout
     assert np.abs(still.displacement("disk")).max() < 1e-12
     assert np.abs(still.elastic("disk")[0, 0, 0]) == pytest.approx(1e-4, rel=1e-9)
     assert np.abs(straight.elastic("disk")).max() < 1e-12
     assert np.abs(straight.displacement("disk")[0, 0, 0]) == pytest.approx(1e-4, rel=1e-9)
-    # the one that is straight loads its bearings by no more than round-off of their stiffness
+    # the straight shaft loads its bearings by the round-off of their stiffness only
     assert (
         np.abs(straight.bearing_force("s", 0.0)).max()
         < 0.1 * np.abs(still.bearing_force("s", 0.0)).max()
@@ -97,7 +97,7 @@ def test_planes_without_a_body_and_several_speeds():
     own = found.system.synchronous(speeds)
     shown = np.stack([own.displacement(point)[:, 0] for point in found.points], axis=1)
     assert shown == pytest.approx(found.residual, abs=1e-9 * np.abs(found.before).max())
-    # least squares: no other correction leaves less
+    # least squares: every other correction leaves a larger residual
     best = np.linalg.norm(found.residual)
     for change in (1e-5, 1e-5j):
         disks = [

@@ -1,4 +1,4 @@
-"""What a balance reports about itself."""
+"""Numbers and text that a balance result reports."""
 
 from __future__ import annotations
 

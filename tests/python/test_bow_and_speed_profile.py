@@ -1,4 +1,4 @@
-"""Speed profiles and bows against the formulas of their documentation."""
+"""Compare speed profiles and bows with the formulas in their documentation."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_a_function():
 
 
 def curve_of(bow: Bow, length: float, where: np.ndarray) -> np.ndarray:
-    """The curve that a shaft shows at a slow roll on stiff bearings at its ends."""
+    """Return the slow-roll shape of a shaft on stiff bearings at its ends."""
     shaft = gb.Shaft("s", length=length, outer_diameter=0.05, elements=8, bow=bow)
     bearings = [gb.Bearing("s", x, stiffness=1e10) for x in (0.0, length)]
     system = gb.RotorSystem([shaft], bearings=bearings, motion="lateral")
@@ -43,7 +43,7 @@ def curve_of(bow: Bow, length: float, where: np.ndarray) -> np.ndarray:
     return np.array([found.displacement(("s", float(x)))[0, 0, 0] for x in where])
 
 
-LENGTH = 0.5  # not 1, so that a position is no part of the length
+LENGTH = 0.5  # the length is not 1 m, so that positions and relative positions differ
 WHERE = LENGTH * np.arange(1, 8) / 8
 SHAPES = {
     "half_sine": (Bow.half_sine(1e-4, phase=0.6), 1e-4 * np.exp(0.6j) * np.sin(np.pi * WHERE / LENGTH)),
@@ -67,7 +67,7 @@ def test_a_slow_shaft_shows_its_bow(shape: str):
 
 
 def test_sag_is_the_deflection_under_its_own_weight():
-    # 16/5 (ξ - 2 ξ³ + ξ⁴) of a slender beam on two supports; shear adds a part that falls with (d/L)²
+    # 16/5 (ξ - 2 ξ³ + ξ⁴) of a slender beam on two supports; shear adds a term of order (d/L)²
     shaft_ratio = WHERE / LENGTH
     expected = 1e-4 * np.exp(0.6j) * 16 / 5 * (shaft_ratio - 2 * shaft_ratio**3 + shaft_ratio**4)
     found = curve_of(Bow.sag(1e-4, phase=0.6), LENGTH, WHERE)

@@ -1,4 +1,4 @@
-"""Campbell diagrams: modes keep their line, and critical speeds are those of the modes themselves."""
+"""Campbell diagrams: each line follows one mode, and critical speeds agree with the modes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_criticals_of_nelson_and_mcvaugh():
 
 @pytest.mark.parametrize("excitation", [1.0, 0.5, 4.0])
 def test_the_map_has_the_criticals_of_the_diagram(excitation: float):
-    # the diagram's come by Newton on the modes at speed, the map's by one Hermitian eigenproblem
+    # the diagram uses Newton's method on the modes; the map solves one Hermitian eigenproblem
     system = scenes.v2()
     found = system.critical_speed_map([published.V2_BEARING_STIFFNESS], excitation=excitation)
     for speed, whirl in list(zip(found.speeds[0], found.whirl[0], strict=True))[:6]:
@@ -63,7 +63,7 @@ def test_the_map_runs_from_a_free_shaft_to_a_pinned_one():
     assert np.all(np.diff(forward[:, :3], axis=0) > 0.0)
     assert np.all(np.diff(backward[:, :3], axis=0) > 0.0)
     assert np.all(forward[:, :3] > backward[:, :3])
-    # soft bearings carry a rigid rotor: speeds follow the root of the stiffness, here to 1 %
+    # a rotor on soft bearings is rigid: critical speeds follow the root of the stiffness within 1 %
     soft = system.critical_speed_map([1e2, 4e2]).lines("forward")
     assert soft[1, 0] / soft[0, 0] == pytest.approx(2.0, rel=1e-2)
     with pytest.raises(gb.GearbowError, match="torsion"):
@@ -84,7 +84,7 @@ def test_a_disk_that_is_flat_enough_has_no_forward_critical_of_its_tilt():
         system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
         return list(system.critical_speed_map([1e7]).whirl[0][:4])
 
-    # translation, then tilt: I_d − I_p is its inertia in synchronous forward whirl
+    # translation, then tilt: I_d − I_p is the tilting inertia in synchronous forward whirl
     assert sorted(tilting(0.5)) == ["backward", "backward", "forward", "forward"]
     assert tilting(1.5)[:3].count("backward") == 2
     assert tilting(1.5)[:3].count("forward") == 1
@@ -151,16 +151,16 @@ def test_isotropic_bearings_let_forward_and_backward_cross():
     for mode in range(6):
         assert len(set(campbell.whirl[:, mode])) == 1
     order = np.argsort(campbell.frequencies_hz, axis=1)
-    assert np.any(order[0] != order[-1])  # they do cross
+    assert np.any(order[0] != order[-1])  # the lines cross
 
 
 def test_a_veering_is_followed_and_its_modes_never_meet():
-    # the finer the speeds, the same lines: halving resolves what the speeds do not
+    # a finer speed grid gives the same lines, because coarse intervals are halved
     coarse, fine = veering(1.5, 11), veering(1.5, 81)
     assert coarse.frequencies_hz == pytest.approx(fine.frequencies_hz[::8], rel=1e-9)
     swapped = {tuple(row) for row in coarse.whirl.T}
-    assert any(len(set(row)) > 1 for row in swapped)  # a mode takes over the whirl of the other
-    # modes that veer keep their order, where isotropic ones passed each other
+    assert any(len(set(row)) > 1 for row in swapped)  # the modes exchange their whirl directions
+    # veering modes keep their order; with isotropic bearings they cross
     gaps = np.diff(np.sort(fine.frequencies_hz, axis=1), axis=1)
     assert gaps.min() > 0.0
 
@@ -177,7 +177,7 @@ def test_intersections_do_not_depend_on_the_speeds_that_were_asked():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
-    # unlike and cross-coupled bearings, a third of critical damping in all modes for some
+    # different and cross-coupled bearings; some rotors have a third of critical damping
     noise = np.random.default_rng(seed)
     cross = 1e6 * noise.uniform(-1.0, 1.0, (2, 2)) * (1.0 - np.eye(2))
     scene = replace(
@@ -191,7 +191,7 @@ def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
     system = scene.package()
     coarse, fine = (system.campbell(np.linspace(0.0, 3000.0, count), count=8) for count in (6, 41))
     assert len(coarse.intersections) > 5
-    # a mode that is followed, whatever the steps, meets its lines where it does
+    # intersections of a tracked mode do not depend on the speed grid
     intersections = [
         sorted((m.line.name, m.speed) for m in c.intersections) for c in (coarse, fine)
     ]

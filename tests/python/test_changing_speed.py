@@ -1,4 +1,4 @@
-"""Speeds that change: run-ups against an independent integration, what is carried over, and what is refused."""
+"""Variable speed: run-ups against an independent integration, continuation, invalid profiles."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def own_rotor() -> Train:
 def ramp(
     start: float, end: float, duration: float, begin: float = 0.0
 ) -> independent_solution.Turning:
-    """Angle, speed and acceleration of a ramp, in closed form."""
+    """Return angle, speed and acceleration of a ramp in closed form."""
     slope = (end - start) / duration
 
     def at(t: float) -> tuple[float, float, float]:
@@ -91,7 +91,7 @@ def test_run_up_through_the_critical_matches_the_independent_solution(
     )
     # the error of the independent solution is 1e-10
     assert gap(found, solution) < 1e-8
-    # which a force without the acceleration, or an angle of the present speed, would not be
+    # a force without the acceleration term, or a wrong angle, fails here
     angle, speed, acceleration = ramp(*RAMP)(0.4)
     assert abs(UNBALANCE) * acceleration > 1e-3 * abs(UNBALANCE) * speed**2
     assert abs(speed * 0.4 - angle) > 1.0
@@ -107,12 +107,12 @@ def test_rk4_keeps_its_order_across_the_kinks(solution: independent_solution.Mot
             step=step,
         )  # fmt: skip
         errors.append(gap(found, solution))
-    assert errors[0] > 1e-9  # well above the error of the independent solution
+    assert errors[0] > 1e-9  # far above the error of the independent solution
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
 
 
 def test_the_peak_comes_later_and_lower_the_faster_one_passes():
-    # known of every rotor that runs through its critical (Lewis 1932)
+    # general result for rotors that pass a critical speed (Lewis 1932)
     system = rotor(damping=200.0)
     peaks = []
     for rate in (20.0, 100.0, 500.0):
@@ -141,7 +141,7 @@ GEARED = Geared(
         GearAt("g4", "output", 0.25, 50, unbalance=3e-2),
     ],
 )
-SWIFT = (100.0, 900.0, 3e-3, 1e-3)  # 2.7e5 rad/s²: as much of a force as the speed itself
+SWIFT = (100.0, 900.0, 3e-3, 1e-3)  # 2.7e5 rad/s²: its force is as large as that of the speed
 
 
 @pytest.mark.parametrize("how", [{"rtol": 1e-9}, {"method": "rk4", "step": 1.25e-7}], ids=str)
@@ -168,7 +168,7 @@ def test_energy_is_accounted_for_while_the_speed_changes():
         5e-3, run, initial="rest", record=["energy"], rtol=1e-9, output_step=1e-4
     )
     balance = found.energy_balance()
-    # rtol and the quadrature of each of 3000 steps; the works that must be right are far larger
+    # rtol and quadrature error of 3000 steps; the compared works are far larger
     allowed = 1e-7 * balance.total.max()
     assert np.abs(balance.residual).max() < allowed
     assert min(np.ptp(balance.drive), np.ptp(balance.unbalance)) > 1e4 * allowed
@@ -176,7 +176,7 @@ def test_energy_is_accounted_for_while_the_speed_changes():
 
 @pytest.mark.parametrize("method", ["rk45", "rk4"])
 def test_teeth_that_turn_at_a_changing_speed(method: str):
-    # sharp tooth pairs come at instants that follow from the angle: those of the end speed
+    # tooth engagement times follow from the shaft angle
     mesh = gb.Mesh("g1", "g2", stiffness=gb.Stiffness.square(mean=2e8), error=gb.TransmissionError(tooth=[(1e-6, 0.0)]))  # fmt: skip
     scene = PAIR.package()
     system = scene.replace(meshes=[mesh])
@@ -193,12 +193,12 @@ def test_teeth_that_turn_at_a_changing_speed(method: str):
     arrivals = np.count_nonzero(np.diff(pairs[early]) > 0)
     assert arrivals == pytest.approx(200.0 * 0.01 * 25 / (2 * np.pi), abs=1.0)
     balance = found.energy_balance()
-    # the default step of rk4 is stable rather than exact
+    # the default step of rk4 is stable but not accurate
     assert np.abs(balance.residual).max() < 1e-3 * np.ptp(balance.total)
 
 
 class TestProfiles:
-    """What a speed can be given as."""
+    """Give a speed in each accepted form."""
 
     def test_a_profile_that_does_not_change_is_a_constant_speed(self):
         system = GEARED.package()
@@ -213,7 +213,7 @@ class TestProfiles:
             assert error < 1e-12 * np.abs(expected).max()
 
     def test_late_in_a_long_time_too(self):
-        # an angle of 1e8 rad that is not reduced in time has lost 1e-8 rad
+        # an angle of 1e8 rad loses 1e-8 rad to round-off unless it is reduced early
         system = GEARED.package()
         options: dict[str, Any] = {"start": 1e6, "method": "rk4", "initial": "rest"}
         times = 1e6 + np.arange(9) * 2.0**-12
@@ -264,7 +264,7 @@ class TestProfiles:
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
     def test_a_kink_of_a_function_is_that_of_a_table(self, method: str):
-        # pieces of 1e-13 s about the kink, none of which a step of 1e-6 s may follow beyond its end
+        # intervals of 1e-13 s about the kink; a step of 1e-6 s must not pass the end of one
         system = GEARED.package()
         options: dict[str, Any] = {"times": np.linspace(0.0, 1e-3, 11), "method": method}
         sharp = gb.SpeedProfile.function(lambda t: 100 + 2e5 * abs(t - 4.1e-4), 1e-3)
@@ -289,7 +289,7 @@ class TestProfiles:
         expected = runs[0].displacement("wheel")
         for run in runs[1:]:
             np.testing.assert_allclose(run.speeds, 20.0 + 200.0 * run.time, rtol=1e-10)
-            # each has pieces and steps of its own
+            # each run has its own intervals and steps
             error = np.abs(run.displacement("wheel") - expected).max()
             assert error < 1e-7 * np.abs(expected).max()
 
@@ -364,7 +364,7 @@ class TestProfiles:
             gb.SpeedProfile.function(np.cos, -1)
 
     def test_a_step_is_held_against_the_largest_speed(self):
-        # 2.8 over the frequency, which twice the spin is added to
+        # 2.8 divided by the sum of the frequency and twice the spin
         system = rotor(damping=0.0)
         omega = system.simulate(0.0, 1.0).statistics.omega_max
         step = 2.828 / (omega + 1e4)
@@ -374,7 +374,7 @@ class TestProfiles:
 
 
 class TestContinuation:
-    """A response that goes on."""
+    """Continue a response."""
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
     def test_the_same_profile_goes_on_to_the_last_bit(self, method: str):
@@ -397,7 +397,7 @@ class TestContinuation:
         assert second.final["state"].tobytes() == whole.final["state"].tobytes()
         assert second.mesh("g1", "g2").force.min() > 0.0
         assert whole.mesh("g1", "g2").force.min() > 0.0
-        # and from rest to backwards they press from the beginning
+        # from rest to negative speed the back flanks are in contact from the start
         up = system.simulate(1e-3, gb.SpeedProfile.ramp(0.0, -100.0, 1e-3), output_step=1e-4)
         assert up.mesh("g1", "g2").force.min() > 0.0
 
@@ -426,11 +426,11 @@ class TestContinuation:
             scale = np.ptp(expected, axis=0).max()
             # as at constant speed
             assert np.abs(np.vstack([a[:-1], b[1:]]) - expected).max() < 1e-6 * scale
-            # interpolated there, stepped to here
+            # the first run interpolates, the second one steps to this time
             assert np.abs(a[-1] - b[0]).max() < 1e-9 * scale
 
     def test_a_jump_and_a_ramp_of_no_time_are_the_same(self):
-        # from constant speed to a profile and back: the angle goes along
+        # from constant speed to a profile and back: the angle is continuous
         system = rotor()
         options: dict[str, Any] = {"record": ["wheel"], "rtol": 1e-10, "output_step": 1e-3}
         whole = system.simulate(0.3, ([0.0, 0.1, 0.2, 0.3], [50.0, 50.0, 80.0, 80.0]), **options)
@@ -442,7 +442,7 @@ class TestContinuation:
         for part, rows in ((a, slice(0, 101)), (b, slice(100, 201)), (c, slice(200, 301))):
             expected = whole.displacement("wheel")
             error = np.abs(part.displacement("wheel") - expected[rows]).max()
-            assert error < 1e-7 * np.abs(expected).max()  # each has steps of its own
+            assert error < 1e-7 * np.abs(expected).max()  # each run has its own steps
 
     def test_there_and_back_again_keeps_the_angle(self):
         # no time passes at the other speed

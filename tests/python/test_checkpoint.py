@@ -1,4 +1,4 @@
-"""Long runs that are kept in a file: stopped anywhere and by anything, they end with the same bits."""
+"""Checkpoint files: an interrupted run continues to a bitwise equal result."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from test_persistence import assert_same
 RECORD = ["gears", "meshes", "energy", "bearings"]
 SMOOTH_GAP = with_mesh(stiffness=SMOOTH, backlash=5e-6)
 RAMP = ([0.0, 0.02, 1.0], [500.0, 600.0, 600.0])
-# Every method, with and without changes of law, and how long it runs [s]: some tenths of a second of computing.
+# Each method, with and without changes of the contact mode, and the simulated time, s.
 RUNS: dict[str, tuple[Any, float, dict[str, Any]]] = {
     "smooth": (with_mesh(stiffness=SMOOTH), 0.06, {}),
     "rattling": (SCENES["rattling, live"][0], 0.045, {}),
@@ -36,14 +36,14 @@ RUNS: dict[str, tuple[Any, float, dict[str, Any]]] = {
 
 def asked(name: str) -> dict[str, Any]:
     _, duration, own = RUNS[name]
-    # off every grid, out of order, one of them twice
+    # times off every step grid, unordered, one of them repeated
     times = np.random.default_rng(7).uniform(0.0, duration, 40)
     given = {"speed": 600.0, "initial": "rest", "record": RECORD, "times": [*times, times[3]]}
     return {"duration": duration, **given, **own}
 
 
 def short() -> tuple[gb.RotorSystem, dict[str, Any]]:
-    """A run that is over before anything asks whether it is to go on."""
+    """Simulate a run that ends before the first interrupt check."""
     return RUNS["smooth"][0].package(), {"duration": 1e-3, "speed": 600.0, "output_step": 1e-4}
 
 
@@ -63,7 +63,7 @@ class Pause:
 
 
 class Stop:
-    """Ends a run as soon as it has taken a step."""
+    """Stop a run after its first step."""
 
     def __init__(self, pause: Pause) -> None:
         self.pause = pause
@@ -78,7 +78,7 @@ class Stop:
 
 @pytest.fixture
 def writings(monkeypatch):
-    """Count what is written."""
+    """Count the writes."""
     count: list[int] = []
     write = storage.save
 
@@ -97,14 +97,14 @@ def writings(monkeypatch):
 def test_a_run_that_is_stopped_everywhere_is_the_whole(name, tmp_path, writings):
     system, path = RUNS[name][0].package(), tmp_path / "run.npz"
     whole = system.simulate(**asked(name))
-    # the run is taken apart at every question whether to go on, first within one call,
+    # the run is interrupted at every interrupt check, first within one call,
     found = system.simulate(
         **asked(name), checkpoint=path, checkpoint_interval=1e-9, progress=Pause()
     )
     assert_same(found, whole)
     assert_same(gb.Response.load(path), whole)
     assert len(writings) > 2
-    # then from call to call
+    # then between calls
     path.unlink()
     pause = Pause()
     for _ in range(100):
@@ -126,13 +126,13 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
     path = tmp_path / "run.nc"
     first = system.simulate(**options, checkpoint=path, accuracy="draft")
     assert first.expected_error == 1e-2
-    monkeypatch.setattr(system, "_run", None)  # nothing runs
+    monkeypatch.setattr(system, "_run", None)  # no simulation runs
     again = system.simulate(**options, checkpoint=path, accuracy="draft")
     assert_same(again, first)
     assert again.expected_error == first.expected_error
 
 
-# --- stopped by force ------------------------------------------------------------------------------
+# --- killed processes ------------------------------------------------------------------------------
 
 KILLED = """
 import os, pathlib, signal, sys
@@ -158,7 +158,7 @@ def test_a_process_that_is_killed_while_it_writes_leaves_the_file_before(tmp_pat
     folder = Path(__file__).parent
     ended = subprocess.run([sys.executable, "-c", KILLED, path], cwd=folder, check=False)
     assert ended.returncode == -signal.SIGKILL
-    # what it could not remove: its half written file and its lock
+    # a killed process leaves its incomplete file and its lock
     assert len(list(tmp_path.iterdir())) == 3
     left = gb.Response.load(path)
     system = RUNS["rattling"][0].package()
@@ -183,7 +183,7 @@ def test_ctrl_c_leaves_the_newest_state(tmp_path):
         system.simulate(**options, checkpoint=path, progress=interrupt)
     left, kept = caught.value.response, gb.Response.load(path)  # type: ignore[attr-defined]
     assert left.final["state"].tobytes() == kept.final["state"].tobytes()
-    # the file holds every time once, in order
+    # the file contains each time once, in order
     assert np.array_equal(np.unique(left.time), kept.time)
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 
@@ -205,7 +205,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
             system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=Pause())
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
-    # what was computed is not lost with it
+    # the computed results are not lost
     assert caught.value.response.final["time"] > gb.Response.load(path).final["time"]  # type: ignore[attr-defined]
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 

@@ -1,4 +1,4 @@
-"""Residual bow against closed forms: sine-bowed shaft, Jeffcott rotor, rigid-body bow, every shape."""
+"""Residual bow against closed forms: sine-bowed shaft, Jeffcott rotor, rigid-body bow, all shapes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def forward(system: gb.RotorSystem, at: str | tuple[str, float], speed: float) -
     amplitudes = system.synchronous([speed]).displacement(at)
     assert amplitudes.shape == (1, 1, 2)
     ahead, behind = closed_forms.forward_backward(amplitudes[0, 0])
-    # isotropic supports: nothing whirls backwards; round-off of a matrix of condition 1e9
+    # isotropic supports: no backward whirl; round-off of a matrix of condition 1e9
     assert abs(behind) < 1e-8 * max(abs(ahead), BOW)
     return ahead
 
@@ -39,9 +39,9 @@ def test_table_of_the_sine_bow(shear: bool):
     found = system.synchronous(speeds).displacement(("s", 0.5))
     for i, (speed, printed) in enumerate(zip(SPEEDS, TABLE[shear], strict=True)):
         exact = closed_forms.bowed_shaft(section(shear), 1.0, speed)
-        assert exact == pytest.approx(printed, abs=6e-7)  # half of the last printed digit
+        assert exact == pytest.approx(printed, abs=6e-7)  # half a unit of the last printed digit
         ahead, _ = closed_forms.forward_backward(found[i, 0])
-        # eight elements leave 6e-4 at worst (700 rad/s, near the critical speed)
+        # eight elements have an error of at most 6e-4 (700 rad/s, near the critical speed)
         assert ahead / BOW == pytest.approx(exact, rel=1e-3)
 
 
@@ -67,7 +67,7 @@ def test_error_falls_with_the_order_of_the_element(
 
 
 def test_higher_sine_bow_keeps_its_shape():
-    # two half waves: midspan stands still, the quarter points answer by the closed form
+    # two half waves: midspan is at rest, the quarter points follow the closed form
     system = single_shaft(gb.Bow.mode(2, BOW), elements=32)
     exact = closed_forms.bowed_shaft(section(), 1.0, 900.0, half_waves=2)
     # (2 pi / 32)^2 / 12 of the share of shear, 1.8e-2, is 6e-5 of the resonance term
@@ -129,12 +129,12 @@ class TestJeffcott:
         ratio = np.sqrt(self.DELTA / eccentricity)
         system = self.rotor(eccentricity * np.exp(1j * np.pi))
         peak = abs(forward(system, "disk", self.critical))
-        # what is left is the shaft's own mass: 5e-6 relative
+        # the remaining difference is the mass of the shaft: 5e-6 relative
         assert abs(forward(system, "disk", ratio * self.critical)) < 1e-4 * peak
         assert abs(forward(system, "disk", 0.9 * ratio * self.critical)) > 1e-2 * self.DELTA
 
     def test_equal_and_opposed_cancel_at_the_critical(self):
-        lightly = 1e-3  # so that a bow alone would stand at 500 times its size
+        lightly = 1e-3  # the resonance factor of the bow is 500
         system = self.rotor(self.DELTA * np.exp(1j * np.pi), zeta=lightly)
         alone = self.rotor(0j, zeta=lightly)
         assert abs(forward(alone, "disk", self.critical)) == pytest.approx(
@@ -172,9 +172,9 @@ def test_free_shaft_that_turns_slowly_follows_its_bow():
         found = np.array([forward(system, ("s", x), speed) for x in where])
         line = np.polynomial.Polynomial.fit(where, found - bow, 1)
         strains.append(np.abs(found - bow - line(where)).max() / BOW)
-        # inertia bends it by the square of the speed over the first frequency
+        # inertia bends it by the square of the ratio of speed and first frequency
         assert strains[-1] < 2 * (speed / first) ** 2
-        # and it turns about its centre of mass: 2/pi of the bow below midspan
+        # and it rotates about its centre of mass: 2/pi of the bow below midspan
         assert found[4] == pytest.approx(BOW * np.exp(0.5j) * (1 - 2 / np.pi), rel=2e-3)
     assert strains[1] / strains[0] == pytest.approx(4, rel=0.05)
 
@@ -238,7 +238,7 @@ def test_function_and_points_are_the_same_curve():
 
 @pytest.mark.filterwarnings(
     "ignore::gearbow.AccuracyWarning"
-)  # of displacements that are not small
+)  # relative error, for displacements that are not small
 @pytest.mark.implausible
 def test_response_is_linear_in_the_bow():
     at = ("s", 0.5)

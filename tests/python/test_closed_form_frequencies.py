@@ -1,4 +1,4 @@
-"""Natural frequencies against closed forms: Timoshenko shafts on rigid ends, torsion, trains of gears."""
+"""Natural frequencies against closed forms: Timoshenko shafts on rigid ends, torsion, gear trains."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from reference import closed_forms
 from reference.elements import Section
 from reference.scenes import single_shaft
 
-SUPPORT = 1e13  # N/m; the flexibility that it leaves is taken off the closed form
+SUPPORT = 1e13  # N/m; the closed form is corrected for the remaining flexibility
 ELEMENTS = 32
 
 
@@ -69,7 +69,7 @@ def test_whirl_with_gyroscopic_moment(spin: float):
     found = 2 * np.pi * modes.frequencies_hz
     for number in (1, 2, 3):
         shift = 1 - closed_forms.support_shift(section, 1.0, number, SUPPORT)
-        # forward: in the sense of the spin, whichever that is
+        # forward whirl has the sense of the spin, for both signs of the spin
         exact = np.array(closed_forms.simply_supported(section, 1.0, number, abs(spin))) * shift
         pair = slice(2 * number - 2, 2 * number)
         assert found[pair] == pytest.approx(exact, rel=tolerance(section, number))
@@ -89,10 +89,10 @@ def test_free_torsion(bore: float):
     section = solid(0.05, bore)
     system = single_shaft(inner_diameter=bore, elements=elements, support=None, motion="torsion")
     found = 2 * np.pi * system.modes(count=6).frequencies_hz
-    assert found[0] == pytest.approx(0, abs=1e-3 * found[1])  # it may turn freely
+    assert found[0] == pytest.approx(0, abs=1e-3 * found[1])  # the shaft rotates freely
     for number in range(1, 6):
         chain = closed_forms.free_torsion_of_elements(section, 1.0, number, elements)
-        # the same chain of elements: round-off alone
+        # the same chain of elements: only round-off differs
         assert found[number] == pytest.approx(chain, rel=1e-9)
         exact = closed_forms.free_torsion(section, 1.0, number)
         # linear elements with consistent mass: (kh)^2 / 24, twice that as a bound
@@ -137,7 +137,7 @@ def rigid_train(
                 face_width=0.03,
                 mass=1.0,
                 diametral_inertia=1e-2,
-                # what is asked for, less the shaft's own
+                # the prescribed inertia minus that of the shaft
                 polar_inertia=(inertias[i] - own[i]) / per_shaft[i],
             )
             for name, i, x, z in gears

@@ -1,4 +1,4 @@
-"""Contact events: changes of the contact mode after the start, the same ones whatever the method."""
+"""Contact events: changes of the contact mode after the start are the same for every method."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from test_random_scenes import Drawn
 
-#: Every method, each as exact as its options allow.
+#: Each method with its tightest options.
 METHODS: dict[str, dict[str, Any]] = {
     "exponential": {"method": "exponential", "rtol": 1e-10},
     "rk45": {"method": "rk45", "rtol": 1e-9},
@@ -20,7 +20,7 @@ CONTACT = {"contact", "back contact", "separation", "tight"}
 
 
 def scene(seed: int) -> Drawn:
-    """Draw a train of two or three shafts at rest, whose flanks touch without a load."""
+    """Draw a train of two or three shafts at rest, with unloaded flanks in contact."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(2, 4))
 
@@ -55,7 +55,7 @@ def scene(seed: int) -> Drawn:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_all_methods_report_the_same_first_events(seed: int):
-    """At the start δ is round-off of either sign: that flanks touch there is no event of any method."""
+    """At the start δ is round-off of either sign: no method reports an event there."""
     drawn = scene(seed)
     found = {}
     for name, options in METHODS.items():
@@ -70,7 +70,7 @@ def test_all_methods_report_the_same_first_events(seed: int):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_flanks_that_are_pressed_together_from_rest_report_nothing(method: str):
-    """Two gears at rest, flanks in touch, and a torque: the contact is there from the start on."""
+    """Two gears at rest, flanks in contact, and a torque: the contact exists from the start."""
     drawn = Drawn(bows=(0j, 0j), unbalance=0j, backlash=2e-5, gravity=(0.0, 0.0), speed=0.0)
     run = drawn.run(times=np.array([0.0, 2e-5]), **METHODS[method])
     assert run.mesh("g0", "g1").force[-1] > 0.0

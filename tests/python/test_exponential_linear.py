@@ -1,4 +1,4 @@
-"""The exponential method where the motion is linear: exact, whatever its step."""
+"""The exponential method is exact for linear motion, for every step length."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def linear(scene: Geared, speed: float) -> LinearTrain:
 
 
 def gap(system: gb.RotorSystem, found: gb.Response, q: Array) -> float:
-    """The largest difference over the largest value, of translations and of twists; all nodes are recorded."""
+    """Return the largest relative difference of translations and of twists at all nodes."""
     worst = 0.0
     for kinds in ({"v": 0, "w": 1}, {"twist": None}):
         at = [(i, dof) for i, dof in enumerate(system.dofs) if dof[2] in kinds]
@@ -97,11 +97,11 @@ def test_a_synchronous_start_stays_synchronous(step: float | None):
     amplitude = system.synchronous([speed]).displacement("g")[0, 0]
     turn = np.exp(1j * speed * found.time)
     exact = np.asarray(system.static().displacement("g")) + (amplitude * turn[:, None]).real
-    # nothing but the synchronous motion is ever there: round-off
+    # the motion is purely synchronous: only round-off differs
     assert np.abs(found.displacement("g") - exact).max() < 1e-12 * np.abs(exact).max()
 
 
-# --- motions that nothing restores ---------------------------------------------------------------------------
+# --- rigid-body motion ---------------------------------------------------------------------------
 
 
 def test_a_shaft_that_flies_freely_falls():
@@ -109,7 +109,7 @@ def test_a_shaft_that_flies_freely_falls():
     times = np.array([0.0, 0.013, 0.5, 20.0])
     found = system.simulate(20.0, 100.0, initial="rest", times=times, record=["nodes"])
     for _, x, _ in system.dofs:
-        # all of it alike: round-off
+        # equal at all nodes up to round-off
         way = np.array([3.0, -9.81]) * times[:, None] ** 2 / 2
         assert found.displacement(("s", x)) == pytest.approx(way, rel=1e-11, abs=1e-13)
 
@@ -142,7 +142,7 @@ def test_a_torque_that_nothing_balances_accelerates_the_train(geometry: str):
 
 
 def critical(system: gb.RotorSystem, number: int) -> float:
-    """The speed that is the frequency of a mode which whirls forward, found by going there."""
+    """Find a forward critical speed by fixed-point iteration of the mode frequency."""
     speed = 0.0
     for _ in range(60):
         modes = system.modes(speed=speed, count=2 * number + 2)
@@ -164,7 +164,7 @@ def test_an_undamped_critical_speed_is_run_through(number: int, off: float):
     assert gap(system, found, q) < 1e-8
     size = np.abs(found.displacement("g")).max(axis=1)
     if off == 0.0:
-        # it grows in proportion to time once it is the largest
+        # the resonant part dominates and grows in proportion to time
         assert size[40] / size[20] == pytest.approx(2.0, rel=0.1)
         assert size[40] > 10 * size[1]
 
@@ -189,9 +189,9 @@ def test_cross_coupled_bearings_grow_at_the_rate_of_their_eigenvalue():
     found = system.simulate(times[-1], speed, initial="rest", times=times, record=["nodes"])
     at_rest = np.zeros(len(system.dofs))
     q, _ = linear(scene, speed).motion(times, at_rest, at_rest)
-    # the frequencies of two assemblies over many swings
+    # frequency difference of the two assemblies over many periods
     assert gap(system, found, q) < 1e-9
-    # what turns with the shaft is forgotten: e^12
+    # the synchronous part is negligible after growth by e^12
     size = np.log(np.hypot(*found.displacement(("s", 0.0)).T))
     rate = np.polyfit(times[240:], size[240:], 1)[0]
     assert rate == pytest.approx(growth, rel=1e-2)

@@ -1,4 +1,4 @@
-"""Modes that carry the motion: a part of them, and none where they are parallel."""
+"""Modal basis: subsets of modes, and no modal basis for nearly parallel modes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def distance(found: gb.Response, exact: gb.Response) -> float:
     return max(worst, float(np.abs(a - b).max() / np.abs(b).max()))
 
 
-# --- a part of the modes -------------------------------------------------------------------------------------
+# --- subset of the modes -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
@@ -54,12 +54,12 @@ def test_the_error_falls_with_the_number_of_modes(initial: str):
     errors = [
         distance(system.simulate(2e-3, SPEED, modes=count, **run), every) for count in (6, 10, 14)
     ]
-    # those that the loads move most come first, so each four count for much
+    # modes are sorted by participation, so each group of four matters
     assert errors[0] > 4.0 * errors[1] > 16.0 * errors[2]
-    assert errors[2] > 1e-6  # they are left out
-    # twelve of thirty are across the line of action, and nothing moves them
+    assert errors[2] > 1e-6  # these modes are omitted
+    # twelve of thirty modes move across the line of action and are not excited
     for count in (18, n, n + 5):
-        # as many as there are, added up in another order
+        # all modes, summed in a different order
         assert distance(system.simulate(2e-3, SPEED, modes=count, **run), every) < 1e-10
 
 
@@ -78,7 +78,7 @@ def test_the_synchronous_motion_needs_no_modes():
         system.simulate(0.02, 400.0, output_step=1e-3, modes=modes, record=["g"])
         for modes in (1, None)
     )
-    # it is carried beside the modes, whole
+    # it is integrated in full, in addition to the modes
     gap = np.abs(few.displacement("g") - every.displacement("g")).max()
     assert gap < 1e-11 * np.abs(every.displacement("g")).max()
 

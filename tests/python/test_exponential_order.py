@@ -1,4 +1,4 @@
-"""The error of the exponential method: its order with a fixed step, and how it follows a tolerance."""
+"""Error of the exponential method: order with fixed steps, and dependence on the tolerance."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def with_mesh(scene: Toothed, **mesh: Any) -> Toothed:
 
 
 def distance(found: gb.Response, exact: gb.Response) -> float:
-    """The largest difference of motion or force over the range of each."""
+    """Return the largest difference of motion or force, relative to the range of each."""
     series = [(run.twist("ga"), run.mesh("ga", "gb").force) for run in (found, exact)]
     if np.ptp(exact.displacement("ga")) > 0:
         series = [
@@ -64,7 +64,7 @@ def test_observed_order(name: str, options: dict[str, Any], steps: tuple[int, in
     scene = with_mesh(BOWED, stiffness={**FOURIER, "phase": phase})
     if name == "run-out":
         scene = replace(scene, gear=RUN_OUT)
-    system, duration = scene.package(), 2.0**-9  # sums of steps are exact
+    system, duration = scene.package(), 2.0**-9  # sums of step lengths are exact
     run: dict[str, Any] = {
         "initial": "rest",
         "geometry": "frozen" if name == "frozen" else "live",
@@ -83,7 +83,7 @@ def test_a_smaller_step_is_taken_where_it_was_asked_for():
     found = system.simulate(1e-3, SPEED, step=1e-5, stages=2, initial="rest")
     assert found.statistics.step_max == pytest.approx(1e-5, rel=1e-12)
     assert found.statistics.limited_by == "step"
-    assert found.statistics.steps in (100, 101)  # the last may end beyond the run
+    assert found.statistics.steps in (100, 101)  # the last step may end after the run
 
 
 # --- the estimate --------------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ SCENES: dict[str, tuple[Toothed, str]] = {
 def test_the_error_of_a_run_follows_the_tolerance(name: str):
     scene, geometry = SCENES[name]
     system = scene.package()
-    # three cycles of the teeth, at times that are on no step
+    # three tooth mesh cycles, at times between the steps
     run: dict[str, Any] = {
         "initial": "rest",
         "geometry": geometry,

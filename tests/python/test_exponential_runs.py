@@ -1,4 +1,4 @@
-"""Runs of the exponential method: in parts, watched or not, continued, refused, stopped, side by side."""
+"""Runs of the exponential method: interruption, continuation, invalid options, parallel runs."""
 
 from __future__ import annotations
 
@@ -177,7 +177,7 @@ def test_a_state_that_was_changed_goes_on_as_it_says():
     rest = run("smooth, live", 1e-4, initial=half, times=[half["time"]])
     other = run("smooth, live", 1e-4, initial={**half, "memory": np.zeros(0)}, times=[half["time"]])
     assert np.array_equal(rest.displacement("ga"), other.displacement("ga"))
-    assert np.abs(rest.displacement("ga")).max() < 1e-5  # it moved on from nothing
+    assert np.abs(rest.displacement("ga")).max() < 1e-5  # the motion starts from zero
 
 
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
@@ -222,7 +222,7 @@ def test_an_option_that_cannot_be_is_named(options: dict[str, Any], text: str):
         run("smooth, live", 1e-4, **options)
 
 
-# --- stopped, and side by side -------------------------------------------------------------------------------
+# --- stopped and parallel runs -------------------------------------------------------------------------------
 
 
 def test_an_error_of_the_progress_keeps_what_was_computed():
@@ -240,7 +240,7 @@ def test_an_error_of_the_progress_keeps_what_was_computed():
     again = run("rattling, live", done.time[-1] + 1e-3, times=done.time)
     assert len(done.time) > 1
     assert np.array_equal(done.displacement("ga"), again.displacement("ga"))
-    # and it can be taken up where it stood
+    # and it can be continued from its last state
     ended = done.final["time"]
     assert done.time[-1] <= ended < done.time[-1] + 1e-2 + 1e-4
     rest = run("rattling, live", 1e-3, initial=done, times=[ended + 5e-4])
@@ -272,5 +272,5 @@ def test_the_first_step_is_found_in_a_few_tries(name: str):
     shortest = run(name, 2e-5, **tight).statistics.step_min
     halvings = np.log2(run(name, 2e-2, rtol=0.5, times=[0.0]).statistics.step_max / shortest)
     assert halvings >= 4
-    # the first step is tried, and not gone on from
+    # the first step is attempted, then the run ends
     assert 1 <= run(name, 1e-9, **tight).statistics.rejected <= halvings / 2

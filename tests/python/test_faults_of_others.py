@@ -1,4 +1,4 @@
-"""Faults that programs of this kind are known for, each turned into a test."""
+"""Known faults of similar programs, one test for each."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_bow_and_unbalance_turn_at_the_speed_of_their_own_shaft(shaft: int, caus
 
     amplitudes = system.synchronous([speed]).displacement(gear.name)[0]  # (shafts, 2)
     others = np.delete(amplitudes, shaft, axis=0)
-    assert np.abs(others).max() == 0.0  # no other shaft has a cause
+    assert np.abs(others).max() == 0.0  # no other shaft is excited
     assert np.abs(amplitudes[shaft]).max() > 0
 
     # eight turns of the first shaft are whole turns of all four; frozen geometry is the linear problem
@@ -55,8 +55,8 @@ def test_bow_and_unbalance_turn_at_the_speed_of_their_own_shaft(shaft: int, caus
     )
     parts = {r: abs(whirl_at(response, gear.name, r * speed)) for r in CHAIN.ratios}
     own = CHAIN.ratios[shaft]
-    # the start is the linear answer, so nothing else is there but the error of the integrator at 1e-6;
-    # meshes couple the two planes, so a part may turn at minus the spin, which is no shaft's ratio here
+    # the run starts from the linear solution, so only the integration error at 1e-6 remains;
+    # meshes couple the two planes and can excite minus the spin, which is no shaft's speed here
     for ratio, part in parts.items():
         if ratio != own:
             assert part < 1e-4 * parts[own], ratio
@@ -116,7 +116,7 @@ def test_the_same_motion_whichever_shaft_is_the_reference(reference: str):
 
 
 def test_ratios_follow_meshes_whatever_their_order():
-    # the middle shaft's pinion drives both ways: an idler
+    # the pinion of the middle shaft is an idler
     idler = Geared(
         gears=(
             GearAt("g1", "input", 0.25, 20),
@@ -152,13 +152,13 @@ def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
     for name in ("g1", "g2", "g3", "g4"):
         u = np.asarray(still.displacement(name))
         # the slowest motion, 1.4e3 rad/s, decays by exp(-0.1 * 1.4e3 * 0.25) = 1e-15; a point that
-        # stands still is one for the integrator too, whatever its tolerance
+        # is at rest is an equilibrium of the integrator for every tolerance
         assert np.abs(response.displacement(name)[-1] - u).max() < 1e-5 * np.abs(u).max()
     for pair in DEMO.meshes:
         mesh, at_rest = response.mesh(*pair), still.mesh(*pair)
         assert mesh.force[-1] == pytest.approx(float(at_rest.force), rel=1e-5)
         assert mesh.deflection[-1] == pytest.approx(float(at_rest.deflection), rel=1e-5)
-    # the twist of the middle shaft between its gears; a common rolling is nobody's
+    # the twist of the middle shaft between its gears; the rigid-body rotation is arbitrary
     twist = still.twist("g3") - still.twist("g2")
     found = response.twist("g3")[-1] - response.twist("g2")[-1]
     assert found == pytest.approx(float(twist), rel=1e-5)
@@ -167,7 +167,7 @@ def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
 def test_tooth_forces_of_the_equilibrium_follow_from_the_torque():
     still = replace(DEMO, bows={}).package().static()
     r = 3e-3 / 2 * np.cos(np.radians(20))  # base radius for each tooth
-    # driver's torque over its base radius; then the middle shaft passes it on
+    # driver's torque over its base radius; the middle shaft transmits it
     assert still.mesh("g1", "g2").force == pytest.approx(250 / (25 * r), rel=1e-9)
     assert still.mesh("g3", "g4").force == pytest.approx(250 / (25 * r) * 2, rel=1e-9)
     for pair in DEMO.meshes:
@@ -178,7 +178,7 @@ def test_tooth_forces_of_the_equilibrium_follow_from_the_torque():
         for s in ("input", "middle", "output")
         for x in (0.0, 0.5)
     )
-    # inner forces alone: what the bearings carry adds up to nothing
+    # only internal forces: the bearing forces sum to zero
     assert np.abs(total).max() < 1e-8 * still.mesh("g1", "g2").force
 
 
@@ -186,7 +186,7 @@ def test_tooth_forces_of_the_equilibrium_follow_from_the_torque():
 def test_small_free_vibration_has_the_frequencies_of_the_modes(motion: str):
     scene = replace(
         PAIR,
-        torque=1e-3,  # small: the geometry hardly moves
+        torque=1e-3,  # small displacements: the geometry is nearly constant
         elements=1,
         bearing_damping=0.0,
         mesh_damping_ratio=0.0,
@@ -203,13 +203,13 @@ def test_small_free_vibration_has_the_frequencies_of_the_modes(motion: str):
         series += [response.displacement("g1")[:, 0], response.displacement("g2")[:, 1]]
 
     def misfit(omega: np.ndarray, y: np.ndarray) -> float:
-        """What no sum of cosines at these frequencies can be."""
+        """Return the residual of a fit by cosines at these frequencies."""
         columns = np.column_stack([np.ones_like(t), np.cos(np.outer(t, np.unique(omega.round(6))))])
         left = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-9)[0]
         return float(np.abs(left).max() / np.ptp(y))
 
     for y in series:
-        # released from rest: cosines alone. The integrator leaves 1e-9 a step, the load's geometry 1e-8
+        # released from rest: only cosines. The integrator leaves 1e-9 a step, the load's geometry 1e-8
         assert misfit(omega, y) < 1e-5
         assert misfit(omega * 1.01, y) > 1e-3
 
@@ -235,7 +235,7 @@ def test_sign_of_mesh_force_in_time_and_in_bearings():
         assert carried == pytest.approx(force * n, rel=1e-3)
 
 
-# --- runs leave no trace, starts are honoured ----------------------------------------------------------------
+# --- independent runs, initial states ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -244,7 +244,7 @@ def test_a_run_leaves_the_system_as_it_was(method: str):
     before = system.matrices()
     how = {"method": method, "output_step": 1e-4, "initial": "synchronous"}
     first = system.simulate(2e-3, 100.0, **how)
-    system.simulate(1e-3, -333.0, method=method, geometry="frozen")  # another one between
+    system.simulate(1e-3, -333.0, method=method, geometry="frozen")  # a different run in between
     after = system.matrices()
     for name in ("mass", "stiffness", "damping", "gyroscopic"):
         assert np.array_equal(getattr(before, name), getattr(after, name)), name
@@ -279,9 +279,9 @@ def test_initial_state_is_honoured(method: str, geometry: str):
         assert np.abs(rest.displacement(name)[0]).max() <= rounding * np.abs(u).max()
         assert abs(rest.twist(name)[0]) <= rounding * abs(float(still.twist(name)))
         assert np.abs(rest.displacement(name)[1]).max() > 1e-9 * np.abs(u).max()  # then it moves
-        # through modes and back, at most: round-off
+        # at most the round-off of the modal transform and its inverse
         assert np.abs(static.displacement(name)[0] - u).max() < 1e-9 * np.abs(u).max()
-        swing = turning.displacement(name)[0].real.sum(axis=0)  # every shaft stands at angle 0
+        swing = turning.displacement(name)[0].real.sum(axis=0)  # every shaft is at angle 0
         expected = u + swing
         found = synchronous.displacement(name)[0]
         assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
@@ -314,7 +314,7 @@ def test_a_run_in_two_parts_equals_one_run_bit_for_bit(method: str, initial: str
     part = float(times[12])
     how = {"method": method}
     if method == "rk4":
-        how["step"] = 0.7e-6  # 1714.3 steps in a part
+        how["step"] = 0.7e-6  # 1714.3 steps per segment
     whole = system.simulate(2 * part, speed, initial=initial, times=times, **how)
     first = system.simulate(part, speed, initial=initial, times=times[:13], **how)
     second = system.simulate(part, speed, initial=first, times=times[12:], **how)
@@ -352,7 +352,7 @@ def test_three_uneven_parts_at_given_times(method: str):
     assert np.abs(found - exact).max() < 1e-5 * np.abs(exact).max()
 
 
-# --- loads of any size ---------------------------------------------------------------------------------------
+# --- load range ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -388,4 +388,4 @@ def test_a_bow_of_a_nanometre_gives_its_share():
         .displacement("g2")
         for b in (1e-4, 1e-9)
     ]
-    assert np.abs(at[1] * 1e5 - at[0]).max() < 1e-5 * np.abs(at[0]).max()  # rtol 1e-6 in each
+    assert np.abs(at[1] * 1e5 - at[0]).max() < 1e-5 * np.abs(at[0]).max()  # rtol 1e-6 in each run

@@ -1,4 +1,4 @@
-"""Labels, units and scales of all figures against a table that is written here by hand."""
+"""Labels, units and scales of all figures against a hand-written table."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ TIME = 1e-3 * np.arange(64)
 
 
 def labels(figure) -> list[tuple[str, str]]:
-    """Labels (x, y) of all panels."""
+    """Return the labels (x, y) of all panels."""
     return [(panel.get_xlabel(), panel.get_ylabel()) for panel in figure.axes]
 
 
 def curves(panel) -> dict[str, np.ndarray]:
-    """Points of the labelled lines of a panel, shape (k, 2)."""
+    """Return the points of the labelled lines of a panel, shape (k, 2)."""
     return {
         str(line.get_label()): np.asarray(line.get_xydata())
         for line in panel.get_lines()
@@ -158,7 +158,7 @@ class TestSpeed:
     """Figures over the speed."""
 
     def test_campbell(self):
-        # damping that is not small: 0.4 and 40 are far apart
+        # large damping, so that 0.4 and 40 differ clearly
         system = jeffcott(damping=4e3)
         found = system.campbell([0.0, 100.0, 200.0, 300.0], count=4)
         figure = found.plot()
@@ -188,7 +188,7 @@ class TestSpeed:
             np.testing.assert_array_equal(curves(figure.axes[0])[label], expected)
 
     def test_bode(self):
-        # the unbalance stands at -2.5 rad: through the critical speed the phase passes -180 degrees
+        # the unbalance is at -2.5 rad: near the critical speed the phase passes -180 degrees
         system = jeffcott(eccentricity=1e-5 * np.exp(-2.5j))
         critical = abs(system.modes(count=1).eigenvalues[0])
         found = system.synchronous(critical * np.linspace(0.5, 2.0, 60))
@@ -227,7 +227,7 @@ class TestSpeed:
 
 
 def test_mode_shapes():
-    # soft along y: the first bending mode is one of v alone, the second one of w alone
+    # soft along y: the first bending mode has only v, the second one only w
     rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
     bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 1e9)) for x in (0.0, 1.0)]
     modes = gb.RotorSystem([rotor], bearings=bearings, motion="lateral").modes(count=2)

@@ -1,4 +1,4 @@
-"""Full disks, and processes that are killed or share a file: no file is lost or half written."""
+"""Full disks, killed processes and shared files: no file is lost or incomplete."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def names(folder: Path) -> list[str]:
 
 
 def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
-    """Run a script where it can import these tests: what crashes is not the process of the tests."""
+    """Run a script in a separate process that can import these tests."""
     return subprocess.run(
         [sys.executable, "-c", script, *map(str, given)],
         cwd=Path(__file__).parent,
@@ -37,7 +37,7 @@ def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
 
 
 def big() -> gb.RotorSystem:
-    """A system whose description is longer than the limits of these tests."""
+    """Return a system whose description is larger than the disk limits of these tests."""
     system = train()
     disks = [
         gb.Disk(f"disk {i}", "input", 0.25, mass=1e-3, polar_inertia=1e-6, diametral_inertia=1e-6)
@@ -49,7 +49,7 @@ def big() -> gb.RotorSystem:
 
 
 def write(path: Path, *, small: bool = False) -> None:
-    """Write a file of the format that the suffix names, of more than 100 kB unless it is to be small."""
+    """Write a file in the format of the suffix, larger than 100 kB unless it is small."""
     if path.suffix == ".toml":
         (train() if small else big()).save(path)
     else:
@@ -107,7 +107,7 @@ def test_a_file_that_does_not_fit_leaves_the_one_before(tmp_path, suffix):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A disk of 100 kB, where the tests may mount one."""
+    """Mount a disk of 100 kB, if the tests are allowed to."""
     folder = tmp_path / "disk"
     folder.mkdir()
     try:
@@ -188,10 +188,10 @@ def test_a_full_disk_does_not_end_a_run(tmp_path, suffix, there):
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 
 
-# --- processes that are killed ------------------------------------------------------------------------
+# --- killed processes ------------------------------------------------------------------------
 
-#: Starts a writer that goes on for ever and kills it after its first file, at a moment that chance chooses; again and
-#: again. Every process is a copy of this one, which need not import everything anew.
+#: Repeatedly start an endless writer and kill it at a random time after its first file.
+#: Every process is a fork of this one, so that nothing is imported again.
 KILLS = """
 import os, pathlib, random, signal, sys, time
 import gearbow as gb
@@ -243,7 +243,7 @@ def test_a_killed_writer_leaves_a_whole_file(tmp_path, suffix):
     assert left == [path.name]
 
 
-# --- processes that share a file ----------------------------------------------------------------------
+# --- shared files ----------------------------------------------------------------------
 
 OWNER = """
 import sys, time
@@ -294,7 +294,7 @@ def test_a_second_run_of_one_process_is_refused(tmp_path):
     assert refused
     assert_same(found, system.simulate(**options))
     assert names(tmp_path) == [path.name]
-    # A complete file is only read, by as many as want to.
+    # Any number of processes can read a complete file.
     lock = FileLock(path)
     lock.acquire()
     assert_same(system.simulate(**options, checkpoint=path), found)
@@ -392,7 +392,7 @@ def test_a_lock_is_released_with_its_file(tmp_path):
     assert names(tmp_path) == []
     second.acquire()
     second.release()
-    (tmp_path / ".run.npz.lock").touch()  # that of a run that was killed
+    (tmp_path / ".run.npz.lock").touch()  # the lock of a killed run
     first.acquire()
     first.release()
     assert names(tmp_path) == []

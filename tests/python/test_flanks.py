@@ -1,4 +1,4 @@
-"""Which flank presses: it follows the sign of the speed, and the torque at rest, the same in every analysis."""
+"""Choice of the loaded flank: sign of the speed, or of the torque at rest, in every analysis."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SPEEDS = (0.0, 100.0, -100.0)
 
 
 def mirrored(vector: np.ndarray) -> np.ndarray:
-    """Mirror (y, z) as `Drawn.mirror` does: y changes its sign."""
+    """Mirror (y, z) like `Drawn.mirror`: y changes its sign."""
     return vector * [-1.0, 1.0]
 
 
@@ -36,9 +36,9 @@ def test_a_mirrored_train_answers_in_the_mirror(
     drawn = replace(TRAIN, torque=torque, backlash=backlash, speed=speed)
     image = replace(drawn, mirror=True)
     one, other = drawn.system(), image.system()
-    # sums of the same numbers in another order
+    # sums of the same numbers in a different order
     modes, reflected = one.modes(speed), other.modes(-speed)
-    # what rolls is zero to round-off of the highest
+    # rigid-body frequencies are zero up to the round-off of the highest frequency
     floor = 1e-8 * modes.frequencies_hz[-1]
     assert reflected.frequencies_hz == pytest.approx(modes.frequencies_hz, rel=1e-8, abs=floor)
     for geometry in ("live", "frozen"):
@@ -57,7 +57,7 @@ def test_a_mirrored_train_answers_in_the_mirror(
     for initial in ("rest", "static"):
         wanted = motion(drawn.run(initial=initial), drawn)
         found = unturned(image.run(initial=initial), image)
-        # both are right to the tolerance; contacts carry the errors of the instants before them on
+        # both runs meet the tolerance; contacts propagate errors of earlier event times
         part = 1e-6 if backlash is None else 1e-4
         for kind in (slice(0, 2), slice(2, 3)):
             scale = np.abs(wanted[..., kind]).max()
@@ -98,7 +98,7 @@ def test_the_sign_of_the_speed_matters_where_a_mesh_couples_bending_and_twist():
 
 
 @pytest.mark.parametrize("torque", [60.0, -60.0])
-# More than the load of the middle gear closes the centres by: only one flank presses.
+# More than the reduction of backlash by the load of the middle gear: one flank is in contact.
 @pytest.mark.parametrize("backlash", [None, 1e-4])
 def test_at_rest_the_torque_says_which_flank_presses(backlash: float | None, torque: float):
     system = replace(TRAIN, torque=torque, backlash=backlash, gravity=(0.0, 0.0)).system()
@@ -106,26 +106,26 @@ def test_at_rest_the_torque_says_which_flank_presses(backlash: float | None, tor
     for geometry in ("live", "frozen"):
         still = system.static(geometry)
         found = [still.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))]
-        # live gears move along the line of action too, and take no moment from that: round-off
+        # gears with live geometry also move along the line of action, without a moment: round-off
         assert found == pytest.approx(forces, rel=1e-7)
     turning = system.static(speed=np.sign(torque))
     assert np.array_equal(turning.state, system.static().state)
     start = system.simulate(1e-5, 0.0, initial="static", times=[0.0])
     assert start.mesh("g0", "g1").force[0] == pytest.approx(forces[0], rel=1e-7)
-    # turning the other way, the same torque presses the back flank
+    # with the opposite rotation the same torque loads the back flank
     braked = system.static(speed=-np.sign(torque)).mesh("g0", "g1").force
     assert braked == pytest.approx(-forces[0], rel=1e-7)
 
 
 def test_torques_that_pass_no_mesh_or_are_out_of_balance():
     parts = TRAIN.parts()
-    # Without a torque, and where the only torques balance on one shaft, flanks follow the speed ratios.
+    # Without a torque, or with torques balanced on one shaft, flanks follow the speed ratios.
     on_one = [gb.Torque("g0", -60.0), gb.Torque(("s0", 0.0), 60.0)]
     forward = TRAIN.system().matrices(1.0).stiffness
     for torques in ([], on_one):
         system = gb.RotorSystem(**{**parts, "torques": torques})
         assert np.array_equal(system.matrices().stiffness, forward)
-    # A torque out of balance accelerates the train: the last shaft is driven through the teeth.
+    # An unbalanced torque accelerates the train: the teeth drive the last shaft.
     for value, speed in ((60.0, 1.0), (-60.0, -1.0)):
         system = gb.RotorSystem(**{**parts, "torques": [gb.Torque("g0", value)]})
         assert np.array_equal(system.matrices().stiffness, system.matrices(speed).stiffness)
@@ -144,5 +144,5 @@ def test_a_campbell_diagram_of_a_braked_train_is_continuous_at_rest():
     campbell = system.campbell(np.linspace(0.0, 10.0, 3), count=12)
     frequencies = np.asarray(campbell.frequencies_hz)
     assert np.all(np.isfinite(frequencies))
-    # gyroscopic moments change a frequency by no more than the speed
+    # gyroscopic moments change a frequency by at most the speed
     assert np.abs(np.diff(frequencies, axis=0)).max() < 10.0 / (2 * np.pi)

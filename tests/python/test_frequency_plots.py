@@ -1,4 +1,4 @@
-"""Figures over the speed and in space show the numbers they are made from."""
+"""Figures over speed and in space show the numbers of their source objects."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def unchanged_settings():
 
 
 def named(panel, label: str) -> list[np.ndarray]:
-    """Ordinates of the lines in a panel that have this label."""
+    """Return the ordinates of the lines with this label in a panel."""
     lines = [line for line in panel.get_lines() if line.get_label() == label]
     return [np.asarray(line.get_ydata()) for line in lines]
 
@@ -79,7 +79,7 @@ def test_shafts_stand_where_their_meshes_put_them():
     places = {shaft.name: shaft.origin for shaft in found.shafts}
     distance = 0.003 * (25 + 50) / 2
     assert places["input"] == pytest.approx(np.zeros(3))
-    # gears in mesh share a plane: 0.25 on the input shaft is 0.125 on the middle one
+    # meshing gears share a plane: 0.25 on the input shaft is 0.125 on the middle one
     first = [0.125, distance * np.cos(0.3), distance * np.sin(0.3)]
     assert places["middle"] == pytest.approx(first)
     second = [0.125, distance * np.cos(2.0), distance * np.sin(2.0)]

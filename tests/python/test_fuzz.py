@@ -1,6 +1,6 @@
-"""Descriptions that nobody would write, as Python gives them: a system or an error, never anything else.
+"""Random Python descriptions: each gives a system or a `GearbowError`.
 
-`make fuzz` tries many more, and texts beside them (`tests/rust/fuzz.rs`).
+`make fuzz` tries many more, including texts (`tests/rust/fuzz.rs`).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ anything = st.recursive(
 
 
 def places(data: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Give every place of a description."""
+    """Return the path of every entry of a description."""
     inner = data.items() if isinstance(data, dict) else enumerate(data)
     found = []
     for key, value in inner:
@@ -71,7 +71,7 @@ def descriptions(draw: st.DrawFn) -> Any:
             for key in path:
                 here = here[key]
             here[last] = draw(anything)
-        except (LookupError, TypeError):  # something else stands there by now
+        except (LookupError, TypeError):  # an earlier change has removed this entry
             continue
     return description
 

@@ -1,7 +1,7 @@
-"""The whole of it against a second program: own matrices, own mesh law, own bow force, SciPy's integrator.
+"""Complete simulations against an independent program: matrices, mesh law, bow force, integrator.
 
 The independent solution (see `reference`) assembles the train in NumPy from the design equations and integrates it with
-DOP853 at rtol 1e-10, three orders below what is asked for here.
+DOP853 at rtol 1e-10, three orders below the tolerance required here.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from reference.scenes import CHAIN, PAIR, GearAt, Geared
 
 SPEED = 100.0
 END, COUNT = 4e-3, 81
-TOLERANCE = 1e-6  # of the range of each signal: what is asked for
+TOLERANCE = 1e-6  # required tolerance relative to the range of each signal
 
 ALL = {
     "input": HalfSine(1.5e-4, 0.0),
@@ -46,7 +46,7 @@ SCENES = {
     ),
     "wide centres": replace(DEMO, centre_distance_factor=1.01),
 }
-# a tolerance and a step at which each method's own error is below what is asked for: the highest
+# tolerance and step at which the error of each method is below the required one: the highest
 # frequency of these scenes is 1.7e5 rad/s
 RUNS = {
     "rk4": {"method": "rk4", "step": 1.25e-7},
@@ -58,7 +58,7 @@ RUNS = {
 
 
 def ranged(found: np.ndarray, exact: np.ndarray, scale: float | None = None) -> float:
-    """Largest difference over the range of the exact signal."""
+    """Return the largest difference over the range of the exact signal."""
     return float(np.abs(found - exact).max() / (scale or np.ptp(exact, axis=0).max()))
 
 
@@ -108,7 +108,7 @@ def test_other_speeds_and_trains_from_rest(scene: Geared, speed: float):
 
 
 def test_live_and_frozen_are_two_answers():
-    # or the tests above could not tell them apart
+    # otherwise the tests above could not distinguish them
     times = np.linspace(0.0, END, COUNT)
     train = SCENES["large bow"].reference()
     live, frozen = (
@@ -116,7 +116,7 @@ def test_live_and_frozen_are_two_answers():
     )
     gap = ranged(frozen.mesh_force(0, False), live.mesh_force(0, True))
     assert gap > 1e3 * TOLERANCE
-    # and so are one sense of rotation and the other
+    # both senses of rotation also differ
     train = replace(DEMO, sigma=-1.0).reference()
     other = independent_solution.from_rest(train, SPEED, times)
     train = DEMO.reference()
@@ -154,7 +154,7 @@ def test_matrices(name: str):
 )
 @pytest.mark.parametrize("speed", [30.0, 500.0, -500.0])
 def test_synchronous_response(name: str, speed: float):
-    # the sense of the driver decides which line of action the meshes are linearised on
+    # the rotation sense of the driver selects the line of action of the linearised meshes
     scene = replace(SCENES[name], sigma=float(np.sign(speed)))
     own = scene.reference()
     expected = own.synchronous(speed)
@@ -173,7 +173,7 @@ def test_damped_eigenvalues(speed: float):
     own = own[own.imag > 1.0][:40]
     modes = DEMO.package().modes(speed=speed)
     found = modes.eigenvalues[np.abs(modes.frequencies_hz) > 1.0][:40]
-    # pairs that are nearly equal may stand in either order: compare as sets
+    # nearly equal pairs can have either order: compare as sets
     for value in own:
         # eps times the squared ratio of the highest to this frequency: 2e-16 (1.7e5 / 500)^2
         assert np.abs(found - value).min() < 1e-8 * abs(value)

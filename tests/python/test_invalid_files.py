@@ -53,7 +53,7 @@ def write_npz(path: Path, metadata: str, arrays: dict[str, np.ndarray]) -> None:
 
 
 def edit_netcdf(path: Path, edit: Callable[[Any], None]) -> None:
-    """Change a netCDF file, and seal it anew: what only an author who means it can do."""
+    """Change a netCDF file and recompute its checksum, as only a deliberate change does."""
     import h5py
 
     buffer = BytesIO(path.read_bytes()[:-SEAL])
@@ -63,7 +63,7 @@ def edit_netcdf(path: Path, edit: Callable[[Any], None]) -> None:
 
 
 def rewrite(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
-    """Write a valid file, but for a change of its metadata."""
+    """Write a file that is valid except for a change of its metadata."""
     response = recorded()
     metadata, arrays = content(response)
     change(metadata)
@@ -97,7 +97,7 @@ def test_a_changed_bit_is_found_or_changes_nothing(tmp_path, suffix):
     written.save(path)
     whole = path.read_bytes()
     numbers = np.random.default_rng(5)
-    # Every byte of the end, where an archive has its list of contents, and others anywhere.
+    # Every byte of the archive directory at the end, and a selection of the other bytes.
     places = [*range(len(whole) - 250, len(whole)), *numbers.integers(0, len(whole), 500)]
     for at in places:
         damaged = bytearray(whole)
@@ -120,7 +120,7 @@ def test_other_content_is_refused(tmp_path, suffix):
 
 
 def entries(value: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Give the places of all entries of the metadata."""
+    """Return the paths of all entries of the metadata."""
     inner = (
         value.items()
         if isinstance(value, dict)
@@ -173,7 +173,7 @@ WRONG: list[Any] = [
 
 
 def test_every_metadata_entry_is_checked(tmp_path):
-    """A changed entry is refused, or gives a response that works: a different number or name is as valid."""
+    """A changed entry is an error or gives a usable response: other numbers or names can be valid."""
     path, written = tmp_path / "run.npz", recorded()
     metadata, arrays = content(written)
     places = entries(metadata)
@@ -197,7 +197,7 @@ def test_every_metadata_entry_is_checked(tmp_path):
 
 
 def works(response: gb.Response) -> None:
-    """Use everything that a response holds."""
+    """Use all data of a response."""
     assert repr(response)
     assert len(response.events) == len(response._data["events"])
     assert response.speeds.shape == response.time.shape
@@ -315,7 +315,7 @@ def test_every_array_is_checked(tmp_path, suffix):
                         file[name] = other
 
                 edit_netcdf(path, edit)
-            # Of a longer time, all others are too short.
+            # With a longer time, all other arrays are too short.
             refused(path, None if (name, kind) == ("time", "longer") else name)
 
 
@@ -352,7 +352,7 @@ def test_data_outside_the_file_are_refused(tmp_path):
 
 # --- memory -------------------------------------------------------------------------------------------
 
-#: Loads files in a process that may take 300 MB more than it has; each must be refused for what it declares.
+#: Load files in a process limited to 300 MB more; each must fail because of its declared size.
 LIMITED = """
 import resource, sys
 import gearbow as gb
@@ -378,7 +378,7 @@ def member(shape: str, dtype: str = "<f8") -> bytes:
 
 
 def bombs(folder: Path) -> list[Path]:
-    """Files that declare gigabytes."""
+    """Files with declared sizes of gigabytes."""
     metadata, arrays = content(recorded())
     paths = []
 
@@ -404,7 +404,7 @@ def bombs(folder: Path) -> list[Path]:
     archive("deep", time=member("(" * 3000 + "5" + ",)" * 3000))
     zeros = member("(50000000,)") + bytes(400_000_000)
     archive("compressed", zipfile.ZIP_DEFLATED, time=zeros)
-    # The size that the list of contents gives is not that of the data.
+    # The size in the archive directory differs from that of the data.
     paths.append(folder / "sizes.npz")
     write_npz(paths[-1], json.dumps(metadata), {**arrays, "time": np.zeros(5)})
     data = bytearray(paths[-1].read_bytes())
@@ -444,7 +444,7 @@ def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
     assert ended.stdout == f"refused {len(paths)}\n", ended.stderr
 
 
-# --- states that no run left ----------------------------------------------------------------------------
+# --- impossible states ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -505,7 +505,7 @@ def test_a_wrong_count_of_steps_does_not_stop_the_interpreter(count, method):
 def stopped(
     path: Path,
 ) -> tuple[gb.RotorSystem, dict[str, Any], dict[str, Any], dict[str, np.ndarray]]:
-    """Stop a run, and give it with the content of its file."""
+    """Stop a run, and return it with the content of its file."""
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     with pytest.raises(EnoughError):
         system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
@@ -524,7 +524,7 @@ def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):
     for place in places:
         for value in ("?", -1, [], {"a": 1}, nested, [[-1.0]] * 3, 2**63, [float("nan")] * 6):
             if place[-1] == "until" and value == 2**63:
-                continue  # a time like any other
+                continue  # a valid time
             wrong = changed(
                 about, place, lambda owner, key, value=value: owner.__setitem__(key, value)
             )

@@ -1,4 +1,4 @@
-"""What no choice of coordinates, step or sense may change: symmetry, energy, turned and mirrored scenes."""
+"""Invariants: symmetry, energy, rotated and mirrored scenes."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def test_mass_and_stiffness_symmetric_gyroscopic_skew(build):
     assert np.abs(g + g.T).max() <= 1e-15 * np.abs(g).max()
     assert np.abs(g).max() > 0
     assert np.linalg.eigvalsh(matrices.mass).min() > 0
-    # no direction of negative stiffness, down to round-off
+    # no negative stiffness, up to round-off
     scale = 1 / np.sqrt(np.diag(matrices.mass))
     squares = np.linalg.eigvalsh(matrices.stiffness * np.outer(scale, scale))
     assert squares.min() > -1e-12 * squares.max()
 
 
-# Undamped, at rest, shafts that start straight although they are bent: the bow lets go and everything
-# swings, with live geometry. Nothing does work, so kinetic plus elastic energy stays.
+# Undamped, zero speed, bowed shafts that start straight: the bow is released and the train
+# vibrates with live geometry. No work is done, so kinetic plus elastic energy is constant.
 FREE = replace(
     PAIR,
     bows={"input": HalfSine(1e-3, 0.3), "output": HalfSine(6e-4, -1.0)},
@@ -60,7 +60,7 @@ FREE = replace(
 
 
 def drift(system: gb.RotorSystem, torques: dict[str, float] | None = None, **how: object) -> float:
-    """Largest change of the energy, less the work of the torques, over the energy that is in motion."""
+    """Return the largest change of energy minus torque work, relative to the vibration energy."""
     response = system.simulate(
         5e-3, 0.0, initial="rest", record=("energy", "gears", "meshes"), output_step=1e-4, **how
     )
@@ -89,8 +89,8 @@ def test_energy_at_the_start_is_that_of_the_bow():
 
 
 def test_works_of_an_exact_motion_are_exact():
-    # A bent shaft that turns and is let go: the fastest motion turns by tens of radians between samples, by
-    # hundreds in a step, and bearings take what it has.
+    # A rotating bowed shaft is released: the fastest phase changes by tens of radians per sample, by
+    # hundreds per step, and the bearings dissipate its energy.
     shaft = gb.Shaft("a", length=1.0, outer_diameter=0.05, elements=15, bow=gb.Bow.half_sine(1e-4))
     bearings = [gb.Bearing("a", x, stiffness=1e8, damping=500.0) for x in (0.0, 1.0)]
     system = gb.RotorSystem([shaft], bearings=bearings)
@@ -109,7 +109,7 @@ def test_energy_drift_of_rk4_falls_with_the_fifth_power_of_the_step():
     # the higher terms at x = 0.4
     assert drifts[0] / drifts[1] > 28
     assert drifts[1] / drifts[2] > 28
-    assert drifts[2] > 1e-14  # or the ratio would be one of round-off
+    assert drifts[2] > 1e-14  # otherwise the ratio would be dominated by round-off
 
 
 def test_energy_drift_of_rk45_falls_with_the_tolerance():
@@ -138,7 +138,7 @@ def test_geometry_that_moves_is_what_keeps_the_energy():
 
 
 def spun(scene: Geared, angle: float) -> Geared:
-    """The whole scene turned about x by an angle."""
+    """Return the scene rotated about x by an angle."""
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c, -s], [s, c]])
     return replace(
@@ -183,7 +183,7 @@ def test_turned_scene_gives_the_turned_motion(how: dict[str, str]):
     for name in NAMES:
         u = first.displacement(name) @ np.array([1, 1j])
         turned = second.displacement(name) @ np.array([1, 1j])
-        # the same steps in other coordinates: round-off, magnified by the stiffest mode's phase
+        # the same steps in rotated coordinates: round-off, magnified by the stiffest mode's phase
         assert np.abs(turned - u * np.exp(1j * angle)).max() < 1e-9 * np.abs(u).max()
         twist = first.twist(name)
         assert np.abs(second.twist(name) - twist).max() < 1e-9 * np.abs(twist).max()
@@ -194,7 +194,7 @@ def test_turned_scene_gives_the_turned_motion(how: dict[str, str]):
 
 
 def mirrored(scene: Geared) -> Geared:
-    """The scene in a mirror across the xz plane: y and every sense of rotation change sign."""
+    """Return the scene mirrored in the xz plane: y and all senses of rotation change sign."""
     flip = np.diag([-1.0, 1.0])
     return replace(
         scene,
@@ -239,12 +239,12 @@ def test_modes_of_turned_and_mirrored_scenes(speed: float):
 
 
 def test_gyroscopic_and_bow_forces_do_no_work_on_a_shaft_that_stands():
-    # a bow that is already followed: nothing moves, although the bow force is large
+    # the start already has the bow shape: nothing moves, although the bow force is large
     scene = replace(FREE, elements=4)
     response = scene.package().simulate(
         2e-3, 0.0, initial="synchronous", geometry="frozen", output_step=1e-4, method="rk45"
     )
     for name, bow in (("g1", 1e-3 * np.exp(0.3j)), ("g2", 6e-4 * np.exp(-1.0j))):
         u = response.displacement(name) @ np.array([1, 1j])
-        # the bow is zero at the bearings and the train rolls freely: the gear stands on the bow itself
+        # the bow is zero at the bearings and the train rolls freely: the gear has the bow displacement
         assert np.abs(u - bow).max() < 1e-8 * abs(bow)

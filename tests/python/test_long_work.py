@@ -1,4 +1,4 @@
-"""Work that is too long or too large: Ctrl-C, estimates of the run time, dense matrices."""
+"""Long runs and large systems: Ctrl-C, estimates of the run time, dense matrices."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ CALLS = {
     "tradeoff": "system.tradeoff(1.0, 100.0, budget=1e6)",
 }
 
-#: The time that Ctrl-C may take [s]. It cannot be seen without a clock that a call ended before its
+#: Longest response time to Ctrl-C, s. Only a clock shows that a call ended before its
 #: work was done. The work takes several times as long, and a reaction takes 0.3 s on an idle machine.
 BOUND = 5.0
 
 
 def child(program: str, *arguments: str) -> str:
-    """Run a program and give what it printed."""
+    """Run a program and return its output."""
     run = subprocess.run(
         [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False
     )
@@ -81,7 +81,7 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_ends_the_loops_over_speeds():
-    # the modes of this system are found at once: what takes long is the number of speeds
+    # each mode solution is fast; the number of speeds makes the call long
     program = f"""{LARGE}
 system = large(20)
 speeds = np.linspace(1.0, 500.0, 2_000_000)
@@ -100,7 +100,7 @@ print([path.parent.name for path in Path("/proc/self/task").glob("*/comm")
     *times, threads = child(program).splitlines()
     assert len(times) == 2
     assert all(float(time) < BOUND for time in times)
-    assert threads == "[]"  # the work has ended: it is not abandoned
+    assert threads == "[]"  # the work has ended and does not continue in the background
 
 
 def test_a_system_goes_on_after_an_interrupt():
@@ -123,7 +123,7 @@ assert np.array_equal(system.modes(100.0).eigenvalues, expected)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
 def test_matrices_that_do_not_fit_are_an_error():
-    # 9,000 elements: 2.6 GB of memory are there, 62 GB are needed for the matrices alone
+    # 9,000 elements: 2.6 GB of memory are available, the matrices need 62 GB
     calls = "\n".join(f"check({name!r}, lambda: {call})" for name, call in CALLS.items())
     program = f"""{LARGE}
 import resource

@@ -1,4 +1,4 @@
-"""Geometry of the mesh: contact ratio, pressure angle, separation under load, and what turning bows do to them."""
+"""Mesh geometry: contact ratio, pressure angle, separation under load, effect of rotating bows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.implausible
 
 ALPHA = np.radians(20)
 
-# Shafts so stiff and so well held that a gear centre sits where the bow and the bearings put it.
+# Rigid shafts: the bow and the bearings determine the position of each gear centre.
 STIFF = gb.Material(youngs_modulus=1e16, density=7850.0, poisson_ratio=0.3)
 AMPLITUDE = 2e-4
 
@@ -94,7 +94,7 @@ def test_contact_ratio_at_rest(teeth: tuple[int, int], module: float, ratio: flo
     digits = 1e-5 if module == 3e-3 else 1e-7
     assert float(mesh.contact_ratio) == pytest.approx(ratio, abs=digits / 2)
     own = law(teeth, module)
-    # the same formula twice: round-off
+    # same formula: round-off
     assert float(mesh.contact_ratio) == pytest.approx(
         own.contact_ratio(own.centre_distance), rel=1e-12
     )
@@ -112,7 +112,7 @@ def test_mounted_centre_distance_sets_the_pressure_angle(factor: float):
 
 
 def test_derivatives_by_centre_distance():
-    # loads of both senses move the centres a little to either side of a mean
+    # loads of both signs move the centres to both sides of the mean
     low, high = (stiff_pair(torque=t, bearing=2e8).static().mesh("ga", "gb") for t in (10, 1000))
     rise = float(high.centre_distance - low.centre_distance)
     assert rise > 2e-5
@@ -134,7 +134,7 @@ def test_separation_under_load(angle: float, torque: float):
     still = stiff_pair(torque=torque, bearing=bearing, angle=angle).static(speed=1.0)
     mesh = still.mesh("ga", "gb")
     base = closed_forms.full_depth_gear(25, 3e-3)["base"]
-    force = torque / base  # a scene that turns counter-clockwise; negative: the gear brakes
+    force = torque / base  # counter-clockwise rotation; negative: the gear brakes
     # the tooth force follows from the driver's torque alone: round-off of a Newton iteration
     assert float(mesh.force) == pytest.approx(force, rel=1e-9)
     apart = float(mesh.centre_distance) - 0.1125
@@ -192,15 +192,15 @@ def test_two_meshes_only_their_relative_angle_matters():
 def test_exactly_one_rolling_mode(scene: Geared, speed: float):
     modes = scene.package().modes(speed=speed)
     assert list(modes.whirl).count("rigid") == 1
-    assert modes.frequencies_hz[0] == 0.0  # taken out analytically, not found by the solver
+    assert modes.frequencies_hz[0] == 0.0  # removed analytically, not computed by the solver
     assert modes.frequencies_hz[1] > 1.0
-    # no mode grows
+    # no mode is unstable
     assert np.min(modes.damping_ratios[1:]) > -1e-9
 
 
 @cache
 def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.MeshResponse:
-    """A slow turn of the bowed shaft after start in the synchronous state."""
+    """Simulate a slow turn of the bowed shaft from the synchronous state."""
     system = stiff_pair({bowed: gb.Bow.half_sine(AMPLITUDE, phase=0.4)})
     period = 2 * np.pi / speed / (1.0 if bowed == "a" else 0.5)
     response = system.simulate(
@@ -317,7 +317,7 @@ def test_gear_that_follows_from_teeth_and_module(teeth: tuple[int, int]):
 
 
 def test_frozen_geometry_runs_where_the_base_circles_overlap():
-    """Its force does not follow the centres: what has no value there is reported as not a number."""
+    """With fixed geometry, quantities without a value are reported as NaN."""
     shafts = [gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=4) for name in "ab"]
     system = gb.RotorSystem(
         shafts=shafts,
@@ -352,6 +352,6 @@ def test_frozen_geometry_runs_where_the_base_circles_overlap():
 
 
 def system_distance(static: gb.Static) -> float:
-    """Distance of the centres of g1 and g2, 112.5 mm at rest along y."""
+    """Return the distance of the centres of g1 and g2, 112.5 mm along y at rest."""
     apart = static.displacement("g2") - static.displacement("g1")
     return float(np.hypot(0.1125 + apart[0], apart[1]))

@@ -1,4 +1,4 @@
-"""Libraries of the extras that are missing: the error says how to install them, before anything is computed."""
+"""Missing optional libraries: the error gives the install command before any computation."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_missing_library_is_named_with_how_to_install_it(tmp_path, extra, miss
 def test_a_checkpoint_without_its_library_is_refused_before_the_run(tmp_path, monkeypatch, missing):
     monkeypatch.setitem(sys.modules, missing, None)
     system, options = short()
-    monkeypatch.setattr(system, "_run", None)  # nothing runs
+    monkeypatch.setattr(system, "_run", None)  # no simulation runs
     with pytest.raises(gb.MissingExtraError, match=r'pip install "gearbow\[netcdf\]"'):
         system.simulate(**options, checkpoint=tmp_path / "run.nc")
     assert names(tmp_path) == []

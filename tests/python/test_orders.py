@@ -1,4 +1,4 @@
-"""Spectra and orders find what a signal is made of."""
+"""Spectra and order analysis recover the components of a signal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SPEED = 100.0
 
 
 def made(duration=1.0, step=1e-4, start=0.0, **content):
-    """A response whose g1 v is a sum of orders, given as {name of the order: complex amplitude}."""
+    """Return a response whose g1 v is a sum of orders, {name of the order: complex amplitude}."""
     rows = round(duration / step)
     response = recorded(rows=rows)
     response.time = start + step * np.arange(rows)
@@ -28,7 +28,7 @@ def made(duration=1.0, step=1e-4, start=0.0, **content):
 
 
 def test_least_squares_gives_back_every_order_and_its_phase():
-    # 1.37 s are no whole number of turns, and the record does not start at 0.
+    # 1.37 s is not a whole number of turns, and the record does not start at 0.
     content = {
         "1× input": (1.0, 3e-6 - 1e-6j),
         "1× output": (0.5, 2e-6j),
@@ -51,7 +51,7 @@ def test_least_squares_gives_back_every_order_and_its_phase():
 
 def test_what_no_order_holds_is_the_rest():
     found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
-    # The RMS of a sine; the fit takes a little of it.
+    # The RMS of a sine; the fit absorbs a small part of it.
     assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
 
 
@@ -153,9 +153,9 @@ def test_a_run_holds_the_bow_at_the_order_of_its_shaft(tmp_path):
     response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
     found = response.orders("g1", "v")
     linear = abs(system.synchronous([SPEED]).displacement("g1")[0, 0, 0])
-    # The moving line of action bends the motion away from the linear one: to second order.
+    # The moving line of action causes a second-order deviation from the linear motion.
     assert found.amplitude("1× input") == pytest.approx(linear, rel=1e-2)
-    # So do the lightly damped modes that the start leaves behind.
+    # The transient of lightly damped modes also causes a deviation.
     assert found.rest < 1e-2 * linear
     response.save(tmp_path / "run.npz")
     again = gb.Response.load(tmp_path / "run.npz")
@@ -171,7 +171,7 @@ def test_a_waterfall_has_a_ridge_along_each_order():
     result = gb.waterfall(runs, "g1")
     np.testing.assert_array_equal(result.speeds, (50.0, 100.0, 150.0))
     peaks = result.frequencies_hz[result.amplitudes.argmax(axis=1)]
-    # Lines of 1 s stand 1 Hz apart.
+    # A record of 1 s has a line spacing of 1 Hz.
     np.testing.assert_allclose(peaks, result.speeds / (2 * np.pi), atol=0.51)
     panel = result.plot().axes[0]
     assert "1× input" in {text.get_text() for text in panel.texts}

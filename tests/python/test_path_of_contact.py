@@ -1,4 +1,4 @@
-"""Where teeth can touch: no further than their tips and the base circles, at rest and in motion."""
+"""Limits of the path of contact: tips and base circles, at rest and in motion."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def pair(
     gear: dict[str, Any] | None = None,
     **mesh: Any,
 ) -> gb.RotorSystem:
-    """Two gears on stiff shafts with steel teeth of module 3 mm."""
+    """Return two gears on stiff shafts with steel teeth of module 3 mm."""
     return gb.RotorSystem(
         shafts=[
             gb.Shaft(name, length=0.2, outer_diameter=0.03, elements=2, bow=bow if end else None)
@@ -102,7 +102,7 @@ def test_there_is_no_contact_beyond_a_base_circle(
     mesh = system.static().mesh("pinion", "wheel")
     law = Toothed(teeth=teeth).law()
     assert law.contact_ratio(law.centre_distance) == pytest.approx(ratio, abs=5e-4)
-    # the load opens the centres by micrometres
+    # the load increases the centre distance by micrometres
     expected = law.contact_ratio(float(mesh.centre_distance))
     assert float(mesh.contact_ratio) == pytest.approx(expected, rel=1e-12)
     # the pinion's tips and the base circle beside it: the whole of the pinion's involute
@@ -132,14 +132,14 @@ def test_pairs_share_the_path_that_there_is(model: str):
 
 
 def test_a_standard_number_of_teeth_does_not_warn():
-    pair((17, 17))  # an error in these tests if it did
+    pair((17, 17))  # a warning would be an error in these tests
     with pytest.warns(gb.SceneWarning, match=r"16 teeth .* undercut \(fewer than 17\)"):
         pair((16, 16))
     pair((16, 16), gear={"profile_shift": 0.07}, centre_distance=0.0484)
 
 
 def test_events_of_a_path_that_centres_shorten():
-    # a bow of 1.5 mm turns the wheel's centre towards the pinion and away: tips pass a base circle in between
+    # a rotating bow of 1.5 mm varies the centre distance: tips pass a base circle in between
     system = pair((20, 40), bow=gb.Bow.half_sine(1.5e-3), stiffness=gb.Stiffness.square(pair=2e8))
     speed = 20.0
     turn = 2 * np.pi / (speed / 2)
@@ -148,7 +148,7 @@ def test_events_of_a_path_that_centres_shorten():
     )
     mesh, law = run.mesh("pinion", "wheel"), Toothed(teeth=(20, 40)).law()
     ratio = np.array([law.contact_ratio(distance) for distance in mesh.centre_distance])
-    # the same formula twice: round-off
+    # same formula: round-off
     assert mesh.contact_ratio == pytest.approx(ratio, rel=1e-11)
     tangent = np.sqrt(mesh.centre_distance**2 - law.sum_of_radii**2)
     margin = tangent - np.sqrt(law.tip_radius_b**2 - law.base_radius_b**2)
@@ -159,7 +159,7 @@ def test_events_of_a_path_that_centres_shorten():
     for event, index in zip(events, passed, strict=True):
         assert event.kind == kinds[int(np.sign(margin[index + 1]))]
         assert run.time[index] <= event.time <= run.time[index + 1]
-    # where nothing is limited, the derivative is that of the tips alone
+    # without a limit, the derivative depends only on the tips
     free = np.flatnonzero(margin[:-1] > 0)
     free = free[margin[free + 1] > 0]
     slope = np.diff(mesh.contact_ratio)[free] / np.diff(tangent)[free]

@@ -1,4 +1,4 @@
-"""Files of systems and responses read back as what was written, to the last bit."""
+"""Files of systems and responses are read back bit for bit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from test_response import recorded, train
 
 
 def assert_same(read: gb.Response, written: gb.Response) -> None:
-    """Compare everything that a response holds, bit by bit."""
+    """Compare all data of a response bit by bit."""
 
     def walk(a: object, b: object, path: str) -> None:
         assert type(a) is type(b), path

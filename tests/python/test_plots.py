@@ -1,4 +1,4 @@
-"""Figures show the numbers they are made from and leave matplotlib as it was."""
+"""Figures show the numbers of their source objects and leave the matplotlib settings unchanged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from test_response import recorded, train
 
 
 def drawn(panel) -> list[np.ndarray]:
-    """Ordinates of the lines of a panel."""
+    """Return the ordinates of the lines of a panel."""
     return [np.asarray(line.get_ydata()) for line in panel.get_lines()]
 
 
@@ -111,7 +111,7 @@ def test_modes_and_synchronous_response_are_drawn(tmp_path):
         assert max(np.abs(line).max() for line in drawn(axes)) == pytest.approx(1.0)
     synchronous = system.synchronous(np.linspace(10.0, 500.0, 20))
     drawing = synchronous.plot(["g1", ("output", 0.0)])
-    (line,) = drawn(drawing.axes[0])  # only the input shaft is bowed
+    (line,) = drawn(drawing.axes[0])  # only the input shaft has a bow
     np.testing.assert_allclose(line, 1e6 * synchronous.orbit("g1")[:, 0])
     for name, result in {"modes": figure, "synchronous": drawing}.items():
         result.savefig(tmp_path / f"{name}.png")

@@ -1,4 +1,4 @@
-"""Published rotors: every parameter and every printed frequency stands in `reference.published`."""
+"""Published rotors: `reference.published` lists all parameters and printed frequencies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test_geared_pair_of_rao_shiau_and_chang():
     system = scenes.v1()
     modes = system.modes(speed=published.V1_SPEED)
     oscillating = modes.frequencies_hz[modes.frequencies_hz > 1.0]
-    # two independent programs agree to 0.004 %; the printed digits allow as much again
+    # two independent programs agree to 0.004 %; rounding of the printed digits adds as much
     assert oscillating[:13] == pytest.approx(published.V1_HZ, rel=1e-4)
     assert list(modes.whirl).count("rigid") == 1
 
@@ -23,7 +23,7 @@ def test_geared_pair_of_rao_shiau_and_chang():
 def test_geared_pair_turns_by_its_teeth_though_radii_are_rounded():
     system = scenes.v1()
     assert system.speed_ratios == pytest.approx([1.0, -328 / 23], rel=1e-15)
-    # the radii as printed give another ratio, by 2e-4
+    # the printed radii give a ratio that differs by 2e-4
     assert 0.5086 / 0.03567 == pytest.approx(328 / 23, rel=3e-4)
 
 
@@ -43,7 +43,7 @@ def test_geared_pair_warns_of_its_rounded_radii():
             meshes=[gb.Mesh("ga", "gb", stiffness=1e8)],
         )
 
-    pair(0.07)  # exact: silent (warnings are errors here)
+    pair(0.07)  # exact value: no warning (warnings are errors here)
     with pytest.warns(gb.SceneWarning):
         system = pair(0.0721)  # 3 % off
     assert system.speed_ratios == pytest.approx([1.0, -0.5], rel=1e-15)
@@ -52,7 +52,7 @@ def test_geared_pair_warns_of_its_rounded_radii():
 
 
 def criticals(system: gb.RotorSystem, sense: str, low: float, high: float) -> list[float]:
-    """Speeds at which a whirl frequency of that sense equals the speed, by counting modes below the speed."""
+    """Return the critical speeds of one whirl sense by counting modes below the speed."""
 
     def below(rpm: float) -> int:
         modes = system.modes(speed=rpm * RPM)
@@ -80,11 +80,11 @@ def test_synchronous_criticals_of_nelson_and_mcvaugh():
     assert [x for x, _ in found] == pytest.approx(
         [x for x, _ in published.V2_CRITICALS_RPM], rel=1e-2
     )
-    # and against the independent assembly, where the same rounding stands on both sides
+    # and against the independent assembly with the same rounded geometry
     train = published.v2()
     for rpm, _ in found:
         own = train.eigenvalues(rpm * RPM, lateral_only=True).imag / RPM
-        assert np.min(np.abs(own - rpm)) < 6.0  # rpm; the search stops at 5
+        assert np.min(np.abs(own - rpm)) < 6.0  # rpm; the search stops after 5
 
 
 def test_example_5_9_1_of_friswell_and_others():
@@ -106,7 +106,7 @@ def test_example_5_9_1_in_torsion(motion: str):
     gap = np.abs(found - published.V3_TORSION)
     assert gap.min() < 1e-2  # one unit of the last printed digit
     assert modes.whirl[int(np.argmin(gap))] == "torsion"
-    # uncoupled: the bending frequencies stay what they are
+    # uncoupled: the bending frequencies do not change
     if motion == "coupled":
         for frequency in published.V3_AT_REST:
             assert np.abs(found - frequency).min() < 1e-2

@@ -1,6 +1,6 @@
-"""Random valid scenes, and what holds for every one of them.
+"""Random valid scenes, and properties that all of them have.
 
-`make random` tries ten times as many, other ones every time. What has failed once is kept in `FOUND`.
+`make random` tries ten times as many, with new seeds. Scenes that failed once are kept in `FOUND`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SPEEDS = (0.0, 40.0, -150.0, 600.0)
 
 @dataclass(frozen=True)
 class Drawn:
-    """A train in a row: every shaft meshes with the one before it. Lengths in m, all else in SI units."""
+    """A serial train: each shaft meshes with the previous one. All values in SI units."""
 
     lengths: tuple[float, ...] = (0.4, 0.5)
     diameters: tuple[float, ...] = (0.05, 0.04)
@@ -46,7 +46,7 @@ class Drawn:
     gravity: tuple[float, float] = (0.0, -9.81)
     rayleigh: float = 1e-7  # s
     speed: float = 150.0
-    # what is done to it: a turn about x, a mirror, names, units, a node more, a line added to the bows
+    # transformations: rotation about x, mirror, names, units, extra node, line added to the bows
     turn: float = 0.0
     mirror: bool = False
     names: str = ""
@@ -58,7 +58,7 @@ class Drawn:
         return gb.RotorSystem(**self.parts())
 
     def complex(self, value: complex) -> complex:
-        """A vector in the shaft or in the plane, turned and mirrored."""
+        """Return a vector in the shaft or in the plane, rotated and mirrored."""
         value = -value.conjugate() if self.mirror else value
         return value * np.exp(1j * self.turn)
 
@@ -199,7 +199,7 @@ def drawn(draw: st.DrawFn) -> Drawn:
         lengths=each(part(0.2, 1.0)),
         diameters=each(part(0.02, 0.1)),
         elements=each(st.integers(1, 3)),
-        # no gear stands so near to a node that the element between them makes a run long
+        # no gear is so close to a node that a short element makes a run long
         places=each(st.sampled_from([0.0, 0.25, 0.4, 0.6, 1.0])),
         # a quarter of a turn, or a mirror, then puts a tooth where there was one
         teeth=each(st.integers(5, 15).map(lambda quarter: 4 * quarter)),
@@ -224,11 +224,11 @@ def drawn(draw: st.DrawFn) -> Drawn:
     )
 
 
-#: Scenes that have failed once, by what was wrong with them.
+#: Scenes that failed once, by the name of the fault.
 FOUND: dict[str, Drawn] = {
-    # round-off of the rigid-body rotation at the weight must not be taken for an unconstrained shaft
+    # round-off of the rigid-body rotation under weight must not count as an unconstrained shaft
     "weight without torque": Drawn(torque=0.0, mesh=("mean", 1e7, 0.0), gravity=(0.0, 1.0)),
-    # of two meshes that lose a pair within a step, the later lost its own with the earlier
+    # two meshes lost a pair within one step: the later pair was removed at the earlier event
     "pairs that leave almost at once": Drawn(
         lengths=(1.0, 1.0, 1.0),
         diameters=(0.0625, 0.0625, 0.0625),
@@ -248,7 +248,7 @@ FOUND: dict[str, Drawn] = {
         rayleigh=0.0,
         speed=-150.0,
     ),
-    # flanks that part for less than a step and press again before its end were not seen to
+    # separations shorter than a step, closed before its end, were not detected
     "a short parting": Drawn(
         lengths=(0.25, 0.75, 1.0),
         diameters=(0.09375, 0.0625, 0.0625),
@@ -272,7 +272,7 @@ FOUND: dict[str, Drawn] = {
 
 
 def scenes(count: int):
-    """Run a test on so many random scenes, and on those that have failed once."""
+    """Run a test on this many random scenes, and on the scenes that failed once."""
 
     def decorate(test: Any) -> Any:
         for scene in FOUND.values():
@@ -289,7 +289,7 @@ def scenes(count: int):
 
 
 def motion(response: gb.Response, scene: Drawn) -> np.ndarray:
-    """All that was recorded of the gears, (times, gears, 3): y, z over a metre, and twist."""
+    """Return the recorded gear motion, shape (times, gears, 3): y and z, m, and twist, rad."""
     names = [scene.name("g", i) for i in range(len(scene.lengths))]
     metre = scene.units[0]
     rows = [np.column_stack([response.displacement(n) / metre, response.twist(n)]) for n in names]
@@ -305,20 +305,20 @@ def assert_near(found: np.ndarray, wanted: np.ndarray, part: float) -> None:
 
 
 def unturned(response: gb.Response, scene: Drawn) -> np.ndarray:
-    """The motion as it would be seen without the turn and the mirror."""
+    """Return the motion without the rotation and the mirror."""
     found = motion(response, scene)
     plane = (found[..., 0] + 1j * found[..., 1]) * np.exp(-1j * scene.turn)
     sense = -1.0 if scene.mirror else 1.0
     return np.stack([sense * plane.real, plane.imag, sense * found[..., 2]], axis=-1)
 
 
-# --- what is done to a scene is done to its motion -------------------------------------------------
+# --- transformed scenes -------------------------------------------------
 
 SAME = {
     "turned": {"turn": 1.1},
     "mirrored": {"mirror": True},
     "renamed": {"names": "ünter "},
-    # a bow that is a straight line stresses nothing
+    # a bow that is a straight line causes no stress
     "a line in the bows": {"line": (3e-4 - 1e-4j, -2e-4 + 1e-3j)},
     "other units": {"units": (1024.0, 1 / 512, 64.0)},
     "units that are no powers of two": {"units": (1e3, 0.45, 0.7)},
@@ -330,9 +330,9 @@ def test_the_choice_of_axes_names_and_units_is_free(scene: Drawn):
     wanted = motion(scene.run(), scene)
     for change in SAME.values():
         other = replace(scene, **change)
-        if scene.mesh[0] != "mean":  # teeth stand where the angle of their shaft says
+        if scene.mesh[0] != "mean":  # tooth positions follow the angle of their shaft
             other = replace(other, turn=other.turn and np.pi / 2)
-        # both are right to the tolerance; contacts carry the errors of the instants before them on
+        # both runs meet the tolerance; contacts propagate errors of earlier event times
         part = 1e-6 if scene.backlash is None else 1e-4
         assert_near(unturned(other.run(), other), wanted, part)
 
@@ -348,10 +348,10 @@ def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Dr
         try:
             wanted, found = (system.static().displacement(at) for system in (coarse, fine))
         except gb.ContactError:
-            reject()  # a slender shaft bends until the gears stand in each other
+            reject()  # a slender shaft bends until the gears overlap
         assert np.abs(found - wanted).max() <= 1e-6 * max(np.abs(wanted).max(), 1e-6)
     low, high = fine.modes().frequencies_hz, coarse.modes().frequencies_hz
-    # what rolls is zero to round-off of the highest
+    # rigid-body frequencies are zero up to the round-off of the highest frequency
     assert np.all(low[: high.size] <= high * (1 + 1e-7) + 1e-8 * high[-1])
 
 
@@ -364,7 +364,7 @@ def test_energy_is_neither_made_nor_lost(scene: Drawn):
     # what damping ends at once, none is lost.
     for method in ("rk45", "exponential"):
         balance = scene.run(record=["energy"], method=method).energy_balance()
-        # a nanojoule is what a force of a newton does on a nanometre: less is nothing
+        # one nanojoule is the work of 1 N over 1 nm: smaller works count as zero
         scale = max(np.abs(balance.total).max() + np.ptp(balance.work), 1e-9)
         assert np.abs(balance.residual).max() <= 1e-5 * scale
         assert np.diff(balance.damping).max() <= 1e-9 * scale

@@ -1,4 +1,4 @@
-"""Arrays of results are read-only: a response that is continued or saved cannot be falsified."""
+"""Result arrays are read-only: users cannot alter a response before it is continued or saved."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from test_response import recorded, train
 
 
 def writable(value: object) -> list[np.ndarray]:
-    """All arrays that can be written to, in attributes, mappings and sequences."""
+    """Return all writable arrays in attributes, mappings and sequences."""
     if isinstance(value, np.ndarray):
         return [value] if value.flags.writeable else []
     if isinstance(value, dict):

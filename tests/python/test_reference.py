@@ -1,4 +1,4 @@
-"""The independent statement itself: its mesh law, its elements and the accuracy of its solution."""
+"""The independent solution itself: its mesh law, its elements and its accuracy."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_pair_turned_about_its_first_gear_is_not_deflected(sigma: float, turn: f
     at_rest = mesh.centre_distance * np.exp(1j * mesh.centre_line_angle)
     moved = at_rest * (np.exp(1j * turn) - 1)
     u_b = np.array([moved.real, moved.imag])
-    # both gears turn with the frame
+    # both gears rotate with the frame
     assert mesh.deflection(np.zeros(2), u_b, turn, turn) == pytest.approx(0, abs=1e-15)
 
 
@@ -82,7 +82,7 @@ def test_element_of_a_rigid_motion():
 def test_published_frequencies():
     spin = 4000 * 2 * np.pi / 60
     found = published.v3().eigenvalues(spin, lateral_only=True).imag[:5]
-    assert found == pytest.approx(published.V3_AT_4000_RPM, abs=1e-2)  # digits printed
+    assert found == pytest.approx(published.V3_AT_4000_RPM, abs=1e-2)  # printed digits
     found = published.v1().eigenvalues(published.V1_SPEED).imag[:13] / (2 * np.pi)
     assert found == pytest.approx(published.V1_HZ, rel=1e-4)
 
@@ -100,7 +100,7 @@ def test_independent_solution_is_ten_times_more_accurate_than_its_tolerance():
 
 
 def test_independent_solution_conserves_energy():
-    # undamped, from rest, at zero speed: kinetic and elastic energy stay with the live law alone
+    # undamped, from rest, zero speed: only the live geometry conserves energy
     scene = Geared(
         bows={"input": HalfSine(1e-3), "middle": HalfSine(-8e-4, 1.0)},
         torque=0.0,
@@ -122,7 +122,7 @@ def test_independent_solution_conserves_energy():
 
     energy = energies(live=True)
     assert np.abs(energy / energy[0] - 1).max() < 1e-8
-    # and the scene is one in which the geometry matters
+    # and the geometry has a visible effect in this scene
     frozen = independent_solution.from_rest(train, 0.0, times, live=False).mesh_force(0, live=False)
     moving = independent_solution.from_rest(train, 0.0, times, live=True).mesh_force(0, live=True)
     assert np.abs(frozen - moving).max() > 1e-3 * np.ptp(moving)

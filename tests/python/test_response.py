@@ -1,4 +1,4 @@
-"""Asking a simulation for something: times, records, continuation, errors with what was computed."""
+"""Simulation requests: times, records, continuation, errors with partial results."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def train(bow: gb.Bow | None = None) -> gb.RotorSystem:
 
 
 def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
-    """A response of made-up numbers, of every kind that there is."""
+    """Return a response of invented numbers with every kind of data."""
     numbers = np.random.default_rng(7)
     state = numbers.standard_normal(6)
     return gb.Response(
@@ -184,7 +184,7 @@ def test_what_is_recorded_can_be_recorded_again():
 
 
 class TestTimes:
-    """The user's times, as the user gave them."""
+    """Times of the user are returned unchanged."""
 
     def test_rows_come_in_the_order_of_the_times(self):
         system = train()
@@ -277,7 +277,7 @@ def test_an_argument_that_cannot_be_is_named(options, text):
 
 
 class TestContinuation:
-    """A run that goes on from a response."""
+    """Continuation of a run from a response."""
 
     def test_two_halves_follow_the_whole(self):
         system = train()
@@ -304,7 +304,7 @@ class TestContinuation:
 
 
 class TestProgress:
-    """What is said while it runs, and what remains of a run that ends early."""
+    """Progress reports, and partial results of a run that ends early."""
 
     def test_a_callable_is_given_the_fraction(self):
         seen: list[float] = []
@@ -341,7 +341,7 @@ class TestProgress:
     def test_ctrl_c_keeps_what_was_computed(self):
         timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
 
-        def begin(_: float) -> None:  # before the first step there is nothing to keep
+        def begin(_: float) -> None:  # before the first step there is no result
             if not timer.ident:
                 timer.start()
 
@@ -425,7 +425,7 @@ class TestEnergyBalance:
 
 
 class TestEvents:
-    """What the meshes did between the recorded times."""
+    """Mesh quantities between the recorded times."""
 
     def test_they_have_names(self):
         events = recorded().events

@@ -1,4 +1,4 @@
-"""Options of a run: what cannot be honoured is refused in words, and a loose tolerance is still stable."""
+"""Run options: unusable options are errors, and a loose tolerance is still stable."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_times_in_any_order_and_twice():
 
 def test_step_above_the_limit_of_stability_is_refused_and_says_why():
     scene = replace(PAIR, elements=4)
-    # a shoulder of 2 mm sets the limit, not the speed
+    # a shoulder of 2 mm determines the limit, not the speed
     shaft = gb.Shaft(
         "input",
         segments=[
@@ -101,13 +101,13 @@ def test_step_above_the_limit_of_stability_is_refused_and_says_why():
         ]
         assert min(mantissas) < 2e-2, f"{wanted:g} is not in: {text}"
     assert "input" in text
-    # well below the limit it runs
+    # far below the limit the run succeeds
     system.simulate(1e-4, 10.0, method="rk4", step=0.5 * limit)
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3])
 def test_rk45_without_damping_stays_bounded_at_a_loose_tolerance(rtol: float):
-    # the error control of an explicit method does not see the stiffest mode grow
+    # the error control of an explicit method does not detect growth of the stiffest mode
     scene = replace(
         PAIR, bows={"input": HalfSine(1e-4)}, bearing_damping=0.0, mesh_damping_ratio=0.0
     )
@@ -115,14 +115,14 @@ def test_rk45_without_damping_stays_bounded_at_a_loose_tolerance(rtol: float):
         0.1, 100.0, method="rk45", rtol=rtol, initial="rest", record=("nodes", "energy", "meshes")
     )
     energy = response.energy
-    # the driven energy of a start from rest: it may swing, but it cannot become a multiple of its first swing
+    # the energy after a start from rest oscillates, but stays below a multiple of its first peak
     early = energy[response.time < 0.02].max()
     assert energy.max() < 3 * early
     assert np.abs(response.displacement(("input", 0.25))).max() < 10e-4
 
 
 def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
-    # the gear swings by twice its bow of 5 mm; the base circles are 6.8 mm apart
+    # the gear moves by twice its bow of 5 mm; the gap of the base circles is 6.8 mm
     scene = replace(PAIR, bows={"input": HalfSine(5e-3)}, torque=0.0)
     with pytest.raises(gb.ContactError) as caught:
         scene.package().simulate(5e-3, 100.0, initial="rest", output_step=1e-5, method="rk45")
@@ -131,7 +131,7 @@ def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
     assert "g2" in text
     done = caught.value.response
     assert 0 < done.time[-1] < 5e-3
-    # up to there it is a motion, and it was about to overlap
+    # the motion is valid until just before the overlap
     closing = done.mesh("g1", "g2").centre_distance
     apart = scene.law(0).sum_of_radii
     assert np.isfinite(done.displacement("g1")).all()
@@ -142,7 +142,7 @@ def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
 
 
 def test_late_start_is_an_early_one_with_the_shafts_turned():
-    # 1e8 rad of the first shaft: an angle that is reduced late has lost 1e-8 rad
+    # 1e8 rad of the first shaft: a late reduction of the angle loses 1e-8 rad
     begin, speed = 1e6, 100.0
     how = {"method": "rk4", "initial": "rest", "step": 5e-7}
     offsets = np.arange(21) * 2.0**-13  # sums with 1e6 are exact

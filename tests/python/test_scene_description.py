@@ -1,4 +1,4 @@
-"""What the parts say of themselves, and how a slip in them is named."""
+"""Representations of the parts, and error messages for mistakes in them."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_the_core_takes_numpy_values():
 
 
 def test_a_default_left_out_is_the_default_of_the_core():
-    """The core's defaults are those that the signatures show."""
+    """The defaults of the core equal those of the signatures."""
     short = pair()
     text = short._model.to_toml()
     for line in (
@@ -175,7 +175,7 @@ def test_a_possible_slip_is_a_warning_where_it_was_made():
 
 
 class TestBowFunction:
-    """A curve given as a function is read along the shaft when its length is known."""
+    """A curve given as a function is evaluated once the shaft length is known."""
 
     def test_it_equals_the_curve_that_it_stands_for(self):
         curve = gb.Bow.function(lambda x: 1e-4 * np.exp(0.7j) * np.sin(np.pi * x))

@@ -1,4 +1,4 @@
-"""Impossible scenes: each is a `SceneError` whose text begins with where it is."""
+"""Invalid scenes: each is a `SceneError` whose message begins with the location."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def refused(scene: dict[str, Any], where: str) -> str:
     assert isinstance(caught.value, ValueError)
     text = str(caught.value)
     assert text.startswith(where), f"{text!r} does not begin with {where!r}"
-    assert len(text) > len(where) + 3  # and it says what is wrong
+    assert len(text) > len(where) + 3  # and the message names the fault
     return text
 
 
@@ -33,7 +33,7 @@ def test_the_scene_itself_is_possible():
 
 
 def stem(path: tuple[str | int, ...]) -> str:
-    """The path down to its last name: entries of an array may be named or not."""
+    """Return the path up to its last name: array entries can have names or not."""
     while isinstance(path[-1], int) and path[-2] not in KINDS and path[-2] != "shafts":
         path = path[:-1]
     return written(path)
@@ -180,7 +180,7 @@ def test_published_radii_that_are_rounded_only_warn(factor: float):
     scene["gears"][2]["base_radius"] *= factor
     with pytest.warns(gb.SceneWarning, match=r"meshes\[1\]"):
         system = build(scene)
-    # the ratio follows the teeth
+    # the ratio follows from the numbers of teeth
     assert system.speed_ratios == pytest.approx([1, -0.5, 0.5 * 50 / 30], rel=1e-15)
 
 
@@ -205,7 +205,7 @@ def test_a_loop_whose_ratios_disagree():
         return scene
 
     # third turns at +5/6; three external meshes in a ring would turn input backwards
-    # any mesh of the loop may be the one to blame
+    # the error can name any mesh of the loop
     text = refused(closed(36), "meshes[")
     assert "ratio" in text.lower()
     refused(closed(40), "meshes[")
@@ -252,7 +252,7 @@ def test_numpy_numbers_and_arrays_are_taken():
     assert np.array_equal(plain.mass, taken.mass)
 
 
-# --- any number anywhere -------------------------------------------------------------------------------------
+# --- arbitrary numbers -------------------------------------------------------------------------------------
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
@@ -265,7 +265,7 @@ def test_numpy_numbers_and_arrays_are_taken():
 )
 @pytest.mark.implausible
 def test_any_number_anywhere_is_taken_or_refused_in_words(path, value):
-    """No other exception, no crash; and what is taken can be assembled."""
+    """There is no other exception and no crash; accepted scenes can be assembled."""
     count = path[-1] in COUNTS and abs(value) < 50
     try:
         system = build(spoil(list(path), int(value) if count else value))
@@ -275,6 +275,6 @@ def test_any_number_anywhere_is_taken_or_refused_in_words(path, value):
     try:
         mass = system.matrices().mass
     except gb.GearbowError:
-        assert not 1e-6 < abs(value) < 1e6  # numbers beyond measure may overflow, in words
+        assert not 1e-6 < abs(value) < 1e6  # very large numbers can overflow with an error message
         return
     assert np.isfinite(mass).all() or not 1e-6 < abs(value) < 1e6

@@ -1,4 +1,4 @@
-"""Scenes in files: what a TOML file may hold, and how a slip in it is answered."""
+"""Scene files: valid contents of a TOML file, and error messages for mistakes in it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Misspelt names and keys suggest the nearest; what is unconstrained says what is missing."""
+"""Misspelt names suggest the nearest one; an unconstrained motion names the missing part."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_name_like_no_other_suggests_nothing():
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 
 
-# --- what is missing -------------------------------------------------------------------------------------------
+# --- missing parts -------------------------------------------------------------------------------------------
 
 BALANCE = r"^torques: no static equilibrium: .*, is 250 N m; add gb.Torque.balance\("
 
@@ -137,7 +137,7 @@ def test_a_missing_bearing_is_named():
     )
     with pytest.raises(gb.SceneError, match=text):
         system.replace(bearings=one).static()
-    # and one that is soft in one direction only
+    # and one that has stiffness in one direction only
     soft = [replace(bearing, stiffness=(1e8, 0.0)) for bearing in system.bearings]
     with pytest.raises(gb.SceneError, match="which its bearings do not constrain"):
         system.replace(bearings=soft).static()

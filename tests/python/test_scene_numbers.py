@@ -1,4 +1,4 @@
-"""What counts as a number: every argument of every public callable refuses what is none, in words."""
+"""Numeric arguments: every public callable rejects a value that is not a number."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 import gearbow as gb
 from reference.planted_faults import SCENE, build, numbers, spoil, written
 
-#: What is no real number, though Python or NumPy would convert most of them.
+#: Values that are not real numbers, although Python or NumPy would convert most of them.
 WRONG = {
     "text": "1",
     "bytes": b"1",
@@ -34,7 +34,7 @@ WRONG = {
     "object": object(),
     "empty text": "",
 }
-#: What is one.
+#: Real numbers.
 RIGHT = {
     "int": 1,
     "NumPy int": np.int32(1),
@@ -86,12 +86,12 @@ def test_a_field_that_is_no_number(path: tuple[str | int, ...], value: object):
     with pytest.raises(gb.SceneError) as caught:
         build(spoil(list(path), value))
     text = str(caught.value)
-    # Constructors of bows and models know the field, not yet the part.
+    # Constructors of bows and models know the field, but not the part.
     assert text.startswith((start, "bow.", str(path[-2:][0]))), text
 
 
 def test_every_numeric_field_is_in_that_scene():
-    """So that the test above misses none that a part has."""
+    """Check that the test above covers every field of each part."""
     beside = {"shear_modulus", "run_out", "backlash", "bow", "error", "tip_relief", "segments"}
     parts = (gb.Material, gb.Segment, gb.Shaft, gb.Disk, gb.Gear, gb.Mesh, gb.Bearing)
     known = {key for path in numbers(SCENE) for key in path}
@@ -224,7 +224,7 @@ ARGUMENTS = {
     "profile at": (lambda *a: gb.SpeedProfile.ramp(0.0, 1.0, 1.0)(a[2]), "times"),
     "dictionary": (lambda s, _, x: gb.RotorSystem.from_dict({**s.description, "gravity": x}), ""),
 }
-#: A name where a number may stand beside names.
+#: A name in arguments that accept numbers and names.
 NAMES = ("record", "balance plane", "orders of", "spectrum of", "displacement")
 
 

@@ -206,7 +206,7 @@ def test_a_mistake_of_units_is_a_warning(name):
     ids=str,
 )
 def test_teeth_that_are_out_of_reach_do_not_pass(change):
-    """As a warning of the value, or as an error of the teeth that cannot touch."""
+    """Either a warning about the value, or an error that the teeth cannot touch."""
     with pytest.raises((gb.SceneError, gb.SceneWarning), match=r"^(meshes|gears)\[0\]"):
         train(**change)
 
@@ -247,7 +247,7 @@ def test_bodies_that_idealise_are_possible():
 
 
 def test_all_lengths_in_millimetres():
-    """Every part says so, each quantity once."""
+    """Every part gives a warning, one for each quantity."""
     k = 1 / MILLIMETRE
     shafts = [gb.Shaft(x, length=500.0, outer_diameter=50.0, elements=2) for x in ("a", "b")]
     with warnings.catch_warnings(record=True) as caught:
@@ -275,7 +275,7 @@ def test_the_warning_has_value_range_and_cause():
     )
 
 
-# --- at speed --------------------------------------------------------------------------------------------------
+# --- speeds --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -301,7 +301,7 @@ def test_teeth_that_are_too_fast(call):
 
 
 def geared(size: float, module: float, teeth: tuple[int, int], **options: Any) -> gb.RotorSystem:
-    """A pair of gears on shafts that are ten diameters long."""
+    """Return a pair of gears on shafts of ten diameters length."""
     names = ("a", "b")
     width = 10 * module
     stiffness = options.pop("bearing", 2e9 * size)

@@ -20,7 +20,7 @@ OPTIONS = {
 
 
 def full() -> gb.RotorSystem:
-    """A system with every kind of part and every option."""
+    """Return a system with every kind of part and every option."""
     return gb.RotorSystem(
         shafts=[gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in "ab"],
         gears=[

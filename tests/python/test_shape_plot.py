@@ -1,4 +1,4 @@
-"""A mode in space: geometry of circles that move, radii, titles, axes and orbits."""
+"""Mode shapes in space: geometry of the displaced circles, radii, titles, axes and orbits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gearbow.plotting.mode_shape import _at_maximum, _ring
 
 
 def rotor() -> gb.RotorSystem:
-    """A disk on a shaft with a step, whose bearings are softer along y."""
+    """Return a stepped shaft with a disk on bearings that are softer along y."""
     return gb.RotorSystem(
         [
             gb.Shaft(
@@ -34,7 +34,7 @@ def test_a_circle_moves_as_a_cross_section_does():
     around = np.array([0.0, quarter])
     rest = [[x, r, 0.0], [x, 0.0, r]]
     assert _ring(x, r, np.zeros(5), around) == pytest.approx(np.array(rest))
-    # a translation moves all points alike
+    # a translation moves all points equally
     moved = _ring(x, r, np.array([0.01, 0.02, 0.0, 0.0, 0.0]), around)
     assert moved == pytest.approx(np.add(rest, [0.0, 0.01, 0.02]))
     # plane sections: u = -y dv/dx - z dw/dx, with dv/dx = Γ and dw/dx = -B
@@ -88,6 +88,6 @@ def test_a_mode_is_drawn_in_its_plane(number: int, moving: int):
     assert orbit[0, 0] == pytest.approx(0.3)
     assert np.ptp(orbit[moving]) > 0.02
     assert np.ptp(orbit[3 - moving]) < 1e-3 * np.ptp(orbit[moving])
-    # it begins at its largest
+    # it begins at its largest displacement
     first = {1: [0.3, np.abs(orbit[1]).max(), 0.0], 2: [0.3, 0.0, np.abs(orbit[2]).max()]}[moving]
     assert orbit[:, 0] == pytest.approx(first, abs=1e-3)

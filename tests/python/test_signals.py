@@ -1,4 +1,4 @@
-"""Signals, spectra, orders and waterfalls against responses whose content is known in closed form."""
+"""Signals, spectra, orders and waterfalls against closed-form responses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COSINES = {
 
 
 class TestRecords:
-    """What a response returns for a name."""
+    """Values that a response returns for a name."""
 
     def test_each_name_has_its_own_series(self):
         time = 2.0 + 0.1 * np.arange(6)
@@ -88,7 +88,7 @@ class TestRecords:
 
 
 class TestSpectrum:
-    """Lines of a discrete Fourier transform with a window."""
+    """Return the lines of a windowed discrete Fourier transform."""
 
     @pytest.mark.parametrize("count", [120, 121])
     @pytest.mark.parametrize("window", list(COSINES))
@@ -111,7 +111,7 @@ class TestSpectrum:
         frequency, found = amplitudes(time, 3.0 * (-1.0) ** np.arange(64), "none")
         assert frequency[-1] == pytest.approx(500.0)
         assert found[-1] == pytest.approx(3.0, rel=1e-12)
-        # an odd number of times has no such line: the last one is a cosine like all others
+        # an odd number of times has no such line: the last one is an ordinary cosine
         time = 1e-3 * np.arange(65)
         frequency, found = amplitudes(time, 3.0 * np.cos(2 * np.pi * 32 * np.arange(65) / 65))
         assert frequency[-1] == pytest.approx(32 / 0.065)
@@ -171,7 +171,7 @@ class TestOrders:
     """Least squares on the orders of a train."""
 
     def test_the_time_at_the_beginning_is_left_out(self):
-        # a start-up that dies away at 3.5 s of a record from 3 s to 6 s, and a steady order after it
+        # a transient that ends at 3.5 s of a record from 3 s to 6 s, and a steady order after it
         time = 3.0 + 1e-3 * np.arange(3001)
         steady = 2e-6 * np.cos(SPEED * time - 0.7)
         made = of_series(time, steady + np.where(time < 3.5, 1e-6, 0.0))
@@ -180,7 +180,7 @@ class TestOrders:
         assert found.rest < 1e-15
         assert abs(found.mean) < 1e-15
         assert found.amplitude("1× input") == pytest.approx(2e-6, rel=1e-9)
-        # with any of the start-up the fit is wrong
+        # the fit is wrong if it includes a part of the transient
         assert made.orders("g1", "w", skip_time=0.4, **asked).rest > 1e-7
         assert made.orders("g1", "w", **asked).rest > 3e-7
 
@@ -266,7 +266,7 @@ class TestOrders:
         time = 0.99 * limit * np.arange(400)
         found = of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
         assert found.amplitude("1× input") == pytest.approx(1.0, rel=1e-9)
-        # the largest step counts
+        # the largest step is decisive
         time = np.concatenate([1e-3 * np.arange(4000), [4.0 + 1.1 * limit]])
         with pytest.raises(gb.GearbowError, match="needs an output_step below"):
             of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
@@ -344,7 +344,7 @@ class TestWaterfall:
 
     @pytest.mark.parametrize("window", list(COSINES))
     def test_rows_belong_to_their_speeds(self, window: str):
-        # turning backwards shows at the same place as forwards
+        # backward rotation has the same frequencies as forward rotation
         time = 1e-3 * np.arange(500)
         lines = {2 * np.pi * 70.0: 3e-6, -2 * np.pi * 20.0: 1e-6, 2 * np.pi * 40.0: 2e-6}
         runs = [of_series(time, a * np.cos(s * time), s) for s, a in lines.items()]

@@ -1,4 +1,4 @@
-"""Bearings over the speed: equal to constant ones at the knots, dense evaluation between, and run-ups."""
+"""Speed-dependent bearings: values at and between the knots, and run-ups."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def rotor(stiffness: Any = None, damping: Any = None, **options: Any) -> gb.Roto
 
 
 def dense(speed: float) -> tuple[Array, Array]:
-    """Stiffness and damping of one bearing from SciPy's interpolation."""
+    """Return stiffness and damping of one bearing from SciPy's interpolation."""
     speed = abs(speed)
     return PchipInterpolator(SPEEDS, STIFFNESS)(speed), np.diag(
         PchipInterpolator(SPEEDS, DAMPING)(speed)
@@ -60,7 +60,7 @@ def dense(speed: float) -> tuple[Array, Array]:
 
 
 def frozen(speed: float) -> gb.RotorSystem:
-    """The rotor on constant bearings of one speed."""
+    """Return the rotor on constant bearings of one speed."""
     return rotor(*dense(speed))
 
 
@@ -125,7 +125,7 @@ def test_undamped_critical_speeds_belong_to_the_stiffness_of_the_same_speed():
     for speed in found:
         near = [s for s, _ in Model(rotor(at(speed)).description).critical_speeds(1.0)]
         assert min(abs(s - speed) for s in near) < 1e-9 * speed
-    # and none is missed that a dense sampling shows: a frozen critical speed passes its own speed
+    # dense sampling finds no other: the frozen critical speed crosses the speed itself
     samples = np.linspace(0.5, 159.5, 160)
     below = [
         sum(s < speed for s, _ in Model(rotor(at(speed)).description).critical_speeds(1.0))
@@ -209,7 +209,7 @@ def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(
         errors.append(np.abs(run.displacement("wheel") - exact).max() / size)
     assert errors[1] < 1e-6
     assert np.log2(errors[0] / errors[1]) > 2.5
-    # bearings that stay as they are at the start differ by far more
+    # constant bearings of the initial speed differ by much more
     constant = frozen(RAMP[0]).simulate(END, profile(), method="rk45", rtol=1e-6, **options)
     assert np.abs(constant.displacement("wheel") - exact).max() > 0.05 * size
     # and the recorded force is that of the coefficients at each speed
@@ -227,7 +227,7 @@ def test_the_energy_audit_counts_the_work_that_stiffens_the_bearings():
     balance = run.energy_balance()
     # the audit integrates the power over steps to the seventh digit
     assert np.abs(balance.residual).max() < 1e-7 * balance.total.max()
-    # without that work it would not close; its power is u^T (dK/dt) u / 2
+    # without that work the balance would not close; its power is u^T (dK/dt) u / 2
     slope = PchipInterpolator(SPEEDS, STIFFNESS).derivative()
     work = 0.0
     for x in ENDS:

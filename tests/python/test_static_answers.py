@@ -1,4 +1,4 @@
-"""Static equilibrium against the laws of the lever, of torsion and of gears."""
+"""Static equilibrium against closed forms of levers, torsion and gears."""
 
 from __future__ import annotations
 

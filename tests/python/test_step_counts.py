@@ -1,7 +1,7 @@
 """Steps, rejected steps and load evaluations of the default method in five runs.
 
-The numbers are those of the present method. They are no requirement: a change that reduces the cost updates them. The
-test shows a change that increases the cost or that rejects more steps.
+The numbers describe the present method, not a requirement: a cheaper method updates them. The
+test fails if a change increases the cost or rejects more steps.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Stiffness models, relief, error and run-out: what they say, what the core reads, what comes back."""
+"""Stiffness models, relief, error and run-out: representation, values in the core, round trip."""
 
 from __future__ import annotations
 

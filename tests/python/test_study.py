@@ -1,4 +1,4 @@
-"""The bow study: closed forms, the same bits however it is run, and what happens to its files."""
+"""Bow study: closed forms, bitwise reproducibility, and its files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Synchronous response: its parts, what simulation settles to, and peaks as API RP 684 counts them."""
+"""Synchronous response: its parts, simulated steady state, and peaks as API RP 684 defines them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is derived from complex amplitudes, against orbits that are traced point by point."""
+"""Quantities derived from complex amplitudes, against orbits evaluated point by point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Energy of meshes with teeth: kept where nothing works, and accounted for where something does."""
+"""Energy of meshes with teeth: conservation without work, and the energy balance with work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What excites a mesh beside its stiffness: transmission error, run-out, relieved tips."""
+"""Mesh excitation other than stiffness: transmission error, run-out, tip relief."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motion with teeth against independent statements of it: matrix exponentials, and SciPy on an energy's gradient."""
+"""Motion with teeth against matrix exponentials and SciPy on the gradient of an energy."""
 
 from __future__ import annotations
 

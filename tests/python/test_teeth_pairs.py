@@ -1,4 +1,4 @@
-"""Tooth pairs on the path of contact: how many carry, how long, how stiff; clearance of opened centres."""
+"""Tooth pairs on the path of contact: number, duration and stiffness; clearance of opened centres."""
 
 from __future__ import annotations
 

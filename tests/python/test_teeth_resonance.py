@@ -1,4 +1,4 @@
-"""A spur pair through its mesh resonance: it jumps, and remembers, where its flanks part, and only there."""
+"""Mesh resonance of a spur pair: jumps and hysteresis occur only if the flanks separate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Flanks that part: the force on either of them, free flight between, static equilibrium, events, continuation."""
+"""Flank separation: force on each flank, free flight, static equilibrium, events, continuation."""
 
 from __future__ import annotations
 

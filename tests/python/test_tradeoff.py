@@ -1,4 +1,4 @@
-"""What accuracy costs: errors against an independent program, the front, the budget, the words."""
+"""Trade-off study: errors against an independent program, Pareto front, budget, report text."""
 
 from __future__ import annotations
 

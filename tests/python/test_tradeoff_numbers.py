@@ -1,4 +1,4 @@
-"""Errors, costs and choices of a study against trials whose numbers are given."""
+"""Errors, costs and choices of a study against trials with given numbers."""
 
 from __future__ import annotations
 

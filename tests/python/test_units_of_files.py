@@ -1,4 +1,4 @@
-"""Units, labels and metadata of data sets, tables and files against a table written here by hand."""
+"""Units, labels and metadata of data sets, tables and files against a hand-written table."""
 
 from __future__ import annotations
 
