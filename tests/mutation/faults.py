@@ -2,10 +2,10 @@
 
 Each fault is the kind of mistake that a programmer makes: a wrong sign, unit, factor, index or
 default, an argument that is ignored, a label that does not fit its values, metadata that is lost.
-`run.py` plants one fault at a time and runs the named tests, of which at least one must fail.
+`run.py` plants one fault at a time and runs the named tests. At least one of them must fail.
 
 The text of a fault occurs exactly once in its module; `tests/python/test_planted_faults.py` checks
-this. Whoever changes such a line adapts the entry here.
+this. If you change such a line, adapt the entry here.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ class Fault(NamedTuple):
     Parameters
     ----------
     module : str
-        The file, relative to the folder of the package.
+        File path relative to the package folder.
     text : str
-        Source text, which occurs once in the file.
+        Source text that occurs exactly once in the file.
     replacement : str
         The faulty source text.
     tests : tuple of str

@@ -1,10 +1,10 @@
-"""Plant each fault of `faults.py` in a copy of the package and see whether a test fails.
+"""Plant each fault of `faults.py` in a copy of the package and check that a test fails.
 
     python tests/mutation/run.py [WORD ...]
 
-With words, only faults are planted whose module or source text contains one of them. The exit
-status is 1 where fewer than 29 of 30 faults are caught. This takes minutes, so it is no part of
-the test suite: run it after a change of the Python package or of its tests.
+With words, the script plants only faults whose module or source text contains one of them. The
+exit status is 1 if the tests catch fewer than 29 of 30 faults. The script takes minutes, so the
+test suite does not include it: run it after a change of the Python package or of its tests.
 
 Every test run is a fork of this process, which has imported the large libraries but not gearbow.
 """
@@ -25,11 +25,11 @@ import pytest
 from faults import FAULTS, Fault
 
 ROOT = Path(__file__).parents[2]
-#: Part of the faults that must be caught.
+#: Fraction of the faults that the tests must catch.
 WANTED = 29 / 30
-#: A test run may take so long [s]; a fault that makes it hang is not caught.
+#: Time limit of a test run [s]. A fault that exceeds it counts as not caught.
 PATIENCE = 300.0
-#: What the tests import beside gearbow, imported once.
+#: Modules that the tests import besides gearbow. They are imported once.
 LIBRARIES = (
     "h5netcdf", "matplotlib.figure", "mpl_toolkits.mplot3d.art3d", "numpy", "pandas",
     "scipy.interpolate", "tqdm", "xarray",
@@ -37,7 +37,7 @@ LIBRARIES = (
 
 
 def main(words: list[str]) -> int:
-    """Plant the faults and print what became of each."""
+    """Plant the faults and print the result of each."""
     spec = find_spec("gearbow")
     if spec is None or spec.origin is None:
         raise SystemExit("gearbow is not installed")
@@ -48,7 +48,7 @@ def main(words: list[str]) -> int:
     ]
     for name in LIBRARIES:
         importlib.import_module(name)
-    # A file of bytecode would hide a fault that leaves the length and the second of the source.
+    # Bytecode files would hide a fault that changes neither the size nor the time stamp [s].
     sys.dont_write_bytecode = True
     caught = 0
     with tempfile.TemporaryDirectory() as folder:
@@ -84,7 +84,7 @@ def plant(package: Path, fault: Fault) -> str:
 
 
 def outcome(package: Path, names: tuple[str, ...]) -> str:
-    """Give "missed" where all tests pass, "caught" where one fails, or why none ran."""
+    """Give "missed" if all tests pass, "caught" if one fails, or the reason why no test ran."""
     run = multiprocessing.get_context("fork").Process(target=test, args=(package, names))
     run.start()
     run.join(PATIENCE)

@@ -1,4 +1,5 @@
-//! No analysis ignores a connection: springs that are connections give the answers of a bearing in the matrices.
+//! Every analysis includes connections: springs modelled as connections give the same results as a bearing in the
+//! matrices.
 
 use crate::common::{largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
@@ -13,10 +14,10 @@ use gearbow::scene::description::{Coefficient, Gravity};
 
 const STIFFNESS: f64 = 1e8;
 const DAMPING: f64 = 500.0;
-/// Sums in another order, in a problem with a condition of 1e5.
+/// Round-off of sums in a different order, in a problem with a condition number of 1e5.
 const ROUND_OFF: f64 = 1e-9;
 
-/// A scene, and the same scene with springs of stiffness `stiffness` and `cubic` in the place of its first bearing.
+/// A scene, and the same scene with springs of stiffness `stiffness` and `cubic` instead of its first bearing.
 fn with_springs(system: &SceneDescription, stiffness: f64, cubic: f64) -> CachedModel {
     let mut system = system.clone();
     system.bearings[0].stiffness = Coefficient::Isotropic(0.0).into();
@@ -37,7 +38,7 @@ fn heavy() -> SceneDescription {
     system
 }
 
-/// The relative difference of two lists by their largest entry.
+/// Largest difference of two lists relative to their largest entry.
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let gap: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
@@ -122,7 +123,7 @@ fn runs_of_every_method_contain_connections() {
     {
         let [matrices, springs] = pair(&heavy()).map(|cached| run(&cached, &options(method, step)));
         let (a, b) = (&matrices.record, &springs.record);
-        // Steps of the adaptive methods may differ: they are as accurate as their tolerance.
+        // The steps of adaptive methods may differ. The results agree to the tolerance.
         let tolerance = if method == Method::Exponential { 1e-6 } else { 1e-8 };
         assert!(difference(&a.displacement, &b.displacement) < tolerance, "{}", method.name());
         let energy = |response: &Response| -> Vec<f64> {
@@ -150,13 +151,13 @@ fn connections_act_as_loads_where_the_linear_motion_leaves_the_meshes_out() {
     assert!(cached[1].linear_without_meshes(100.0).unwrap().is_some());
     let [matrices, springs] = cached.map(|cached| run(&cached, &options(Method::Exponential, None)));
     let gap = difference(&matrices.record.displacement, &springs.record.displacement);
-    // Both are as accurate as their tolerance of 1e-6.
+    // Both results are accurate to their tolerance of 1e-6.
     assert!(gap < 1e-5, "{gap:e}");
 }
 
 #[test]
 fn a_cubic_spring_is_the_same_to_the_exponential_method_and_to_runge_kutta() {
-    // At the displacements of the equilibrium, some 1e-5 m, the cubic term is a third of the force.
+    // At the equilibrium displacements of about 1e-5 m, the cubic term is one third of the force.
     let cached = with_springs(&heavy(), STIFFNESS, 3e17);
     let rest = equilibrium(&cached, Geometry::Live, 100.0).unwrap();
     let spring = &cached.model.springs[0];
@@ -169,7 +170,7 @@ fn a_cubic_spring_is_the_same_to_the_exponential_method_and_to_runge_kutta() {
         let gap = difference(&exact.record.displacement, &found.record.displacement);
         assert!(gap < 1e-5, "{}: {gap:e}", method.name());
     }
-    // The works explain the change of energy.
+    // The sum of the works equals the change of energy.
     let first = exact.record.energy[0].0.total();
     for (energies, works) in &exact.record.energy {
         let left = energies.total() - first - works.iter().sum::<f64>();

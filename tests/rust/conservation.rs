@@ -1,4 +1,4 @@
-//! What a motion must conserve: energy to the order of the method, momentum, and its own bits.
+//! Conservation tests: energy to the order of the method, momentum, and bit-identical repetition.
 
 use crate::common::{Noise, cached, everything, free_train, motion, train};
 use gearbow::analysis::Spectrum;
@@ -11,7 +11,7 @@ use gearbow::modal::CachedModel;
 use gearbow::motion::EquationOfMotion;
 use nalgebra::DVector;
 
-/// Asks for nothing.
+/// An observer that requests no output.
 struct Nobody;
 
 impl Observer for Nobody {
@@ -40,7 +40,7 @@ fn integrate<const S: usize>(
     state
 }
 
-/// A state of slow motions alone: the lowest elastic modes, none of which a small step fails to resolve.
+/// A state that contains only the lowest elastic modes, which small steps resolve.
 fn slow(cached: &CachedModel, size: f64) -> Vec<f64> {
     let real = cached.real_modes(0.0).unwrap();
     let mut q = DVector::zeros(cached.model.len());
@@ -53,7 +53,7 @@ fn slow(cached: &CachedModel, size: f64) -> Vec<f64> {
 
 #[test]
 fn an_undamped_free_motion_conserves_energy_with_the_order_of_the_method() {
-    // Few elements, so that steps can be long enough for their error to stand above round-off.
+    // With few elements the steps are long enough for an error above round-off.
     let mut system = free_train();
     system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(1));
     let cached = cached(&system);
@@ -66,13 +66,13 @@ fn an_undamped_free_motion_conserves_energy_with_the_order_of_the_method() {
         let state = integrate(&mut motion, RK4, StepControl::Fixed(step), y, 0.01);
         (motion.energies(state.elapsed, &state.y[..n], &state.y[n..]).unwrap().total() - before) / before
     };
-    // 3e-4 m of a centre distance of 0.11 m: the line of action turns by 1e-2 rad.
+    // The displacement is 3e-4 m and the centre distance is 0.11 m, so the line of action rotates by 1e-2 rad.
     let step = 2.0_f64.powi(-18);
     assert!(step * highest < 1.0 && step * highest > 0.1, "{}", step * highest);
     for geometry in [Geometry::Live, Geometry::Frozen] {
         let (coarse, fine) = (drift(geometry, step, 3e-4), drift(geometry, step / 2.0, 3e-4));
         let ratio = coarse / fine;
-        // RK4 loses ω⁶h⁵/72 of its energy a second: 2⁵, or 2⁴ for what is not quadratic.
+        // RK4 loses the fraction ω⁶h⁵/72 of the energy per second. The ratio is 2⁵, or 2⁴ for non-quadratic terms.
         assert!(ratio > 28.0 && ratio < 40.0, "{coarse:e} {fine:e}");
         assert!(fine.abs() < 1e-8 && fine.abs() > 1e-13, "{fine:e}");
     }
@@ -97,7 +97,7 @@ fn the_gyroscopic_matrix_is_skew_and_does_no_work() {
     let v = DVector::from_column_slice(&y[n..]);
     let acting = v.abs().dot(&added.abs());
     assert!(acting > 0.0);
-    // Round-off of accelerations 1e3 times larger than what the spin adds to them.
+    // Round-off of accelerations that are 1e3 times larger than the contribution of the spin.
     assert!(v.dot(&added).abs() < 1e-10 * acting, "{:e}", v.dot(&added) / acting);
 }
 
@@ -127,7 +127,8 @@ fn the_rolling_momentum_is_conserved() {
         most = most.max(passing(&state.y));
     }
     assert_eq!(state.count, 100_000);
-    // An ulp of the momentum that swings between the shafts each step, adding up at random: 300 of them.
+    // Each step exchanges momentum between the shafts with a rounding error of one ulp. The errors add at random, to
+    // about 300 ulps.
     assert!(drift < 300.0 * f64::EPSILON * most, "{:e}", drift / most);
     assert!(before.abs() > 1e-6 * most, "the train rolls: {:e}", before / most);
 }
@@ -138,11 +139,11 @@ fn balanced_torques_do_not_start_the_rigid_body_rotation() {
     let rolling = cached.real_modes(0.0).unwrap().vectors.column(0).into_owned();
     let load = &cached.model.constant_load;
     let acting = rolling.abs().dot(&load.abs());
-    // A sum of two torques that cancel.
+    // Two torques cancel in this sum.
     assert!(rolling.dot(load).abs() < 1e-14 * acting);
 }
 
-/// The bits of a run.
+/// Bit patterns of the final state of a run.
 fn bits(cached: &CachedModel, live: bool) -> Vec<u64> {
     let geometry = if live { Geometry::Live } else { Geometry::Frozen };
     let n = cached.model.len();
@@ -164,7 +165,7 @@ fn a_repeated_run_is_bit_identical_in_any_thread() {
     let again = cached(&everything());
     assert_eq!(bits(&again, true), once[0], "assembled anew");
     std::thread::scope(|scope| {
-        // Two threads on one basis, each with a motion of its own.
+        // Two threads share one cached model. Each has its own motion.
         let threads = [true, false].map(|live| scope.spawn(move || bits(&cached(&everything()), live)));
         let shared = [true, false].map(|live| {
             scope.spawn({

@@ -1,4 +1,4 @@
-//! Changes of law within steps, on a ball that falls onto a spring: flights and strokes have closed forms.
+//! Changes of contact mode within steps. A ball falls onto a spring; flight and contact phases have closed forms.
 
 use crate::common::particles::{Witness, adaptive};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
@@ -7,12 +7,13 @@ use gearbow::integrate::{
 };
 use proptest::prelude::*;
 
-/// ω of the spring, and what it pushes with as soon as it is touched: the force jumps where the law changes.
+/// ω of the spring, rad/s, and the acceleration by its preload, m/s². The force jumps where the contact mode changes.
 const STIFF: f64 = 40.0;
 const PUSH: f64 = 3.0;
 const GRAVITY: f64 = 1.0;
 
-/// A ball above a spring at q = 0: q̈ = −g, and +PUSH − ω²q under it. The law is 1 where the spring is touched.
+/// A ball above a spring at q = 0: q̈ = −g in flight and q̈ = PUSH − ω²q − g in contact. The contact mode is 1 in
+/// contact.
 #[derive(Clone, Debug, Default)]
 struct Ball {
     touched: bool,
@@ -66,14 +67,15 @@ fn integrate<const S: usize>(tableau: Tableau<S>, control: StepControl, state: &
     statistics
 }
 
-/// Fall from `height`, and stroke: how long each takes. The stroke swings about (PUSH − g)/ω² above the spring.
+/// Durations of the fall from `height` and of one contact phase, s. The contact oscillation has its centre at (PUSH −
+/// g)/ω² above the spring.
 fn durations(height: f64) -> [f64; 2] {
     let speed = (2.0 * GRAVITY * height).sqrt();
     let lift = (PUSH - GRAVITY) / STIFF;
     [speed / GRAVITY, 2.0 * (speed / lift).atan() / STIFF]
 }
 
-/// State at `time`, exact.
+/// Exact state at `time`.
 fn exact(height: f64, time: f64) -> [f64; 2] {
     let [fall, stroke] = durations(height);
     let since = (time + fall) % (2.0 * fall + stroke);
@@ -86,7 +88,8 @@ fn exact(height: f64, time: f64) -> [f64; 2] {
     [middle * (1.0 - cos) - speed / STIFF * sin, middle * STIFF * sin - speed * cos]
 }
 
-/// Energy norm of what a run is off by after the third stroke; its time is one step grid's, whatever the step.
+/// Error after the third contact phase in the energy norm. All runs use a uniform time grid, so the end time does not
+/// depend on the method.
 fn error<const S: usize>(tableau: Tableau<S>, control: StepControl) -> (f64, Statistics) {
     let mut state = drop_from(0.5);
     let statistics = integrate(tableau, control, &mut state, 7.0);
@@ -99,20 +102,21 @@ fn a_force_jump_does_not_reduce_the_order() {
     let at = |k: i32| error(RK4, StepControl::Fixed(2.0_f64.powi(-k)));
     let ((coarse, _), (fine, statistics)) = (at(9), at(10));
     let order = (coarse / fine).log2();
-    // Flights are parabolas, which RK4 takes exactly. What a stroke loses of the energy, of fifth order, sets the
-    // flights after it and outweighs the phase, of fourth; a change that is not located leaves first order.
+    // RK4 integrates the parabolic flights exactly. The fifth-order energy error of a contact phase changes the
+    // following flights; its effect exceeds that of the fourth-order phase error. Without event location the order
+    // would be one.
     assert!(order > 4.0, "{order}: {coarse:e} {fine:e}");
-    // Three strokes, begun at 1, 3.1 and 5.2 s, of two changes each.
+    // Three contact phases begin at 1, 3.1 and 5.2 s. Each has two contact changes.
     assert_eq!(statistics.events, 6);
     let (found, statistics) = error(DORMAND_PRINCE, adaptive(1e-10, 0.1));
-    // 400 steps, each within the tolerance of a motion of size ω·0.5 = 20.
+    // Each of 400 steps has an error below the tolerance, relative to the size ω·0.5 = 20 of the motion.
     assert!(found < 400.0 * 1e-10 * 20.0, "{found:e}");
     assert_eq!(statistics.events, 6);
 }
 
 #[test]
 fn a_contact_change_is_located_to_round_off() {
-    // The witness sees every step: one of them ends at the first touch.
+    // The witness records every step. One step ends at the first contact.
     let mut state = drop_from(0.5);
     let mut witness = Witness { end: Some(1.1), ..Witness::default() };
     let mut method = RungeKutta::new(RK4, 2);
@@ -121,12 +125,13 @@ fn a_contact_change_is_located_to_round_off() {
     let [fall, stroke] = durations(0.5);
     let ends: Vec<f64> = witness.seen.iter().map(|(start, step, _)| start + step).collect();
     let nearest = |time: f64| ends.iter().map(|end| (end - time).abs()).fold(f64::INFINITY, f64::min);
-    // A part of 1e-13 of the step, and round-off of the time itself; the stroke is taken with steps of one radian.
+    // The first contact is accurate to 1e-13 of the step plus round-off of the time. The contact phase uses steps of
+    // about one radian.
     assert!(nearest(fall) < 1e-14, "{:e}", nearest(fall));
     assert!(nearest(fall + stroke) < 1e-2, "{:e}", nearest(fall + stroke));
 }
 
-/// What a run says of its changes of law: when, and the displacement and the velocity there.
+/// Records the contact changes of a run: time, s, displacement, m, and velocity, m/s.
 #[derive(Default)]
 struct Changes {
     seen: Vec<[f64; 3]>,
@@ -159,11 +164,11 @@ fn observers_receive_the_time_of_each_contact_change() {
     let control = StepControl::Fixed(2.0_f64.powi(-10));
     run(&mut Ball::default(), &mut method, &control, &mut drop_from(0.5), 2.0, &mut changes, &mut Statistics::new())
         .unwrap();
-    // The law that a run begins with, and the two changes of the first stroke, from the height of rest.
+    // The initial contact mode and the two contact changes of the first contact phase.
     let [begin, touch, lift] = changes.seen[..] else { panic!("{:?}", changes.seen) };
     let [fall, stroke] = durations(0.5);
     assert_eq!(begin, [0.0, 0.5, 0.0]);
-    // 75 steps of a stroke of 3 rad, of fourth order; a step that is taken again ends next to where it was interpolated.
+    // A contact phase of 3 rad takes 75 steps of fourth order. A repeated step ends close to the interpolated event.
     for ([time, q, v], expected) in [(touch, [fall, 0.0, -1.0]), (lift, [fall + stroke, 0.0, 1.0])] {
         assert!(
             (time - expected[0]).abs() < 1e-6 && q.abs() < 1e-10 && (v - expected[2]).abs() < 1e-5,
@@ -172,7 +177,7 @@ fn observers_receive_the_time_of_each_contact_change() {
     }
 }
 
-/// A ball in flight that is above a mark, or not, and feels nothing of it.
+/// A ball in free flight. The contact mode tells whether it is above a mark; the mark has no effect on the motion.
 struct Marked {
     mark: f64,
 }
@@ -208,7 +213,7 @@ impl FirstOrderSystem for Marked {
 
 #[test]
 fn a_contact_within_one_step_is_found() {
-    // Thrown up with 1 m/s the ball is above the mark from 0.6 s to 1.4 s: one step goes over all of it.
+    // Thrown up with 1 m/s, the ball is above the mark from 0.6 s to 1.4 s. One step contains both changes.
     let (mut changes, mut method) = (Changes::default(), RungeKutta::new(RK4, 2));
     let mut state = State::new(vec![0.0, 1.0]);
     run(
@@ -223,25 +228,27 @@ fn a_contact_within_one_step_is_found() {
     .unwrap();
     let times: Vec<f64> = changes.seen.iter().map(|change| change[0]).collect();
     let [begin, above, below] = times[..] else { panic!("{times:?}") };
-    // A parabola is interpolated exactly, and the instant found to 1e-13 of the step.
+    // The interpolation of a parabola is exact. The event time is accurate to 1e-13 of the step.
     assert!(begin == 0.0 && (above - 0.6).abs() < 1e-12 && (below - 1.4).abs() < 1e-12, "{times:?}");
 }
 
 #[test]
 fn the_step_length_is_kept_after_a_contact_change() {
-    // What is left of the grid's step comes next, so the grid stays where it was: 700 steps, six of them in two parts.
+    // After an event the remainder of the grid step follows, so the grid does not move: 700 steps, six of them in two
+    // pieces.
     let mut state = drop_from(0.6);
     let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 7.005);
     assert_eq!((state.count, state.elapsed), (700, 700.0 * 0.01));
     assert_eq!((statistics.steps, statistics.events), (706, 6));
-    // From half a metre the first touch is at 1 s, the end of a step: nothing is left of it.
+    // From 0.5 m the first contact is at 1 s, which is the end of a step. There is no remainder.
     let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut drop_from(0.5), 7.005);
     assert_eq!((statistics.steps, statistics.events), (705, 6));
 }
 
 #[test]
 fn a_grazing_contact_does_not_stop_the_run() {
-    // It rests where the law changes, on a spring that pushes as soon as it is touched: there is no end to changes.
+    // The ball rests at the contact change, and the spring force is nonzero at first contact. The contact mode changes
+    // without end.
     let mut state = State::new(vec![0.0, 0.0]);
     let statistics = integrate(RK4, StepControl::Fixed(0.01), &mut state, 1.005);
     assert_eq!(state.count, 100);
@@ -256,7 +263,7 @@ proptest! {
     fn a_split_run_is_the_whole_run(
         mut stops in prop::collection::vec(0.0..8.0_f64, 0..6), height in 0.01..1.0_f64, exactly: bool,
     ) {
-        // One of the stops may be the very instant of a change.
+        // One stop may coincide with a contact change.
         if exactly {
             stops.push(durations(height)[0]);
         }

@@ -1,4 +1,4 @@
-//! The linear motion in its modes, the tables of its steps, and what is seen within a step.
+//! The modal form of the linear motion, the step propagators, and interpolation within a step.
 
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 
 const SPEED: f64 = 100.0;
 
-/// A small train with damping of every kind.
+/// A small train with all damping models.
 fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) -> SceneDescription {
     let mut system = train();
     system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(2));
@@ -30,13 +30,13 @@ fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) ->
     system
 }
 
-/// Checks that z and back is the identity, and that ż = A z is the equation of motion.
+/// Checks that the transformation to z and back is the identity, and that ż = A z is the equation of motion.
 fn obeys(cached: &CachedModel, speed: f64, seed: u64) -> Result<(), TestCaseError> {
     let (stiffness, damping) = (cached.model.stiffness_matrix(speed), cached.damping_matrix(speed).unwrap());
     moves_by(&cached.linear(speed).unwrap(), cached, (stiffness, damping), speed, seed)
 }
 
-/// The same of a linear motion with matrices K and C.
+/// The same check for a linear motion with the matrices K and C.
 fn moves_by(
     linear: &ModalStateSpace,
     cached: &CachedModel,
@@ -51,7 +51,7 @@ fn moves_by(
     let z = linear.state(&cached.model, &q, &v);
     let (q_back, v_back) = linear.motion(z.as_slice());
     let (q, v) = (DVector::from_vec(q), DVector::from_vec(v));
-    // Round-off of a product of eigenvectors, which loses as many digits as its condition has.
+    // Round-off of a product of eigenvectors, multiplied by their condition number.
     let loss = 1e-11 * linear.condition;
     prop_assert!((&q_back - &q).amax() < loss * q.amax(), "{:e}", (&q_back - &q).amax());
     prop_assert!((&v_back - &v).amax() < loss * v.amax(), "{:e}", (&v_back - &v).amax());
@@ -64,7 +64,7 @@ fn moves_by(
     let viscous = (damping + model.gyroscopic_matrix() * speed) * &v;
     let scale = elastic.amax().max(viscous.amax());
     prop_assert!((inertia + elastic + viscous).amax() < loss * scale);
-    // What moves at ω moves by ω at most.
+    // The velocity is at most the spectral radius times the displacement.
     prop_assert!((velocity - &v).amax() < loss * (v.amax() + linear.radius * q.amax()));
     Ok(())
 }
@@ -97,13 +97,13 @@ proptest! {
         let bearing = [bearing.0, bearing.1, bearing.2, bearing.3];
         let cached = cached(&damped(bearing, [cross.0, cross.1], [rayleigh.0, rayleigh.1], 0.0));
         let model = &cached.model;
-        // Where two eigenvalues of a bearing's damping all but meet, modes do not carry it.
+        // If bearing damping makes two eigenvalues nearly equal, no modal form is available.
         let Some(linear) = cached.linear_without_meshes(speed).unwrap() else {
             return Ok(());
         };
         let stiffness = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
         moves_by(&linear, &cached, (stiffness, model.unmeshed_damping_matrix()), speed, seed)?;
-        // What bends one shaft is nothing to the others, nor to its twist.
+        // Bending of one shaft affects neither the other shafts nor its own twist.
         let parts: Vec<_> = model.numbering.parts().collect();
         prop_assert_eq!(linear.parts.len(), parts.len());
         for (own, dofs) in linear.parts.iter().zip(parts) {
@@ -118,7 +118,7 @@ proptest! {
 
 #[test]
 fn slowly_decaying_rigid_body_rotation_keeps_its_accuracy() {
-    // The train rolls freely; mass-proportional damping slows it at its own rate.
+    // The train rotates freely. Mass-proportional damping decelerates it at its own rate.
     for rate in [1e-9, 1e-6, 1e-3, 0.17, 10.0, 1e3] {
         let cached = cached(&damped([1e6, 1.17e8, 0.0, 0.0], [0.0; 2], [rate, 0.0], 0.0));
         let linear = cached.linear(0.0).unwrap();
@@ -131,7 +131,7 @@ fn slowly_decaying_rigid_body_rotation_keeps_its_accuracy() {
 
 #[test]
 fn uncoupled_planes_of_bending_have_well_conditioned_modes() {
-    // At rest the two planes of a shaft have the same eigenvalues.
+    // At zero speed the two bending planes of a shaft have the same eigenvalues.
     for damping in [0.0, 10.0, 500.0, 501.0, 5e3, 1e5] {
         let mut system = damped([1e8, 1e8, damping, damping], [0.0; 2], [0.0; 2], 0.0);
         system.shafts.truncate(1);
@@ -147,7 +147,8 @@ fn uncoupled_planes_of_bending_have_well_conditioned_modes() {
 
 #[test]
 fn equal_modes_of_coupled_planes_carry_the_motion() {
-    // Shafts of equal sections: at rest their modes repeat, turning slowly they nearly do, and the teeth couple the planes.
+    // Shafts of equal sections have repeated modes at zero speed and nearly repeated modes at low speed. The meshes
+    // couple the planes.
     for elements in [4, 6, 8] {
         for speed in [0.0, 1e-3, 100.0] {
             let mut system = train();
@@ -161,7 +162,7 @@ fn equal_modes_of_coupled_planes_carry_the_motion() {
     }
 }
 
-/// What a field needs on top of its linear motion.
+/// Nonlinear loads and interface maps for a linear motion.
 fn field<'m>(
     cached: &'m CachedModel,
     geometry: Geometry,
@@ -179,7 +180,7 @@ fn field<'m>(
     NonlinearLoads::new(motion, linear, reference, &amplitudes).unwrap()
 }
 
-/// The same linear motion without its pairs.
+/// The same linear motion in dense form.
 fn dense(linear: &ModalStateSpace) -> ModalStateSpace {
     let [a, b, c, d] = &linear.blocks;
     let slots = linear.slots;
@@ -193,7 +194,7 @@ fn dense(linear: &ModalStateSpace) -> ModalStateSpace {
     same
 }
 
-/// The largest difference over the largest value.
+/// Largest difference divided by the largest value.
 fn apart(first: &[f64], second: &[f64]) -> f64 {
     assert_eq!(first.len(), second.len());
     let difference: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
@@ -232,8 +233,8 @@ fn dense_propagators_equal_modal_propagators() {
                 let mut after = [vec![0.0; z.len()], vec![0.0; z.len()]];
                 a.advance(arch, &p, &z, &mut after[0]);
                 b.advance(arch, &p, &z, &mut after[1]);
-                // Doublings of a matrix exponential keep all digits but those of its angle, ω h. What the estimate of an
-                // error uses is the integral of a polynomial that all but vanishes.
+                // Repeated squaring of a matrix exponential loses only the digits of its angle ω h. The error estimate
+                // uses the integral of a polynomial that nearly vanishes.
                 let closeness = 1e-13 * (time_grid.step(level) * linear.radius).max(10.0);
                 for (what, gap, closeness) in [
                     ("transition", apart(&after[0], &after[1]), closeness),
@@ -250,7 +251,7 @@ fn dense_propagators_equal_modal_propagators() {
     }
 }
 
-/// Looks at the motion just inside the ends of every step, and at the ends.
+/// Compares the motion at both ends of every step with the motion just inside them.
 #[derive(Default)]
 struct Edges {
     coordinates: Vec<usize>,
@@ -295,7 +296,7 @@ impl Observer for Edges {
     }
 }
 
-/// Keeps the displacements, then the velocities, at the end of the last step.
+/// Stores displacements and velocities at the end of the last step.
 struct Last(Vec<f64>);
 
 impl Observer for Last {
@@ -319,14 +320,14 @@ impl Observer for Last {
     }
 }
 
-/// The motion that a train settles to but for its meshes, disturbed.
+/// The steady motion of a train without its time-varying mesh forces, plus a disturbance.
 fn disturbed(cached: &CachedModel, geometry: Geometry) -> [DVector<f64>; 2] {
     let (q, v) = field(cached, geometry, &cached.linear(SPEED).unwrap()).0.reference_motion(0.0);
     let noise = Noise::new(8).vector(q.len(), 1e-7);
     [q + DVector::from_vec(noise), v]
 }
 
-/// Integrates a train, disturbed, in parts that end at `ends`, under `form` of its linear motion.
+/// Integrates a disturbed train in parts that end at `ends`, with the form `form` of its linear motion.
 fn integrate(
     (cached, geometry): (&CachedModel, Geometry),
     form: &ModalStateSpace,
@@ -375,7 +376,7 @@ fn modal_and_dense_runs_are_equal() {
             let cached = cached(&system);
             let linear = cached.linear(SPEED).unwrap();
             let mut whole = dense(&linear);
-            // The norm of a matrix is a longer way to its radius.
+            // The matrix norm overestimates the spectral radius.
             whole.radius = linear.radius;
             let motion = |form: &ModalStateSpace, ends: &[f64]| {
                 let mut last = Last(vec![0.0; 2 * cached.model.len()]);
@@ -384,13 +385,14 @@ fn modal_and_dense_runs_are_equal() {
             };
             let (of_modes, without) = (motion(&linear, &[2e-3]), motion(&whole, &[2e-3]));
             let gap = apart(&of_modes, &without);
-            // A tolerance of 1e-9, and what a contact makes of it.
+            // The tolerance is 1e-9; contact amplifies the difference.
             assert!(gap < 1e-7, "{name}, {geometry:?}: {gap:e}");
             assert_eq!(motion(&whole, &[8.3e-4, 2e-3]), without, "{name}, {geometry:?}");
-            // Nor does it matter whether the linear motion contains the meshes.
+            // The result is also the same if the linear motion excludes the meshes.
             let shafts = cached.linear_without_meshes(SPEED).unwrap().unwrap();
             let gap = apart(&of_modes, &motion(&shafts, &[2e-3]));
-            // Then every step adds an error to the swing of the teeth as well, and events are met to 1e-6 by this clock.
+            // Without the meshes every step also adds an error to the mesh oscillation, and event times are accurate to
+            // 1e-6.
             assert!(gap < 1e-5, "{name}, {geometry:?}, in parts: {gap:e}");
             assert_eq!(motion(&shafts, &[8.3e-4, 2e-3]), motion(&shafts, &[2e-3]), "{name}, {geometry:?}");
         }
@@ -407,11 +409,11 @@ fn interpolation_within_a_step_matches_both_ends() {
         let mut edges = Edges { coordinates: (0..n).collect(), ..Edges::default() };
         integrate((&cached, Geometry::Live), &form, stages, &[2e-3], &mut edges);
         assert!(edges.steps > 40);
-        // What lies inside is made of other steps than the whole, under loads that differ from it by less than the
-        // tolerance; and the straight line from the edge is right to (1e-7 ω h)², which is less.
+        // Interpolation within a step uses other propagators than the full step. Its loads differ by less than the
+        // tolerance. The linear extrapolation from the end has the smaller error (1e-7 ω h)².
         assert!(edges.inside < 1e-9, "{stages} {:e}", edges.inside);
-        // Without a change of law between, the end of a step is the beginning of the next, to the last bit; with one, to
-        // the tolerance.
+        // Without a contact change, the end of a step equals the beginning of the next bit by bit. With a contact
+        // change, both agree to the tolerance.
         assert!(edges.between < 1e-9, "{stages} {:e}", edges.between);
     }
 }

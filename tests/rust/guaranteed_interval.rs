@@ -1,4 +1,4 @@
-//! How long flanks are said to stay as they are, against a free swing about the force at rest.
+//! The guaranteed interval without contact change, compared with a free oscillation about the static force.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 const STIFFNESS: f64 = 3e8;
 const BACKLASH: f64 = 4e-5;
-/// The force at rest, N.
+/// Static mesh force, N.
 const CARRIED: f64 = 3e3;
 
 fn cached() -> CachedModel {
@@ -22,7 +22,7 @@ fn cached() -> CachedModel {
     CachedModel::new(Model::new(crate::common::scene_of_mesh(gears, &mesh)).unwrap())
 }
 
-/// The motion, and its mesh with the force at rest on the drive flank, or on the back flank.
+/// The motion, and the interface of its mesh with the static force on the drive flank or on the back flank.
 fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface) {
     let motion = crate::common::motion(cached, Geometry::Frozen, 100.0, 0.0);
     let mesh = &cached.model.meshes[0];
@@ -57,9 +57,9 @@ proptest! {
         };
         motion.set_contact_modes(&contact_mode.code());
         let omega = (STIFFNESS * motion.mobility(0)).sqrt();
-        // The other half of the swing where this one is in the air.
+        // If the flank is separated at this phase, use the phase half a period later.
         let phase = if 1.0 + amplitude * phase.sin() > 0.0 { phase } else { phase + PI };
-        // Force on the flank that presses, and how far the other one is from its own.
+        // Force on the loaded flank, N, and clearance of the opposite flank, m.
         let force = |t: f64| CARRIED * (1.0 + amplitude * (phase + omega * t).sin());
         let clear = |t: f64| BACKLASH + force(t) / STIFFNESS;
         let sign = if back { -1.0 } else { 1.0 };
@@ -72,13 +72,14 @@ proptest! {
             ..Contact::default()
         };
         let hold = interface.guaranteed_interval(motion.contact_mode(Some(0)), &contact);
-        // Before or after: where the flank presses at both ends of a stretch, it may have lifted off between.
+        // Search forward and backward in time: a flank that is in contact at both ends of an interval may separate
+        // within it.
         let lifts = |t: &f64| [*t, -t].into_iter().any(|t| force(t) <= 0.0 || clear(t) <= 0.0);
         let lifts = (0..2000).map(|i| f64::from(i) * TAU / omega / 2000.0).find(lifts);
         prop_assert!((hold.swing / omega - 1.0).abs() < 1e-12 || hold.time == f64::INFINITY);
         if let Some(lifts) = lifts {
             prop_assert!(hold.time <= lifts, "{} {lifts}", hold.time);
-            // And it is not nothing that is said: a third of that time, but for one step of the search.
+            // The bound is also useful: it is at least one third of the exact time, less one step of the search.
             prop_assert!(hold.time >= lifts / 3.0 - TAU / omega / 2000.0, "{} {lifts}", hold.time);
         } else if amplitude <= 0.5 {
             prop_assert_eq!(hold.time, f64::INFINITY);

@@ -1,4 +1,4 @@
-//! The integrators on systems small enough to know the answer of: order, interpolation, control, counts.
+//! Integrators applied to small systems with known solutions: order, interpolation, step control and counts.
 
 use std::rc::Rc;
 
@@ -9,12 +9,12 @@ use gearbow::integrate::{
 };
 use proptest::prelude::*;
 
-/// An undamped pair, and a particle on a hardening spring of period 2π/ω·…: nothing here is fast.
+/// Two linear particles and one on a softening spring, all undamped. All frequencies are low.
 fn pair_and_pendulum() -> (Particles, State) {
     (Particles::new(&[1.0, 9.0, 4.0], &[0.0, 0.0, -0.8]), State::new(vec![1.0, 0.3, 1.0, 0.0, -0.5, 0.4]))
 }
 
-/// End of the run by steps of 2⁻ᵏ, which add up exactly.
+/// Final state with steps of 2⁻ᵏ s, whose sum has no round-off.
 fn fixed<const S: usize>(tableau: Tableau<S>, k: i32) -> Vec<f64> {
     let (mut system, mut state) = pair_and_pendulum();
     integrate(&mut system, tableau, StepControl::Fixed(2.0_f64.powi(-k)), &mut state, 4.0);
@@ -30,12 +30,12 @@ fn observed_order_is_that_of_the_tableau() {
         let difference: Vec<f64> = y.iter().zip(&reference).map(|(a, b)| a - b).collect();
         system.norm(&difference)
     };
-    // At 2⁻⁷ terms of the next order are a few percent of the error, and round-off nothing.
+    // At 2⁻⁷ the terms of the next order are a few per cent of the error. Round-off is negligible.
     let (coarse, fine) = (error(&fixed(RK4, 6)), error(&fixed(RK4, 7)));
     assert!(((coarse / fine).log2() - f64::from(RK4.order)).abs() < 0.2, "{}", (coarse / fine).log2());
     let (coarse, fine) = (error(&fixed(DORMAND_PRINCE, 6)), error(&fixed(DORMAND_PRINCE, 7)));
     assert!(((coarse / fine).log2() - f64::from(DORMAND_PRINCE.order)).abs() < 0.2, "{}", (coarse / fine).log2());
-    // The linear pair alone has a closed form.
+    // The linear particles have a closed-form solution.
     let y = fixed(DORMAND_PRINCE, 8);
     assert!((y[0] - 4.0_f64.cos()).abs() < 1e-12 && (y[3] + 4.0_f64.sin()).abs() < 1e-12);
 }
@@ -49,12 +49,12 @@ fn the_embedded_error_is_of_fourth_order() {
         method.step(&mut system, (0.0, step), &state.y, step).unwrap();
         method.error(&mut system, step)
     };
-    // Of one step, so h⁵.
+    // The error of one step has the order h⁵.
     let order = (error(0.02) / error(0.01)).log2();
     assert!((order - 5.0).abs() < 0.2, "{order}");
 }
 
-/// A step of a motion that is known, with its ends.
+/// Interpolates a known motion from the states at both ends of one step.
 fn interpolated(start: f64, step: f64, motion: impl Fn(f64) -> [f64; 3], at: f64) -> (f64, f64) {
     let ends = [motion(start), motion(start + step)].map(|[q, v, a]| ([q, v], [v, a]));
     let span = Span { start, step, before: (&ends[0].0, &ends[0].1), after: (&ends[1].0, &ends[1].1) };
@@ -92,7 +92,7 @@ proptest! {
         };
         let at = start + part * step;
         let ((q, v), exact) = (interpolated(start, step, motion, at), motion(at));
-        // Values up to 1e2 (a quintic at s = 2), differences of which the velocity divides by the step.
+        // Values are at most 1e2 (a quintic at s = 2). The velocity divides their differences by the step length.
         prop_assert!((q - exact[0]).abs() < 1e-13 * 1e2 && (v - exact[1]).abs() < 1e-13 * 1e2 / step);
     }
 }
@@ -110,12 +110,12 @@ proptest! {
         let at = start + part * step;
         let ends = [value(start), slope(start), value(start + step), slope(start + step)];
         let found: f64 = span.cubic(at).iter().zip(ends).map(|(weight, end)| weight * end).sum();
-        // Values up to 15, a cubic at s = 2.
+        // Values are at most 15 (a cubic at s = 2).
         prop_assert!((found - value(at)).abs() < 1e-14 * 15.0);
     }
 }
 
-/// q̈ = (p + 1)tᵖ, which remembers when it was asked, and is not a number beyond an instant.
+/// q̈ = (p + 1)tᵖ. Records the evaluation times and returns NaN after the time `until`, s.
 struct Clocked {
     power: i32,
     until: f64,
@@ -146,7 +146,7 @@ impl gearbow::integrate::FirstOrderSystem for Clocked {
 #[test]
 fn stages_are_evaluated_at_their_times() {
     fn check<const S: usize>(tableau: Tableau<S>) {
-        // A method of order p is a rule that integrates tᵖ⁻¹ exactly.
+        // A method of order p integrates tᵖ⁻¹ exactly.
         let power = tableau.order as i32 - 1;
         let mut system = Clocked { power, until: f64::INFINITY, times: Vec::new() };
         let (mut method, mut statistics) = (RungeKutta::new(tableau, 2), Statistics::new());
@@ -154,9 +154,9 @@ fn stages_are_evaluated_at_their_times() {
         let nobody = &mut Witness::default();
         run(&mut system, &mut method, &StepControl::Fixed(0.1), &mut state, 2.05, nobody, &mut statistics).unwrap();
         let expected = state.elapsed.powi(power + 1);
-        // Twenty steps of a rounding each.
+        // Each of twenty steps has one rounding error.
         assert!((state.y[1] - expected).abs() < 1e-14 * expected, "{} {expected}", state.y[1]);
-        // The derivative at the end of a step is that at the beginning of the next: of one instant, to the last bit.
+        // The last stage of a step is the first stage of the next, so both have exactly the same time.
         for (step, times) in system.times[1..].chunks(S - 1).enumerate() {
             assert_eq!(times[S - 2], (step + 1) as f64 * 0.1);
         }
@@ -171,11 +171,11 @@ fn a_step_with_a_non_finite_error_shrinks_tenfold() {
     let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
     let (mut state, nobody) = (State::new(vec![0.0; 2]), &mut Witness::default());
     run(&mut system, &mut method, &adaptive(1e-6, 1.0), &mut state, 5e-4, nobody, &mut statistics).unwrap();
-    // Of 1 s, 0.1 s and 10 ms; that of 1 ms is within what is a number.
+    // The steps of 1 s, 0.1 s and 10 ms are rejected. The step of 1 ms ends before the first NaN.
     assert_eq!(statistics.rejected, 3);
 }
 
-/// Asks for the motion at one instant.
+/// Requests the motion at one time.
 struct Once {
     at: f64,
     seen: Option<[f64; 2]>,
@@ -204,20 +204,21 @@ fn an_output_time_at_the_end_of_a_step_belongs_to_that_step() {
     let control = StepControl::Fixed(1.0 / 128.0);
     run(&mut system, &mut method, &control, &mut state, 1.0, &mut once, &mut statistics).unwrap();
     assert_eq!(once.seen, Some([127.0 / 128.0, 1.0]));
-    // No step beyond is tried for it: four evaluations a step, and the first.
+    // The output needs no further step: four evaluations per step and one initial evaluation.
     assert_eq!(statistics.evaluations, 4 * 128 + 1);
 }
 
 #[test]
 fn statistics_are_those_of_the_steps() {
-    // A hardening spring wants short steps where it is stiff; elsewhere the limit holds.
+    // The hardening spring requires short steps at large displacements. Elsewhere the step limit applies.
     let mut system = Particles::new(&[1.0], &[3.0]);
     let mut witness = Witness { end: Some(60.0), ..Witness::default() };
     let (mut method, mut statistics) = (RungeKutta::new(DORMAND_PRINCE, 2), Statistics::new());
     let mut state = State::new(vec![2.0, 0.0]);
     let longest = 0.125;
     run(&mut system, &mut method, &adaptive(1e-4, longest), &mut state, 60.0, &mut witness, &mut statistics).unwrap();
-    // The last step that is seen runs past the end and is not taken. Beginnings and ends round lengths to 1e-14.
+    // The last recorded step extends beyond the end and is not accepted. Step lengths from rounded times are accurate
+    // to 1e-14.
     let (_, steps) = witness.seen.split_last().unwrap();
     let lengths = || steps.iter().map(|(_, step, _)| *step);
     assert_eq!(statistics.steps, steps.len() as u64);
@@ -232,7 +233,7 @@ fn statistics_are_those_of_the_steps() {
     let (mut system, mut state) = pair_and_pendulum();
     let fixed = integrate(&mut system, RK4, StepControl::Fixed(1.0 / 128.0), &mut state, 1.0);
     assert_eq!(fixed.at_limit, 0);
-    // What begins a run is counted once, however often the run is paused.
+    // The initial evaluation is counted once, even if the run is paused several times.
     let mut paused = Statistics { evaluations: 513, ..Statistics::new() };
     paused.begin(1);
     assert_eq!(paused.evaluations, 513);
@@ -247,7 +248,7 @@ fn interpolation_at_the_middle_of_a_step_is_as_accurate_as_the_end() {
     run(&mut system, &mut method, &control, &mut state, 4.0, &mut witness, &mut statistics).unwrap();
     assert_eq!(witness.middles.len(), 256);
     for [time, q, v] in witness.middles {
-        // The end is right to 1e-10 with this step.
+        // The end state is accurate to 1e-10 with this step.
         assert!((q - time.cos()).abs() < 2e-10 && (v + time.sin()).abs() < 2e-10);
     }
 }
@@ -257,16 +258,16 @@ fn the_step_controller_follows_its_published_formula() {
     let control = Adaptive { rtol: 1e-6, floor: 0.0, longest: 1.0 };
     let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found} {expected}");
     close(control.grow(5, 1.0, 1.0), 0.9);
-    // 0.7/5 on the error and 0.4/5 on the one before.
+    // The exponents are 0.7/5 for the error and 0.4/5 for the previous error.
     close(control.grow(5, 0.5, 1.0), 0.9 * 2.0_f64.powf(0.14));
     close(control.grow(5, 1.0, 0.5), 0.9 * 0.5_f64.powf(0.08));
-    // No error at all counts as 1e-10 and grows no further than five times.
+    // An error of zero counts as 1e-10. The step grows at most fivefold.
     close(control.grow(5, 0.0, 1.0), 5.0);
-    // A previous error of nothing does not choke the step: it counts as 1e-4.
+    // A previous error of zero does not prevent growth, because it counts as 1e-4.
     close(control.grow(5, 1.0, 0.0), 0.9 * 1e-4_f64.powf(0.08));
     close(control.shrink(5, 32.0), 0.45);
     close(control.shrink(5, 1e9), 0.2);
-    // Just above the tolerance a step must still shrink.
+    // If the error is just above the tolerance, the step must still shrink.
     assert!(control.shrink(5, 1.0 + 1e-12) < 0.9);
 }
 
@@ -275,7 +276,7 @@ fn step_and_evaluation_counts_are_unchanged() {
     let counts = |statistics: Statistics| (statistics.steps, statistics.rejected, statistics.evaluations);
     let (mut system, mut state) = pair_and_pendulum();
     let fixed = integrate(&mut system, RK4, StepControl::Fixed(1.0 / 128.0), &mut state, 10.0);
-    // Four a step, and the first.
+    // Four evaluations per step and one initial evaluation.
     assert_eq!(counts(fixed), (1280, 0, 5121));
     assert_eq!((fixed.shortest, fixed.longest), (1.0 / 128.0, 1.0 / 128.0));
 
@@ -286,11 +287,11 @@ fn step_and_evaluation_counts_are_unchanged() {
     let mut stiff = Particles::new(&[1.0, 1e6], &[0.0; 2]);
     let capped =
         integrate(&mut stiff, DORMAND_PRINCE, adaptive(1e-3, 9.8e-4), &mut State::new(vec![1.0, 0.0, 0.0, 0.0]), 1.0);
-    // The last step of each runs past the end: six evaluations that are no step. A slower integrator, or one that
-    // rejects more, changes these.
+    // The last step of each run extends beyond the end and is not counted; it has six evaluations. A less efficient
+    // integrator, or one that rejects more steps, changes these counts.
     assert_eq!([smooth, capped].map(counts), [(1375, 2, 8269), (1020, 0, 6127)]);
     assert_eq!(capped.at_limit, capped.steps);
-    // A wall multiplies round-off a hundredfold at every stroke: these hold to a twentieth.
+    // Each impact multiplies round-off by a hundred, so these counts are reproducible to one twentieth.
     assert!(rough.steps.abs_diff(610) <= 30 && rough.rejected.abs_diff(130) <= 10, "{rough:?}");
     assert_eq!(rough.evaluations, 6 * (rough.steps + rough.rejected + 1) + 1);
 }
@@ -305,7 +306,7 @@ fn no_step_grows_right_after_a_rejection() {
     let mut rejections = 0;
     for triple in witness.seen.windows(3) {
         let [(_, _, before), (_, step, after), (_, next, _)] = triple else { unreachable!() };
-        // Six evaluations an attempt.
+        // Each attempt has six evaluations.
         let rejected = (after - before) / 6 - 1;
         rejections += rejected;
         assert!(rejected == 0 || next <= step, "{step} to {next} after {rejected} rejections");
@@ -314,7 +315,7 @@ fn no_step_grows_right_after_a_rejection() {
     assert!(witness.seen.windows(2).any(|pair| pair[1].1 > 1.5 * pair[0].1), "steps do grow elsewhere");
 }
 
-/// The same run at once and in parts.
+/// Compares an uninterrupted run with the same run in parts.
 fn split<const S: usize>(tableau: Tableau<S>, control: StepControl, stops: &[f64]) -> Result<(), TestCaseError> {
     let (mut system, mut whole) = pair_and_pendulum();
     system.hit = 50.0;
@@ -324,7 +325,7 @@ fn split<const S: usize>(tableau: Tableau<S>, control: StepControl, stops: &[f64
         integrate(&mut system, tableau, control, &mut parts, *stop);
         prop_assert!(parts.elapsed <= *stop);
     }
-    // PartialEq of floats, and none of them is zero or NaN: bit for bit.
+    // Equality of floats means bitwise equality here, because no value is zero or NaN.
     prop_assert_eq!(parts, whole);
     Ok(())
 }
@@ -344,7 +345,7 @@ proptest! {
 fn time_does_not_drift() {
     let mut system = Particles::new(&[1.0], &[0.0]);
     let (y, end) = (vec![1.0, 0.0], 1e4 + 0.05);
-    // 1e5 sums of 0.1 would be off by 2e-8; the adaptive steps are all at their limit.
+    // Repeated addition of 0.1 would have an error of 2e-8 after 1e5 steps. All adaptive steps have the maximum length.
     let mut state = State::new(y.clone());
     integrate(&mut system, RK4, StepControl::Fixed(0.1), &mut state, end);
     assert_eq!((state.count, state.elapsed), (100_000, 100_000.0 * 0.1));

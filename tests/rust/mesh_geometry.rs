@@ -1,4 +1,4 @@
-//! The exact mesh deflection: against itself by differences, against its closed forms, and against published numbers.
+//! The exact mesh deflection, compared with finite differences, closed forms and published numbers.
 
 use std::f64::consts::PI;
 
@@ -12,8 +12,8 @@ use proptest::prelude::*;
 const STIFFNESS: f64 = 3e8;
 const DAMPING: f64 = 2e3;
 
-/// A pair of gears: teeth, module, centre-line angle, and how far the centres stand beyond the sum of pitch radii, as a
-/// part of it.
+/// A gear pair: tooth numbers, module, m, centre-line angle, rad, and the relative excess of the centre distance over
+/// the sum of the pitch radii.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     teeth: [u32; 2],
@@ -41,7 +41,7 @@ impl Pair {
 const PLAIN: Pair = Pair { teeth: [25, 50], module: 3e-3, angle: 0.4, stretch: 0.0 };
 
 fn pairs() -> impl Strategy<Value = Pair> {
-    // Opened by less than a module: even few teeth touch.
+    // The excess of the centre distance is less than one module, so gears with few teeth are also in contact.
     (12_u32..120, 12_u32..120, 1e-3..2e-2, -10.0..10.0, 0.0..0.9).prop_map(|(a, b, module, angle, opened)| Pair {
         teeth: [a, b],
         module,
@@ -54,14 +54,14 @@ fn sigmas() -> impl Strategy<Value = f64> {
     prop_oneof![Just(-1.0), Just(1.0)]
 }
 
-/// Displacements up to a thousandth of the centre distance, six random numbers from −1 to 1 in hand.
+/// Displacements of at most 1e-3 of the centre distance, from six random numbers between −1 and 1.
 fn displaced(pair: Pair, numbers: [f64; 6]) -> Vector6<f64> {
     let size = 1e-3 * pair.centre_distance();
     let radius = pair.centre_distance() / 2.0;
     Vector6::from(numbers).component_mul(&Vector6::new(size, size, size, size, size / radius, size / radius))
 }
 
-/// A contact with the line of action that it has.
+/// A contact and its line of action.
 #[derive(Debug)]
 struct Contact {
     deflection: f64,
@@ -72,7 +72,7 @@ struct Contact {
     tangent: f64,
 }
 
-/// Shafts that stand still.
+/// Stationary shafts.
 const STILL: [ShaftPhase; 2] = [ShaftPhase { angle: 0.0, spin: 0.0 }; 2];
 
 fn touch(gear_mesh: &GearMesh, geometry: Geometry, sigma: f64, q: &[f64], v: &[f64]) -> Result<Contact, Overlap> {
@@ -91,7 +91,7 @@ fn touch(gear_mesh: &GearMesh, geometry: Geometry, sigma: f64, q: &[f64], v: &[f
     })
 }
 
-/// Live geometry at rest in displacements.
+/// Live geometry at zero displacement.
 fn still(gear_mesh: &GearMesh, sigma: f64, q: &Vector6<f64>) -> MeshPose<'static> {
     gear_mesh.pose(Geometry::Live, sigma, &STILL, q.as_slice(), &[0.0; 6])
 }
@@ -110,8 +110,8 @@ fn gradient(gear_mesh: &GearMesh, sigma: f64, contact: &Contact) -> Vector6<f64>
     gradient
 }
 
-/// Central difference of `value` along each coordinate, a step of 1e-5 of the centre distance: its error is 1e-10
-/// relative by the third derivative, and round-off leaves 1e-11.
+/// Central differences of `value` along each coordinate with a step of 1e-5 of the centre distance. The relative error
+/// is 1e-10 from the third derivative and 1e-11 from round-off.
 fn differentiate<T>(pair: Pair, q: &Vector6<f64>, value: impl Fn(&Vector6<f64>) -> T) -> [T; 6]
 where
     T: std::ops::Sub<Output = T> + std::ops::Div<f64, Output = T>,
@@ -141,7 +141,7 @@ proptest! {
             prop_assert!((found - expected).abs() < 1e-8, "{found} {expected}");
         }
         let [y, z] = contact.normal;
-        // |n| is a sine and a cosine of one angle, each right to an ulp.
+        // n consists of the sine and cosine of one angle, each accurate to one ulp.
         prop_assert!((y.hypot(z) - 1.0).abs() < 1e-14);
         prop_assert!((y * contact.tangent_direction[0] + z * contact.tangent_direction[1]).abs() < 1e-14);
         prop_assert!((contact.tangent_direction[0].hypot(contact.tangent_direction[1]) - 1.0).abs() < 1e-14);
@@ -171,7 +171,7 @@ proptest! {
             -force
         };
         let columns = differentiate(pair, &q, force);
-        // The same difference with the deflection held: the turning of the line of action alone, F ∂²δ/∂q².
+        // Differences of the gradient at constant force give the effect of the rotating line of action, F ∂²δ/∂q².
         let turning = differentiate(pair, &q, |q| gradient(&gear_mesh, sigma, &live(&gear_mesh, sigma, q)) * contact.force);
         for j in 0..6 {
             prop_assert!((columns[j] - tangent.column(j)).amax() < 1e-8 * STIFFNESS);
@@ -189,7 +189,7 @@ proptest! {
         let (turned_sin, turned_cos) = (pair.angle + turn).sin_cos();
         let q = Vector6::new(0.0, 0.0, distance * (turned_cos - cos), distance * (turned_sin - sin), turn, turn);
         let contact = live(&gear_mesh, sigma, &q);
-        // Round-off of the centres that this test itself computes.
+        // Round-off of the centre displacements, which this test computes.
         prop_assert!(contact.deflection.abs() < 1e-14 * distance, "{:e}", contact.deflection / distance);
         let state = gear_mesh.state(&still(&gear_mesh, sigma, &q), &ContactMode::ALWAYS).unwrap();
         prop_assert!((state.centres.distance - distance).abs() < 1e-14 * distance);
@@ -207,7 +207,7 @@ proptest! {
         let unit = displaced(pair, numbers) * 1e3;
         let found = live(&gear_mesh, sigma, &(unit * scale)).deflection;
         let terms = slopes.component_mul(&unit) * scale;
-        // A few ulps of its terms, the squares that the prediction leaves out, and the smallest doubles of all.
+        // A few ulps of the terms, the neglected quadratic terms, and the smallest subnormal numbers.
         let allowed = 4e-15 * terms.abs().sum() + 20.0 * scale * scale * pair.centre_distance() + 1e-320;
         prop_assert!((found - terms.sum()).abs() <= allowed, "{found:e} {:e}", terms.sum());
     }
@@ -227,7 +227,7 @@ proptest! {
         prop_assert!((gear_mesh.deflection_at_rest(sigma, q.as_slice()) - deflection).abs() < round_off);
         prop_assert!((frozen(&(-3.0 * q)).force + 3.0 * frozen(&q).force).abs() < 1e-14 * (STIFFNESS + DAMPING) * terms.abs().sum());
 
-        // What live adds is −(m·u)²/(2 C sin α) to second order; the third is a thousandth of C over C sin α smaller.
+        // To second order, live geometry adds −(m·u)²/(2 C sin α). The third-order term is smaller by 1e-3·C/(C sin α).
         let at_rest = at_rest(&gear_mesh, sigma);
         let tangent_direction = at_rest.tangent_direction[0] * (q[2] - q[0]) + at_rest.tangent_direction[1] * (q[3] - q[1]);
         let second = -tangent_direction * tangent_direction / (2.0 * at_rest.tangent);
@@ -246,14 +246,14 @@ proptest! {
         let sum: f64 = gear_mesh.involute.base_radius.iter().sum();
         prop_assert!((centres.distance - y.hypot(z)).abs() < 1e-14 * centres.distance);
         prop_assert!((centres.pressure_angle.cos() - sum / y.hypot(z)).abs() < 1e-14);
-        // γ stays near ψ, however many turns that contains.
+        // γ stays near ψ, even if ψ contains several revolutions.
         prop_assert!((centres.angle - pair.angle).abs() < 0.01);
         prop_assert!((centres.angle.cos() - y / centres.distance).abs() < 1e-13);
         let tips = pair.teeth.map(|z| pair.module * (f64::from(z) / 2.0 + 1.0));
         let reach = |tip: f64, base: f64| (tip * tip - base * base).sqrt();
         let [a, b] = gear_mesh.involute.base_radius;
         let segment = centres.distance * centres.pressure_angle.sin();
-        // A tip circle cannot take more of the segment between the base circles than there is.
+        // A tip circle cuts off at most the whole segment between the base circles.
         let path = reach(tips[0], a).min(segment) + reach(tips[1], b).min(segment) - segment;
         prop_assert!((centres.contact_ratio - path * f64::from(pair.teeth[0]) / (2.0 * PI * a)).abs() < 1e-11);
     }
@@ -263,12 +263,12 @@ proptest! {
 fn contact_ratios_are_the_published_ones() {
     let involute = |pair: Pair| pair.gear_mesh().involute;
     let wide = involute(Pair { teeth: [62, 62], module: 2e-3, ..PLAIN });
-    // Printed to eight and six digits.
+    // The sources print eight and six digits.
     assert!((wide.centres([0.0; 2]).unwrap().contact_ratio - 1.789_779_9).abs() < 5e-8);
     let plain = involute(PLAIN);
     assert!((plain.centres([0.0; 2]).unwrap().contact_ratio - 1.683_16).abs() < 5e-6);
 
-    // Slopes over the centre distance by central differences: 1e-6 m of 0.1 m, so right to 1e-8.
+    // Central differences along the centre distance: steps of 1e-6 m at 0.1 m, so the slopes are accurate to 1e-8.
     let along = |step: f64| {
         let (sin, cos) = PLAIN.angle.sin_cos();
         plain.centres([step * cos, step * sin]).unwrap()
@@ -289,7 +289,7 @@ fn pairs_in_contact(involute: &Involute, centres: &Centres, sigma: f64, turned: 
     (last - first + 1).max(0) as f64
 }
 
-/// Mean and extremes of the pairs in contact over one tooth.
+/// Mean, minimum and maximum of the number of pairs in contact over one base pitch.
 fn count(involute: &Involute, apart: [f64; 2], sigma: f64, teeth: u32) -> (f64, f64, f64) {
     let centres = involute.centres(apart).unwrap();
     let samples = 20_000;
@@ -303,7 +303,7 @@ fn count(involute: &Involute, apart: [f64; 2], sigma: f64, teeth: u32) -> (f64, 
 
 #[test]
 fn tooth_pairs_share_the_path_of_contact() {
-    // Contact ratios through 2, 1 and below, where a tooth is lost for a part of its pitch.
+    // Contact ratios above 2, between 1 and 2, and below 1, where no pair is in contact for a fraction of the pitch.
     let involute = PLAIN.gear_mesh().involute;
     let (sin, cos) = PLAIN.angle.sin_cos();
     for sigma in [-1.0, 1.0] {
@@ -311,7 +311,7 @@ fn tooth_pairs_share_the_path_of_contact() {
             let apart = [moved * cos, moved * sin];
             let ratio = involute.centres(apart).unwrap().contact_ratio;
             let (mean, least, most) = count(&involute, apart, sigma, 25);
-            // Two ends of contact fall between samples.
+            // Two ends of contact fall between the sample points.
             assert!((mean - ratio).abs() < 2.0 / 20_000.0, "{mean} {ratio}");
             assert_eq!((least, most), (ratio.floor(), ratio.ceil()), "at a contact ratio of {ratio}");
         }
@@ -323,14 +323,15 @@ fn tooth_pairs_share_the_path_of_contact() {
 
 #[test]
 fn reversed_rotation_mirrors_the_gear_pair() {
-    // Mirrored on the line of centres, a driver that turns the other way is the same gear pair.
+    // Mirrored at the line of centres, the gear pair with reversed rotation is the same gear pair.
     let gear_mesh = Pair { angle: 0.0, ..PLAIN }.gear_mesh();
     let q = Vector6::new(1e-4, -2e-4, -3e-5, 5e-5, 1e-3, 2e-3);
     let mirrored = Vector6::new(q[0], -q[1], q[2], -q[3], -q[4], -q[5]);
     let (forward, backward) = (live(&gear_mesh, 1.0, &q), live(&gear_mesh, -1.0, &mirrored));
     assert_eq!(forward.deflection, backward.deflection);
     assert_eq!(forward.normal, [backward.normal[0], -backward.normal[1]]);
-    // A driver turning counter-clockwise with its driven gear to the right pushes it down, and itself up.
+    // A driver that rotates counter-clockwise pushes a driven gear on its right downwards. The reaction pushes the
+    // driver upwards.
     assert!(forward.normal[1] > 0.0 && forward.normal[0] > 0.0);
 }
 
@@ -348,7 +349,7 @@ fn overlapping_base_circles_are_an_error() {
     let overlap = apart(&to(sum * (1.0 - 1e-9))).unwrap_err();
     assert!((overlap.distance - sum).abs() < 2e-9 * sum && (overlap.base_circles - sum).abs() < 1e-15);
     assert!(apart(&to(0.0)).unwrap_err().distance.abs() < 1e-9);
-    // Frozen geometry has no such place, and what is not a number is for the integrator to report.
+    // Frozen geometry has no such limit. The integrator reports a NaN.
     assert!(touch(&gear_mesh, Geometry::Frozen, 1.0, to(0.0).as_slice(), &[0.0; 6]).is_ok());
     assert!(apart(&Vector6::repeat(f64::NAN)).is_ok_and(|contact| contact.force.is_nan()));
 }

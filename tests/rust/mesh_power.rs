@@ -1,13 +1,13 @@
-//! Every force and every power of a contact, held against the change of the energy that it stores.
+//! Forces and powers of a contact, compared with the change of its stored energy.
 //!
-//! Whatever the teeth, the flank and the geometry: along any motion, with forces Q on the coordinates,
+//! For every tooth model, flank and geometry, and along any motion with forces Q on the coordinates,
 //!
 //! ```text
 //! U̇ = drive power − damping power − Q·q̇
 //! ```
 //!
-//! so a wrong sign, a dropped term or a swapped coordinate anywhere in the contact leaves something over. U̇ is a
-//! difference over the motion, taken under the law that holds in its middle.
+//! so a wrong sign, a missing term or an exchanged coordinate in the contact leaves a residual. U̇ is a central
+//! difference along the motion, in the contact mode of the midpoint.
 
 use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use nalgebra::Vector6;
@@ -17,7 +17,7 @@ const TEETH: [f64; 2] = [25.0, 50.0];
 const DAMPING: f64 = 2e3;
 const BACKLASH: f64 = 4e-5;
 
-/// What teeth can be, as the mesh of a description says it.
+/// Tooth stiffness models, as TOML fields of a mesh.
 const STIFFNESSES: [&str; 9] = [
     "stiffness = 3e8",
     r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#,
@@ -39,7 +39,7 @@ fn gear_mesh(stiffness: &str, error: &str, run_out: &str, damping: f64) -> GearM
     crate::common::mesh([&gears[0], &gears[1]], &mesh)
 }
 
-/// A motion that goes straight on.
+/// A motion with constant velocities.
 #[derive(Clone, Debug)]
 struct ShaftRotation {
     geometry: Geometry,
@@ -60,7 +60,7 @@ impl ShaftRotation {
         spins.map(|spin| ShaftPhase { angle: self.angle * spin / self.spin + spin * after, spin })
     }
 
-    /// The law at the instant, with the flank that is asked for.
+    /// The contact mode at this time, with the flank replaced by `flank`.
     fn contact_mode(&self, gear_mesh: &GearMesh, flank: Flank) -> ContactMode {
         let (q, v) = (self.q.as_slice(), self.v.as_slice());
         let turning = self.turning(0.0);
@@ -79,8 +79,7 @@ impl ShaftRotation {
     }
 }
 
-/// Displacements of some tens of micrometres, velocities of some tens of millimetres a second; twists as much at the
-/// teeth.
+/// Displacements of up to 5e-5 m and velocities of up to 5e-2 m/s. The twists give similar values at the teeth.
 fn courses() -> impl Strategy<Value = ShaftRotation> {
     let numbers = || prop::array::uniform6(-1.0..1.0);
     let scaled = |numbers: [f64; 6], size: f64| {
@@ -112,11 +111,11 @@ proptest! {
         let mut forces = [0.0; 6];
         gear_mesh.apply(&contact, &mut forces);
         let delivered: f64 = forces.iter().zip(&course.v).map(|(force, rate)| force * rate).sum();
-        // It moves the teeth by 1e-6 m, next to nothing of the 3e-3 m over which a pair comes and goes.
+        // This step moves the teeth by 1e-6 m, which is small compared with the 3e-3 m of a smooth engagement.
         let step = 1e-7;
         let [before, after] = [-step, step].map(|after| course.contact(&gear_mesh, &contact_mode, after));
         let change = (after.energy - before.energy) / (2.0 * step);
-        // Where the energy bends, as where a relieved pair just touches, the difference is off by as much.
+        // At a kink of the energy slope, for example where a relieved pair just touches, the difference has this error.
         let bends = ((after.energy + before.energy) / 2.0 - contact.energy).abs() / step;
         let left = change + delivered + contact.damping_power - contact.drive_power;
         let size = contact.energy * 1e3 + delivered.abs() + contact.damping_power + contact.drive_power.abs();
@@ -127,7 +126,7 @@ proptest! {
     fn the_stiffness_is_the_slope_of_the_force(
         course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
     ) {
-        // The driven gear's twist moves no teeth, and without run-out it changes nothing but the deflection.
+        // The twist of the driven gear does not move the engagement. Without run-out it changes only the deflection.
         let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
         let contact_mode = course.contact_mode(&gear_mesh, FLANKS[flank]);
         let contact = course.contact(&gear_mesh, &contact_mode, 0.0);
@@ -139,7 +138,8 @@ proptest! {
         let by = 1e-9;
         let [low, high] = [turned(-by), turned(by)];
         let slope = (high - low) / (2.0 * by) / (course.sigma() * gear_mesh.involute.base_radius[1]);
-        // Forces of 2e4 N are right to 4e-12 N, deflections move by 7e-11 m; a pair that just touches bends the force.
+        // Forces of 2e4 N are accurate to 4e-12 N, and the deflection changes by 7e-11 m. The force has a kink where a
+        // pair just touches.
         let bends = ((high + low) / 2.0 - contact.force).abs() / by;
         prop_assert!((slope - contact.stiffness).abs() <= 1e3 + 1e2 * bends, "{slope:e}, {:e}", contact.stiffness);
     }

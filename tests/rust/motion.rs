@@ -1,4 +1,4 @@
-//! The equation of motion against its dense matrices, and the loads that turn.
+//! The equation of motion, compared with its dense matrices, and rotating loads.
 
 use crate::common::{Noise, cached, everything, free_train, largest, motion, points, train};
 use gearbow::integrate::FirstOrderSystem as _;
@@ -9,7 +9,7 @@ use gearbow::scene::Node;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-/// The load of bow, unbalance, torque and gravity, from their definitions.
+/// The sum of bow force, unbalance, torque and gravity, computed from their definitions.
 fn load(cached: &CachedModel, speed: f64, time: f64) -> DVector<f64> {
     let model = &cached.model;
     let turn = |shaft: usize| Complex64::from_polar(1.0, model.scene.speed_ratios[shaft] * speed * time);
@@ -63,7 +63,8 @@ fn derivative_is_that_of_the_dense_matrices() {
             let [q, v, a] = [&y[..n], &y[n..], &derivative[n..]].map(DVector::from_column_slice);
             let residual = &mass * &a + &rate * &v + &stiffness * &q - &force;
             let acting = mass.abs() * a.abs() + rate.abs() * v.abs() + stiffness.abs() * q.abs() + force.abs();
-            // Backward error, row by row: sums of twenty terms, and the factor of a mass of condition 1e3.
+            // Backward error of each row: sums of twenty terms, and the factorization of M with the condition number
+            // 1e3.
             let worst = residual.abs().component_div(&acting).max();
             assert!(worst < 1e-12, "{worst:e} at {speed} rad/s");
         }
@@ -81,7 +82,7 @@ fn rayleigh_damping_is_that_of_the_shafts_alone() {
     }
     let bare = crate::common::model(&system);
     let expected = bare.mass_matrix() * alpha + bare.shaft_stiffness_matrix() * beta;
-    // Two products and a sum an entry.
+    // Each entry has two products and one sum.
     assert!((damping - &expected).amax() < 1e-14 * expected.amax());
 }
 
@@ -111,7 +112,7 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
     let found = model.mass_matrix() * (&accelerations[0] - &accelerations[1]);
     let expected = &forces[0] - &forces[1];
     assert!(expected.amax() > 1e-4 * forces[0].amax(), "the test sees the difference");
-    // The difference of accelerations that the stiff shafts dominate.
+    // The tolerance is relative to the accelerations, which the stiff shafts dominate.
     let acting = (model.mass_matrix().abs() * accelerations[0].abs()).amax();
     assert!((found - expected).amax() < 1e-13 * acting);
 }
@@ -132,7 +133,7 @@ fn a_rigid_bow_gives_no_force() {
             .fold(0.0, f64::max)
     };
     assert_eq!(force(&|_| Complex64::new(2e-4, 0.0)), 0.0, "eccentric");
-    // A slope is exact to an ulp of 1e-4 m over the elements, and meets a stiffness of 5e8 N/m.
+    // The slope is accurate to one ulp of 1e-4 m over the elements. A stiffness of 5e8 N/m multiplies this error.
     let tilted = force(&|x| Complex64::new(2e-4 - 1e-3 * x, 3e-4 * x));
     assert!(tilted < 5e8 * 1e-4 * 1e-15 * 10.0, "{tilted:e} N");
     let bent = {
@@ -144,7 +145,7 @@ fn a_rigid_bow_gives_no_force() {
 
 #[test]
 fn a_rotated_bow_rotates_with_its_shaft() {
-    // The whole load turns with its shaft: at a quarter turn of the input v has become w.
+    // The whole load rotates with its shaft: after a quarter revolution of the input shaft, v becomes w.
     let mut system = train();
     system.shafts[1].bow = None;
     system.torques.clear();
@@ -160,14 +161,14 @@ fn a_rotated_bow_rotates_with_its_shaft() {
     let (start, quarter) = (at(0.0), at(std::f64::consts::FRAC_PI_2));
     let scale = start.amax();
     for i in (0..4 * cached.model.scene.shafts[0].nodes.len()).step_by(2) {
-        // The sine of π/2 times the spin, an ulp or two away from a quarter turn.
+        // The angle has an error of one or two ulps.
         assert!((quarter[i + 1] - start[i]).abs() < 1e-14 * scale && (quarter[i] + start[i + 1]).abs() < 1e-14 * scale);
     }
 }
 
 #[test]
 fn the_shaft_angle_keeps_its_accuracy_in_long_runs() {
-    // 1e10 rad: the product alone is wrong by 1e-6 rad. Halves of 26 bits have products that are exact.
+    // At 1e10 rad the rounded product has an error of 1e-6 rad. Products of 26-bit halves are exact.
     let (spin, time) = (123_456.789_012_345_f64, 98_765.432_109_876_5_f64);
     let halves = |value: f64| {
         let high = f64::from_bits(value.to_bits() & !0x7ff_ffff);
@@ -179,7 +180,7 @@ fn the_shaft_angle_keeps_its_accuracy_in_long_runs() {
             expected *= Complex64::from_polar(1.0, spin * time);
         }
     }
-    // Four rotations, each right to an ulp.
+    // Four rotations, each accurate to one ulp.
     assert!((phase(spin, time) - expected).norm() < 1e-15);
     assert!((Complex64::from_polar(1.0, spin * time) - expected).norm() > 1e-8, "the test sees the difference");
     assert!((phase(-spin, time) - expected.conj()).norm() < 1e-15);
@@ -198,7 +199,7 @@ fn norms_are_those_of_the_dense_matrices() {
     let (q, v) = (DVector::from_column_slice(&y[..n]), DVector::from_column_slice(&y[n..]));
     let (mass, stiffness): (DMatrix<f64>, DMatrix<f64>) = (model.mass_matrix(), model.stiffness_matrix(100.0));
     let norm = |q: &DVector<f64>| (q.dot(&(&stiffness * q)) + v.dot(&(&mass * &v))).sqrt();
-    // Sums of squares: nothing cancels but in the dense product itself.
+    // The norms are sums of squares. Cancellation occurs only in the dense product.
     assert!((motion.norm(&y) - norm(&q)).abs() < 1e-12 * norm(&q));
     let deviation = norm(&(&q - equilibrium));
     assert!((motion.size(&y) - deviation).abs() < 1e-12 * deviation);

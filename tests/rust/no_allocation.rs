@@ -1,4 +1,4 @@
-//! A step allocates nothing, nor does anything else that is called once a step.
+//! Time steps, and all functions that run once per step, allocate no memory.
 
 use crate::common::{Noise, cached, motion, train};
 use allocation_counter::{AllocationInfo, measure};
@@ -17,7 +17,7 @@ use gearbow::scene::SceneDescription;
 use gearbow::scene::description::{Engagement, Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::DVector;
 
-/// Looks at one coordinate in the middle of every step.
+/// Observes one coordinate in the middle of every step.
 struct Onlooker {
     end: f64,
     next: f64,
@@ -42,7 +42,7 @@ impl Observer for Onlooker {
     }
 }
 
-/// The train with every damping that there is.
+/// The train with all damping models.
 fn damped() -> SceneDescription {
     let mut system = train();
     system.modal_damping = Some(0.01);
@@ -50,7 +50,7 @@ fn damped() -> SceneDescription {
     system
 }
 
-/// The train with teeth that part and come and go one pair after the other.
+/// The train with tooth separation and time-varying tooth engagement.
 fn rattling() -> SceneDescription {
     let mut system = train();
     for mesh in &mut system.meshes {
@@ -61,7 +61,7 @@ fn rattling() -> SceneDescription {
     system
 }
 
-/// What a run of about `steps` steps allocates, and what it did.
+/// Allocations of a run of about `steps` steps, and its statistics.
 fn cost<const S: usize>(
     tableau: Tableau<S>,
     adaptive: bool,
@@ -97,7 +97,7 @@ fn cost<const S: usize>(
 
 #[test]
 fn steps_allocate_nothing() {
-    // The counter counts.
+    // This checks the allocation counter.
     assert_eq!(measure(|| drop(std::hint::black_box(vec![1.0; 3]))).count_total, 1);
     for geometry in [Geometry::Live, Geometry::Frozen] {
         for steps in [100, 200] {
@@ -111,7 +111,7 @@ fn steps_allocate_nothing() {
 
 #[test]
 fn contact_changes_allocate_nothing() {
-    // A run that may see some makes room for them once, however long it is.
+    // A run with possible contact changes allocates its buffers once, independent of its length.
     let [short, long] = [200, 400].map(|steps| {
         let (rk4, few) = cost(RK4, false, Geometry::Live, &rattling(), steps);
         let (rk45, many) = cost(DORMAND_PRINCE, true, Geometry::Live, &rattling(), steps);
@@ -122,7 +122,7 @@ fn contact_changes_allocate_nothing() {
     assert!(short.1[0] > 0 && long.1[0] > short.1[0] && long.1[1] > short.1[1], "{short:?} {long:?}");
 }
 
-/// How many times a run of a method allocates, and how many steps and events it has.
+/// Number of allocations, steps and events of a run.
 fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, duration: f64) -> (u64, u64, u64) {
     let cached = cached(system);
     let options = Options {
@@ -149,7 +149,7 @@ fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, dura
 
 #[test]
 fn further_steps_in_the_modes_allocate_nothing() {
-    // What a run makes room for does not depend on how long it is.
+    // The allocations of a run do not depend on its length.
     let mut sharp = rattling();
     sharp.meshes.iter_mut().for_each(|mesh| mesh.backlash = None);
     for mesh in &mut sharp.meshes {
@@ -198,8 +198,8 @@ fn derivative_norms_and_energy_allocate_nothing() {
     assert_eq!(info.count_total, 0, "a speed that changes");
 }
 
-/// What two runs of the exponential method allocate, the second three times as long as the first, after one in which all
-/// the steps that it needs were made.
+/// Allocations of two runs of the exponential method. The second run is three times as long as the first. A run before
+/// them creates all step propagators that they need.
 fn exponential(
     system: &SceneDescription,
     geometry: Geometry,
@@ -254,7 +254,7 @@ fn steps_of_the_exponential_method_allocate_nothing() {
                 (QuadratureRule::explicit(), false),
             ] {
                 let ([short, long], [_, few, many]) = exponential(&system, geometry, &rule, adaptive);
-                // A run makes room for itself once, however long it is.
+                // A run allocates its buffers once, independent of its length.
                 assert_eq!(short.count_total, long.count_total, "{rule:?} {few:?} {many:?}");
                 assert!(long.count_total < 100);
                 assert!(many.steps > few.steps + 900, "{few:?} {many:?}");

@@ -1,4 +1,4 @@
-//! What the teeth of a mesh do: their curves, stiffnesses, errors and laws, against what defines them.
+//! Tooth contact of a mesh: error curves, stiffness models and contact modes, compared with their definitions.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +15,7 @@ const TEETH: [f64; 2] = [25.0, 50.0];
 const WIDTH: f64 = 0.03;
 const AT_REST: [f64; 6] = [0.0; 6];
 
-/// The scene of one mesh; `of_driver` and `of_driven` say more of its gears, `mesh` what its teeth are.
+/// The scene of one mesh. `of_driver` and `of_driven` add fields to the gears; `mesh` gives the fields of the mesh.
 fn scene(of_driver: &str, of_driven: &str, mesh: &str) -> Scene {
     let [a, b] = TEETH;
     let gear = |teeth: f64, more: &str| format!("teeth = {teeth}, module = 3e-3{more}");
@@ -28,17 +28,17 @@ fn gear_mesh(mesh: &str) -> GearMesh {
     GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES)
 }
 
-/// Shafts that stand at two angles.
+/// Phases of two stationary shafts at the given angles, rad.
 fn standing(angles: [f64; 2]) -> [ShaftPhase; 2] {
     angles.map(|angle| ShaftPhase { angle, spin: 0.0 })
 }
 
-/// The shafts at `part` of a mesh cycle.
+/// Phases of the shafts after the fraction `part` of a mesh cycle.
 fn at_part(part: f64) -> [ShaftPhase; 2] {
     standing([part * TAU / TEETH[0], -part * TAU / TEETH[1]])
 }
 
-/// The mesh in frozen geometry.
+/// Pose of the mesh in frozen geometry.
 fn frozen<'a>(
     gear_mesh: &GearMesh,
     sigma: f64,
@@ -59,15 +59,15 @@ fn touch(
     gear_mesh.contact(&frozen(gear_mesh, 1.0, turning, q, v), contact_mode).unwrap()
 }
 
-/// The law that holds, but for the flank.
+/// The contact mode at this position, with the flank replaced by `flank`.
 fn contact_mode(gear_mesh: &GearMesh, turning: &[ShaftPhase; 2], q: &[f64; 6], flank: Flank) -> ContactMode {
     ContactMode { flank, ..gear_mesh.contact_mode(&frozen(gear_mesh, 1.0, turning, q, &AT_REST)).unwrap() }
 }
 
-/// What the quadratic slope of a cubic piece says of it: its rise, and its second derivative at both ends.
+/// Rise of a cubic piece and its second derivatives at both ends, computed from its quadratic slope.
 fn bends(at: impl Fn(f64) -> (f64, f64), start: f64, spacing: f64) -> (f64, [f64; 2]) {
     let [first, middle, last] = [0.25, 0.5, 0.75].map(|part| at(start + part * spacing).1);
-    // Milne's rule, which is exact for a cubic, and the derivatives of the parabola through three points.
+    // Milne's rule is exact for a cubic. The parabola through three points gives the second derivatives.
     let rise = spacing * (2.0 * first - middle + 2.0 * last) / 3.0;
     let (slope, half) = (2.0 * (last - first), 8.0 * (first - 2.0 * middle + last));
     (rise, [slope - half, slope + half].map(|bend| bend / spacing))
@@ -84,7 +84,7 @@ proptest! {
         let curve = UniformCurve::new(start, spacing, &values);
         let at = |x: f64| curve.at(x);
         let last = values.len() - 1;
-        // Values of one, which the second derivative divides by the square of the spacing: 1e-12 of each.
+        // The values are of order one. Each second derivative, times the square of the spacing, has an error of 1e-12.
         let mut bend = 0.0;
         for i in 0..last {
             let begin = start + i as f64 * spacing;
@@ -116,7 +116,7 @@ proptest! {
             let next = (i + 1) % n;
             prop_assert!((at((i as f64 + 0.5) * spacing - spacing / 2.0).0 - value).abs() < 1e-12);
             prop_assert!((pieces[i].0 - (values[next] - value)).abs() < 1e-12);
-            // Second derivatives of some n² of values of one.
+            // Second derivatives are of order n², because the values are of order one.
             prop_assert!((pieces[i].1[1] - pieces[next].1[0]).abs() < 1e-10 * (n * n) as f64);
         }
         // Simpson's rule is exact on every piece.
@@ -143,11 +143,11 @@ fn every_error_turns_with_its_own_shaft() {
     let off = |gear_mesh: &GearMesh, angles: [f64; 2]| {
         -touch(gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection
     };
-    // Angles that no train has, so that each harmonic shows its shaft.
+    // The angles do not satisfy the gear ratio, so each harmonic depends on its own shaft.
     for [a, b] in [[0.3, 0.9], [-1.7, 0.2], [40.0, -3.0]] {
         let teeth = 5e-6 * (TEETH[0] * a + 0.4).cos() + 1e-6 * (2.0 * TEETH[0] * a + 1.0).cos();
         let expected = teeth + 8e-6 * (a + 0.2).cos() + 6e-6 * (b - 0.7).cos();
-        // The cosine of an angle of 2000 rad, to its digits.
+        // The tolerance is the round-off of the cosine of an angle of 2000 rad.
         assert!((off(&harmonics, [a, b]) - expected).abs() < 1e-17, "{:e} {expected:e}", off(&harmonics, [a, b]));
         for (i, value) in values.iter().enumerate() {
             let part = 7.0 + i as f64 / values.len() as f64;
@@ -177,13 +177,14 @@ fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
 fn a_damping_ratio_is_that_of_the_two_gears_on_their_mesh() {
     let scene = scene("", "", "stiffness = 3e8, damping_ratio = 0.07");
     let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
-    // The gears that swing against each other: δ̈ + c/m δ̇ + k/m δ = 0, with 1/m what a unit force accelerates δ by.
+    // The relative oscillation of the gears is δ̈ + c/m δ̇ + k/m δ = 0, where 1/m is the acceleration of δ per unit
+    // force.
     let yields: f64 = scene.gears.iter().map(|gear| gear.base_radius.powi(2) / gear.body.polar_inertia).sum();
     let (frequency, decay) = ((3e8 * yields).sqrt(), gear_mesh.damping * yields / 2.0);
     assert!((decay / frequency - 0.07).abs() < 1e-15);
 }
 
-/// What teeth can be, as the mesh of a description says it: those whose stiffness does not depend on the load.
+/// Stiffness models that do not depend on the load, as TOML fields of a mesh.
 const STIFFNESSES: [&str; 10] = [
     "stiffness = 3e8",
     r#"stiffness = { model = "square", pair = 2e8, engagement = "sharp" }"#,
@@ -210,7 +211,8 @@ fn the_mean_and_the_bound_are_those_of_the_cycle() {
             largest =
                 largest.max(touch(&gear_mesh, &contact_mode(Flank::Both), &turning, &AT_REST, &AT_REST).stiffness);
         }
-        // Two ends of contact fall between the points; what is smooth has a mean to 1e-8, the bends of ramps included.
+        // Two ends of contact fall between the sample points. A smooth stiffness has a mean accurate to 1e-8, although
+        // its ramps have jumps in the second derivative.
         let off = (sum / PARTS as f64 / gear_mesh.stiffness - 1.0).abs();
         let sharp = gear_mesh.teeth.is_sharp();
         assert!(off < if sharp { 2.0 / PARTS as f64 } else { 1e-8 }, "{off:e} of {stiffness}");
@@ -223,7 +225,7 @@ fn means_have_their_closed_forms() {
     let ratio = |gear_mesh: &GearMesh| gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
     for engagement in [r#""sharp""#, "0.1", "0.5"] {
         let of = |model: &str| gear_mesh(&format!("stiffness = {{ {model}, engagement = {engagement} }}"));
-        // The ramp is symmetric about the end of the path, so as many pairs carry as without it.
+        // The ramp is symmetric about the end of the path, so the mean number of loaded pairs does not change.
         let square = of(r#"model = "square", pair = 2e8"#);
         assert!((square.stiffness / (2e8 * ratio(&square)) - 1.0).abs() < 1e-9, "{engagement}");
         for model in ["square", "parabolic"] {
@@ -233,7 +235,7 @@ fn means_have_their_closed_forms() {
     }
     let parabolic =
         gear_mesh(r#"stiffness = { model = "parabolic", pair = 2e8, end_ratio = 0.4, engagement = "sharp" }"#);
-    // The mean of a parabola is a third of its ends and two thirds of its middle.
+    // The mean of a parabola is one third of its end value plus two thirds of its middle value.
     assert!((parabolic.stiffness / (2e8 * ratio(&parabolic) * 2.4 / 3.0) - 1.0).abs() < 1e-12);
     let ContactPath { tangent, low, high, .. } = parabolic.involute.path_at_rest();
     let Stiffness::Pairs { pair, .. } = &parabolic.teeth else { unreachable!() };
@@ -241,7 +243,7 @@ fn means_have_their_closed_forms() {
     for (part, expected) in [(0.0, 0.8e8), (0.5, 2e8), (1.0, 0.8e8)] {
         assert!((at(part) / expected - 1.0).abs() < 1e-14);
     }
-    // Far beyond its ends nothing pushes the flanks apart.
+    // Far beyond the ends of the path the pair stiffness is zero and does not become negative.
     assert_eq!((at(-1.0), at(2.0)), (0.0, 0.0));
 }
 
@@ -272,20 +274,21 @@ fn iso_6336_has_the_coefficients_of_the_standard() {
     close(even(first), standard[7]);
     close(even(second), standard[8]);
 
-    // A mesh of one pair is as stiff as the pair; c_γ grows by three quarters of it with every further one.
+    // With a contact ratio of one, the mesh stiffness equals the pair stiffness. Each further unit of contact ratio
+    // adds three quarters of the pair stiffness to c_γ.
     let [one, two] = [1.0, 2.0].map(|ratio| iso6336(&gear(25, 0.0), &gear(50, 0.0), ratio));
     assert!((one.mesh / one.single - 1.0).abs() < 1e-15 && (two.mesh / two.single - 1.75).abs() < 1e-15);
     assert!((one.single * one.flexibility / 0.8e9 - 1.0).abs() < 1e-15);
-    // A mesh that says nothing of its stiffness has that of the standard, over its face width.
+    // A mesh without a given stiffness has that of the standard, times its face width.
     let gear_mesh = gear_mesh("damping = 0.0");
     let ratio = gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
     let expected = WIDTH * iso6336(&scene.gears[0], &scene.gears[1], ratio).mesh;
     assert!((gear_mesh.stiffness / expected - 1.0).abs() < 1e-14);
 }
 
-/// Compliance per face width of a tooth of standard steel, touched `rolling_displacement` from its base point: a cantilever whose
-/// thickness is that of the textbook at every radius, s_r = 2r[s/(2r_p) + inv α − inv α_r], cut into thin slices; and
-/// the fillet and blank of Sainsot, Velex and Duverger (2004).
+/// Compliance per face width of a tooth of standard steel, loaded at the distance `rolling_displacement` from its base
+/// point. The tooth is a cantilever of thin slices with the textbook thickness s_r = 2r[s/(2r_p) + inv α − inv α_r] at
+/// each radius. Fillet and blank follow Sainsot, Velex and Duverger (2004).
 fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
     const SLICES: u32 = 4000;
     let (e, g) = (207e9, 207e9 / 2.6);
@@ -298,7 +301,7 @@ fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
     let place = |r: f64| (r * half(r).cos(), r * half(r).sin());
     let touched = rolling_displacement.hypot(base);
     let (height, side) = place(touched);
-    // The force is inclined to the axis of the tooth as the flank is there.
+    // The force is inclined to the axis of the tooth by the angle of the flank normal at this point.
     let (sin, cos) = (pressure(touched) - half(touched)).sin_cos();
     let slice = |x: f64, h: f64| {
         let moment = cos * (height - x) - sin * side;
@@ -331,7 +334,7 @@ fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
 
 #[test]
 fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
-    // Root circles within the base circle and beyond it, with and without profile shift.
+    // Root circles inside and outside the base circle, with and without profile shift.
     let scene = scene("", "", "stiffness = 3e8");
     for (teeth, profile_shift) in [(25, 0.0), (60, 0.0), (20, 0.4), (45, -0.3), (30, 0.5)] {
         let mut gear = scene.gears[0].clone();
@@ -347,7 +350,7 @@ fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
                 Tooth::new(&gear, 0.015).compliance(rolling_displacement),
                 compliance(&gear, 0.015, rolling_displacement),
             );
-            // Slices of a four-thousandth, of second order in that.
+            // The relative slice thickness is 1/4000, and the error is of second order in it.
             assert!((found / expected - 1.0).abs() < 1e-5, "{teeth} {profile_shift} {part}: {}", found / expected);
         }
     }
@@ -363,8 +366,9 @@ fn pair_compliance_is_the_sum_of_both_teeth_and_their_contact() {
     let Stiffness::Pairs { pair, .. } = &gear_mesh.teeth else { unreachable!() };
     let (involute, gears) = (&gear_mesh.involute, &scene.gears);
     let half = 0.1 * involute.base_pitch;
-    // From base circle to tip, wherever the centres are: of the wheel from its root circle, which is above its base
-    // circle. A smooth engagement carries beyond the tips by half of its width.
+    // The contact of the driver covers base circle to tip at any centre distance. The contact of the wheel begins at
+    // its root circle, which is outside its base circle. A smooth engagement carries load beyond the tips, by half of
+    // its width.
     for i in 0..=40 {
         let s = -half + (gears[0].tip_reach() + 2.0 * half) * f64::from(i) / 40.0;
         for j in 0..=10 {
@@ -372,21 +376,21 @@ fn pair_compliance_is_the_sum_of_both_teeth_and_their_contact() {
             let tangent = s + root + (tip - root) * f64::from(j) / 10.0;
             let compliance = CONTACT_COMPLIANCE + teeth[0].compliance(s) + teeth[1].compliance(tangent - s);
             let off = pair.at(s, tangent)[0] * compliance / WIDTH - 1.0;
-            // What a natural spline through 257 values leaves, most of it near its ends.
+            // Interpolation error of a natural spline through 257 values. It is largest near the ends.
             assert!(off.abs() < 1e-6, "{off:e} at {i}, {j}");
         }
     }
 }
 
-/// A path of contact of `length` base pitches of 9 mm that begins at 4 mm, with pair 0 at the part `place` of a pitch
-/// from there.
+/// A path of contact of `length` base pitches of 9 mm that begins at 4 mm. Pair 0 is at the fraction `place` of a pitch
+/// from the beginning.
 fn path(length: f64, place: f64) -> ContactPath {
     let high = 4e-3 + length * 9e-3;
     ContactPath { position: 4e-3 + place * 9e-3, tangent: high + 1e-2, low: 4e-3, high, pitch: 9e-3 }
 }
 
-/// The same pairs after the line of action has become longer by `by`: ends at the tips of the driven gear, or at its
-/// base circle, follow it.
+/// The same pairs after the length of the line of action increases by `by`. An end of the path moves with it if the tip
+/// circle or the base circle of the driven gear determines that end.
 fn opened(path: ContactPath, by: f64) -> ContactPath {
     let moved = |end: f64, follows: bool| if follows { end + by } else { end };
     let ContactPath { tangent, low, high, .. } = path;
@@ -416,13 +420,14 @@ proptest! {
         }
         let stored = |at: ContactPath, deflection: f64| teeth.elastic_state(|| at, (0, 0), deflection);
         let here = stored(at, deflection);
-        // A short path has ramps that overlap: both of its ends matter to a pair at once.
+        // On a short path the ramps overlap, so both ends affect a pair at the same time.
         let slope = |step: f64, moved: &dyn Fn(f64) -> f64| (moved(step) - moved(-step)) / (2.0 * step);
         let by_position =
             slope(1e-8, &|by| stored(ContactPath { position: at.position + by, ..at }, deflection).energy);
         let by_tangent = slope(1e-8, &|by| stored(opened(at, by), deflection).energy);
         let by_deflection = slope(1e-10, &|by| stored(at, deflection + by).energy);
-        // Energies up to a joule over millimetres; a pair that just touches bends its force within a step.
+        // Energies are at most one joule and change over millimetres. The force of a pair that just touches has a kink
+        // within a difference step.
         let size = 4e8 * deflection * deflection / 1e-3;
         prop_assert!((here.by_position - by_position).abs() < 1e-4 * size, "{:e} {by_position:e}", here.by_position);
         prop_assert!((here.by_tangent - by_tangent).abs() < 1e-4 * size, "{:e} {by_tangent:e}", here.by_tangent);
@@ -434,7 +439,8 @@ proptest! {
 fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
     let gear_mesh = gear_mesh(r#"stiffness = { model = "potential_energy", engagement = 0.3, foundation = "shared" }"#);
     let at_rest = gear_mesh.involute.path_at_rest();
-    // The centres at rest, and so near that the wheel's tips, or both tips, reach beyond the base circles.
+    // The centre distance at rest, and two smaller ones at which the tips of the wheel, or of both gears, reach beyond
+    // the base circles.
     for tangent in [at_rest.tangent, 0.030, 0.018] {
         let path = gear_mesh.involute.path(tangent);
         for i in 0..50 {
@@ -467,7 +473,7 @@ fn pairs_carry_as_many_as_there_are() {
         assert_eq!((found.force, found.stiffness), (pairs * (2e8 * 1e-5), pairs * 2e8));
         assert!((found.energy - pairs * 2e8 * 1e-10 / 2.0).abs() < 1e-17);
     }
-    // Half the way up a straight relief the flank stands back by half of it.
+    // Halfway along a linear tip relief, the flank is relieved by half of the amount.
     let relief = Relief { amount: 8e-6, length: 1.8e-3, exponent: 1 };
     for place in [0.1, 0.8] {
         let [light, loaded] =
@@ -475,7 +481,7 @@ fn pairs_carry_as_many_as_there_are() {
         assert_eq!((light.force, light.stiffness), (0.0, 0.0));
         assert!((loaded.force - 2e8 * (1e-5 - 4e-6)).abs() < 1e-9, "{}", loaded.force);
     }
-    // At the very end of the path a pair carries half.
+    // At the end of the path a pair has half of its stiffness.
     let smooth = Stiffness::Pairs { pair: ToothPair::Uniform(2e8), engagement: Engagement::Smooth(0.2), relief: None };
     for place in [0.0, 0.7] {
         assert!((smooth.elastic_state(|| path(0.7, place), (0, 0), 1e-5).stiffness - 1e8).abs() < 1.0);
@@ -484,8 +490,8 @@ fn pairs_carry_as_many_as_there_are() {
 
 #[test]
 fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
-    // The pitch circle carries a tooth of the thickness m(π/2 + 2x tan α): by as much the driver turns between the
-    // instants at which the drive flank and the back flank of that tooth pass the pitch point.
+    // The tooth thickness on the pitch circle is m(π/2 + 2x tan α). The driver rotates by this arc between the passages
+    // of the drive flank and the back flank through the pitch point.
     for shift in [0.0, 0.3, -0.2] {
         let [of_driver, of_driven] = [shift, -shift].map(|shift: f64| format!(", profile_shift = {shift}"));
         let scene = scene(&of_driver, &of_driven, "stiffness = 3e8");
@@ -538,16 +544,16 @@ fn contact_lasts_while_the_force_is_compressive() {
     let gear_mesh = gear_mesh("stiffness = 3e8, damping = 2e3, backlash = 4e-5");
     let radius = gear_mesh.involute.base_radius[1];
     let turning = at_part(0.3);
-    // Deflections of the drive flank, and rates, by the twist of the driven gear alone.
+    // Only the twist of the driven gear produces the deflection of the drive flank and its rate.
     let moved = |value: f64| [0.0, 0.0, 0.0, 0.0, 0.0, value / radius];
     for (deflection, rate, expected) in [
         (1e-5, 0.0, Flank::Drive),
         (-1e-5, 0.0, Flank::Apart),
         (-5e-5, 0.0, Flank::Back),
-        // What damping takes from a flank that opens is more than the spring pushes with.
+        // While the flank opens, the damping force exceeds the spring force.
         (1e-6, -1.0, Flank::Apart),
         (-4.1e-5, 1.0, Flank::Apart),
-        // A flank that closes has not touched before its deflection says so.
+        // A closing flank is in contact only after its deflection becomes positive.
         (-1e-6, 1.0, Flank::Apart),
     ] {
         let (q, v) = (moved(deflection), moved(rate));
@@ -561,7 +567,7 @@ fn contact_lasts_while_the_force_is_compressive() {
         };
         assert!((contact.force - force).abs() < 1e-9, "{} {force}", contact.force);
         if expected != Flank::Back {
-            // Flanks that have parted still say by how much.
+            // Separated flanks still report deflection and rate.
             assert!((contact.deflection - deflection).abs() < 1e-18 && (contact.rate - rate).abs() < 1e-14);
         }
     }
@@ -606,12 +612,13 @@ proptest! {
             let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
             let (force, normal) = gear_mesh.mean_tangent(geometry, sigma, flank, q.as_slice(), add).unwrap();
             let (contact, acting) = forces(flank, &q);
-            // Forces up to 1e5 N, to their digits.
+            // Forces are at most 1e5 N; the tolerance is their round-off.
             prop_assert!((force - sign * contact.force).abs() < 1e-9, "{force} {}", contact.force);
             let mut expected = Vector6::zeros();
             gear_mesh.gradient(sign * sigma, normal, |index, slope| expected[index] -= force * slope);
             prop_assert!((acting - expected).amax() < 1e-9);
-            // Steps of a micrometre in stiffnesses of 3e8 N/m, which centres of 0.1 m change by 1e-5.
+            // Differences with steps of 1e-6 m in stiffnesses of 3e8 N/m. Relative to centre distances of 0.1 m these
+            // steps are 1e-5.
             for j in 0..6 {
                 let mut ahead = Vector6::zeros();
                 ahead[j] = 1e-6;
@@ -623,7 +630,7 @@ proptest! {
         let state = gear_mesh.state_at_rest(geometry, sigma, q.as_slice()).unwrap();
         let (drive, back) = (forces(Flank::Drive, &q).0, forces(Flank::Back, &q).0);
         prop_assert!((state.deflection - drive.deflection).abs() < 1e-17);
-        // Where both press the drive flank counts: what is at rest under a load leans on one.
+        // If both flanks are pressed, the drive flank is used, because a loaded pair at rest touches on one flank.
         let expected = if drive.force >= 0.0 { drive.force } else { back.force.min(0.0) };
         prop_assert!((state.force - expected).abs() < 1e-9, "{} {expected}", state.force);
     }

@@ -1,4 +1,4 @@
-"""Bows in two languages: as the package takes them, and as a curve with its slope."""
+"""Bows in two forms: as input of the package, and as a curve with its slope."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Curve = Callable[[float], complex]
 
 @dataclass(frozen=True)
 class HalfSine:
-    """Bow amplitude * sin(pi x / L) at `phase` in the shaft."""
+    """Give the bow amplitude * sin(pi x / L) at the angle `phase` in the shaft."""
 
     amplitude: float
     phase: float = 0.0
@@ -32,7 +32,7 @@ class HalfSine:
 
 @dataclass(frozen=True)
 class Kinked:
-    """A curve in both planes that is neither zero nor straight at the bearings."""
+    """Give a curve in both planes that is neither zero nor straight at the bearings."""
 
     amplitude: float
     phase: float = 0.0

@@ -1,4 +1,4 @@
-"""Closed forms that need no elements at all: shafts on rigid supports, rotors of one disk, trains of rigid gears."""
+"""Closed forms without finite elements: simply supported shafts, one-disk rotors, rigid gears."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from reference.elements import Section
 
 
 def jeffcott(ratio: float, bow: complex, eccentricity: complex, damping: float) -> complex:
-    """Disk whirl v + iw in the turning frame, ratio = spin over critical (Nicholas, Gunter, Allaire 1976)."""
+    """Give the disk whirl v + iw in the rotating frame; `ratio` is spin over critical speed.
+
+    Source: Nicholas, Gunter and Allaire 1976.
+    """
     return (bow + eccentricity * ratio**2) / (1 - ratio**2 + 2j * damping * ratio)
 
 
 def bowed_shaft(section: Section, length: float, speed: float, half_waves: int = 1) -> float:
-    """Amplitude over bow amplitude of a simply supported shaft with a sine bow, turning at `speed`."""
+    """Give the ratio of amplitude to sine-bow amplitude of a simply supported shaft at `speed`."""
     k = half_waves * np.pi / length
     ei = section.youngs_modulus * section.moment
     rho_a, rho_i = section.density * section.area, section.density * section.moment
@@ -28,7 +31,7 @@ def bowed_shaft(section: Section, length: float, speed: float, half_waves: int =
             [-kga * k, kga + ei * k**2 + rho_i * speed**2],
         ]
     )
-    rotation = k  # the stress-free section stands square on the stress-free line
+    rotation = k  # the stress-free section is perpendicular to the stress-free line
     right = np.array([kga * k**2 - kga * k * rotation, -kga * k + (kga + ei * k**2) * rotation])
     return float(np.linalg.solve(matrix, right)[0])
 
@@ -36,7 +39,7 @@ def bowed_shaft(section: Section, length: float, speed: float, half_waves: int =
 def simply_supported(
     section: Section, length: float, half_waves: int, spin: float = 0.0
 ) -> tuple[float, float]:
-    """Backward and forward whirl frequency (both positive, rad/s) of the lower branch."""
+    """Give backward and forward whirl frequency of the lower branch (both positive, rad/s)."""
     k = half_waves * np.pi / length
     ei = section.youngs_modulus * section.moment
     rho_a, rho_i = section.density * section.area, section.density * section.moment
@@ -52,10 +55,11 @@ def simply_supported(
 
 
 def support_shift(section: Section, length: float, half_waves: int, support: float) -> float:
-    """How far two equal end springs pull a simply supported frequency down, relatively and to first order.
+    """Give the first-order relative frequency reduction by two equal end springs.
 
-    Each spring carries half of the inertia force of a unit sine, rho A omega^2 / k, and its flexibility
-    lowers the modal stiffness by that force squared over the spring.
+    The shaft is simply supported on the springs. Each spring carries half of the inertia force of a
+    unit sine, rho A omega^2 / k. Its flexibility reduces the modal stiffness by the square of this
+    force divided by the spring stiffness.
     """
     k = half_waves * np.pi / length
     rho_a, rho_i = section.density * section.area, section.density * section.moment
@@ -70,10 +74,10 @@ def support_shift(section: Section, length: float, half_waves: int, support: flo
 
 
 def element_error(section: Section, length: float, half_waves: int, elements: int) -> float:
-    """Relative error of a simply supported frequency that equal elements leave, to leading order.
+    """Give the leading relative error of a simply supported frequency with equal elements.
 
-    The cubic deflection leaves (kh)^4/1440. The shear strain is constant along an element, which leaves
-    (kh)^2/12 of the share that shear flexibility has in the compliance: second order, with a small factor.
+    The cubic deflection has the error (kh)^4/1440. The shear strain is constant along an element.
+    This adds (kh)^2/12 times the fraction of the compliance that is due to shear.
     """
     k = half_waves * np.pi / length
     kh2 = (k * length / elements) ** 2
@@ -89,14 +93,17 @@ def free_torsion(section: Section, length: float, number: int) -> float:
 
 
 def free_torsion_of_elements(section: Section, length: float, number: int, elements: int) -> float:
-    """The same for a chain of equal two-node elements with consistent mass: exact for that chain."""
+    """Give the same error, exactly, for a chain of equal two-node elements with consistent mass."""
     h = length / elements
     c = np.cos(number * np.pi / elements)
     return float(np.sqrt(6 * section.shear_modulus / section.density * (1 - c) / (2 + c)) / h)
 
 
 def forward_backward(amplitudes: NDArray[np.complex128]) -> tuple[complex, complex]:
-    """Whirl v + iw = forward exp(i a) + backward exp(-i a) of v = Re[Y exp(i a)], w = Re[Z exp(i a)]."""
+    """Give forward and backward whirl of v = Re[Y exp(i a)], w = Re[Z exp(i a)].
+
+    The whirl is v + iw = forward exp(i a) + backward exp(-i a).
+    """
     y, z = amplitudes
     return complex((y + 1j * z) / 2), complex(np.conj(y - 1j * z) / 2)
 
@@ -104,14 +111,14 @@ def forward_backward(amplitudes: NDArray[np.complex128]) -> tuple[complex, compl
 def geared_pair(
     stiffness: float, radii: tuple[float, float], inertias: tuple[float, float]
 ) -> float:
-    """Frequency of two rigid gears that twist against their mesh."""
+    """Give the torsional frequency of two rigid gears coupled by their mesh."""
     return float(np.sqrt(stiffness * (radii[0] ** 2 / inertias[0] + radii[1] ** 2 / inertias[1])))
 
 
 def geared_chain(
     stiffnesses: list[float], radii: list[tuple[float, float]], inertias: list[float]
 ) -> NDArray[np.float64]:
-    """Frequencies of rigid shafts 0..n in a chain of n meshes, with radii (driver, driven) and shaft inertias."""
+    """Give the frequencies of rigid shafts 0..n coupled by n meshes with radii (driver, driven)."""
     n = len(inertias)
     stiffness = np.zeros((n, n))
     sign = 1.0
@@ -128,7 +135,7 @@ def geared_chain(
 def full_depth_gear(
     teeth: int, module: float, pressure_angle: float = np.radians(20)
 ) -> dict[str, float]:
-    """Base, pitch and tip radius of a standard gear without profile shift, and its base pitch."""
+    """Give base, pitch and tip radius and base pitch of a standard gear without profile shift."""
     pitch = module * teeth / 2
     base = pitch * np.cos(pressure_angle)
     return {
@@ -142,7 +149,7 @@ def full_depth_gear(
 def solid_disk(
     radius: float, width: float, density: float, bore: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mass, diametral and polar inertia of a disk with bore radius `bore`."""
+    """Give mass, diametral and polar inertia of a disk with bore radius `bore`."""
     mass = density * np.pi * (radius**2 - bore**2) * width
     squares = radius**2 + bore**2
     return mass, mass / 12 * (3 * squares + width**2), mass / 2 * squares

@@ -2,8 +2,8 @@
 
 Coordinates of a node, in this order: v, w (along y, z), B, G (rotations about y, z), t (twist about x).
 Small slopes: dv/dx = G, dw/dx = -B. The shape functions are the static solutions of the Timoshenko
-beam (Przemieniecki 1968; Nelson 1980). Stiffness and mass are integrated from the strain and kinetic energies
-instead of being copied from their closed forms, so a slip in either form shows.
+beam (Przemieniecki 1968; Nelson 1980). Stiffness and mass are integrals of the strain and kinetic
+energies. They do not use the closed forms, so the tests detect an error in either form.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-V, W, B, G, T = range(5)  # places of a node's coordinates
+V, W, B, G, T = range(5)  # indices of a node's coordinates
 XY = np.array([V, G, 5 + V, 5 + G])  # (v1, G1, v2, G2)
 XZ = np.array([W, B, 5 + W, 5 + B])  # (w1, -B1, w2, -B2) after the signs
 SIGNS = np.diag([1.0, -1.0, 1.0, -1.0])
@@ -23,7 +23,7 @@ SIGNS = np.diag([1.0, -1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class Section:
-    """Hollow circular section of one material."""
+    """A hollow circular section of one material."""
 
     outer_diameter: float
     youngs_modulus: float
@@ -46,7 +46,7 @@ class Section:
 
     @property
     def kappa(self) -> float:
-        """Cowper's shear coefficient of a hollow circle."""
+        """Give Cowper's shear coefficient of a hollow circular section."""
         nu, m2 = self.poisson, (self.inner_diameter / self.outer_diameter) ** 2
         bracket = (1 + m2) ** 2
         return 6 * (1 + nu) * bracket / ((7 + 6 * nu) * bracket + (20 + 12 * nu) * m2)
@@ -59,7 +59,7 @@ class Section:
 
 
 def shape_functions(xi: float, l: float, phi: float) -> tuple[Array, Array, Array]:
-    """Deflection, section rotation, and curvature (slope of the rotation) at xi = x/l on (v1, G1, v2, G2)."""
+    """Give deflection, section rotation and curvature at xi = x/l as rows on (v1, G1, v2, G2)."""
     x2, x3 = xi**2, xi**3
     deflection = [
         1 - 3 * x2 + 2 * x3 + (1 - xi) * phi,
@@ -84,19 +84,19 @@ def shape_functions(xi: float, l: float, phi: float) -> tuple[Array, Array, Arra
 
 
 def shear_strain(phi: float, l: float) -> Array:
-    """v' less the section rotation, constant along the element."""
+    """Give v' minus the section rotation, which is constant along the element."""
     return phi / (1 + phi) * np.array([-1 / l, -0.5, 1 / l, -0.5])
 
 
 def beam(section: Section, l: float) -> tuple[Array, Array, Array]:
-    """Mass, stiffness, and gyroscopic matrix per unit spin (10 x 10) of one element."""
+    """Give mass, stiffness and gyroscopic matrix per unit spin (10 x 10) of one element."""
     phi = section.shear_parameter(l)
     e, g, rho = section.youngs_modulus, section.shear_modulus, section.density
     area, moment = section.area, section.moment
     translation, rotary, bending = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
     points, weights = np.polynomial.legendre.leggauss(
         4
-    )  # exact to degree 7; the integrands reach 6
+    )  # exact to degree 7; the integrands have degree 6
     for point, weight in zip(points, weights, strict=True):
         n_v, n_t, n_c = shape_functions((point + 1) / 2, l, phi)
         share = weight * l / 2
@@ -121,7 +121,7 @@ def beam(section: Section, l: float) -> tuple[Array, Array, Array]:
 
 
 def disk(mass: float, diametral: float, polar: float) -> tuple[Array, Array]:
-    """Mass and gyroscopic matrix (5 x 5) of a rigid disk: I_d B'' + spin I_p G' = M_y."""
+    """Give mass and gyroscopic matrix (5 x 5) of a rigid disk: I_d B'' + spin I_p G' = M_y."""
     gyroscopic = np.zeros((5, 5))
     gyroscopic[B, G] = polar
     gyroscopic[G, B] = -polar

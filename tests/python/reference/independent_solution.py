@@ -2,7 +2,7 @@
 
 M q'' + (C + speed G) q' + K q + sum of mesh forces = bow(t) + unbalance(t) + torque + gravity
 
-The speed is constant in `from_rest`, and given with its integral and its derivative in `run_up`.
+`from_rest` has a constant speed; `run_up` takes the speed with its integral and its derivative.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def run_up(
     kinks: Sequence[float] = (),
     bearings: Callable[[float], tuple[Array, Array]] | None = None,
 ) -> Motion:
-    """Integrate from q = q' = 0 at t = 0 while the speed changes, anew from each kink on.
+    """Integrate from q = q' = 0 at t = 0 at variable speed; restart at each kink.
 
     `bearings` gives stiffness and damping (n, n) of further bearings at a speed of the reference shaft.
     """
@@ -105,7 +105,7 @@ def run_up(
     grounded, viscous = inverse @ train.grounded, inverse @ train.viscous
     gyroscopic = inverse @ train.gyroscopic
     steady = inverse @ train.steady_force()
-    # the force at speed 0 is that of the bow, what speed 1 adds is the unbalance times ratio squared
+    # the bow gives the force at speed 0; speed 1 adds the unbalance times the ratio squared
     shafts = []
     for shaft, bow, both in zip(
         train.shafts, train.turning_force(0.0), train.turning_force(1.0), strict=True
@@ -128,7 +128,7 @@ def run_up(
         for ratio, (b_0, b_90), (u_0, u_90) in shafts:
             c, s = np.cos(ratio * angle), np.sin(ratio * angle)
             spin, gain = ratio * speed, ratio * acceleration
-            # a mass at e exp(i angle) is accelerated by (i gain - spin^2) e exp(i angle)
+            # a mass at e exp(i angle) has the acceleration (i gain - spin^2) e exp(i angle)
             a += c * b_0 + s * b_90
             a += spin**2 * (c * u_0 + s * u_90) + gain * (s * u_0 - c * u_90)
         for (at, law), push in zip(interfaces, pushes, strict=True):

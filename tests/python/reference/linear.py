@@ -1,8 +1,8 @@
-"""Motion of a linear train, exact: the matrix exponential of its state with what acts on it.
+"""Exact motion of a linear train: matrix exponential of the state extended by the excitation.
 
 M q'' + (C + speed G) q' + K q = f + sum of Re[F exp(i w t)]
 
-Constant and turning forces are states of their own (1, cos w t, sin w t), so the whole is one exponential.
+The states 1, cos w t and sin w t represent constant and rotating forces in one exponential.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ Turning = tuple[float, Array, Array]  # spin, and the force at angle 0 and at a 
 @dataclass(frozen=True)
 class LinearTrain:
     mass: Array
-    damping: Array  # with speed times the gyroscopic matrix in it
+    damping: Array  # includes speed times the gyroscopic matrix
     stiffness: Array
     steady: Array
     turning: Sequence[Turning] = field(default_factory=tuple)
 
     def motion(self, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
-        """Displacements and velocities at equally spaced `times`, the first of which is that of q and v."""
+        """Give displacements and velocities at equally spaced `times`, from q and v."""
         n, sources = len(q), len(self.turning)
         low = np.linalg.cholesky(self.mass)
 
@@ -36,7 +36,7 @@ class LinearTrain:
 
         stiffness = whiten(whiten(self.stiffness).T).T
         damping = whiten(whiten(self.damping).T).T
-        # displacements are measured in velocities, by a frequency in the middle of those there are
+        # a mean frequency scales displacements to velocities
         scale = np.sqrt(np.linalg.norm(stiffness, 2)) or 1.0
         size = 2 * n + 1 + 2 * sources
         matrix = np.zeros((size, size))
@@ -45,7 +45,7 @@ class LinearTrain:
         matrix[n : 2 * n, n : 2 * n] = -damping
         state = np.zeros(size)
         state[:n], state[n : 2 * n] = scale * (low.T @ q), low.T @ v
-        # forces are of the size of what they act on, and so are the states that carry them
+        # the force states have the scale of the state on which they act
         forces = [self.steady, *(part for _, *parts in self.turning for part in parts)]
         unit = max(float(np.linalg.norm(whiten(f))) for f in forces) / scale or 1.0
         for place, force in enumerate(forces, 2 * n):

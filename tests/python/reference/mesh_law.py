@@ -1,4 +1,4 @@
-"""One gear mesh, written out in plain formulas: the change of length of a crossed belt between base circles.
+"""Formulas of one gear mesh: the change of length of a crossed belt between the base circles.
 
     c = C0 (cos psi, sin psi) + (u_b - u_a),   C = |c|,   gamma = arg c,   alpha = arccos(S / C),   S = r_a + r_b
     delta = sigma [r_a t_a + r_b t_b - S (gamma - psi)] - S (inv alpha - inv alpha_0)
@@ -22,7 +22,7 @@ def involute(angle: float) -> float:
 
 @dataclass(frozen=True)
 class MeshLaw:
-    """Gear a drives gear b. All of it in SI units and radians."""
+    """A mesh in which gear a drives gear b, in SI units and radians."""
 
     base_radius_a: float
     base_radius_b: float
@@ -48,12 +48,12 @@ class MeshLaw:
         return 2 * np.pi * self.base_radius_a / self.teeth_a
 
     def centres(self, u_a: Array, u_b: Array) -> tuple[float, float, float]:
-        """Centre distance, pressure angle and centre-line angle (near psi) of the moving centres."""
+        """Give centre distance, pressure angle and centre-line angle (near psi) at q."""
         psi = self.centre_line_angle
         y = self.centre_distance * np.cos(psi) + u_b[0] - u_a[0]
         z = self.centre_distance * np.sin(psi) + u_b[1] - u_a[1]
         distance = float(np.hypot(y, z))
-        # the angle from psi, so that no branch of arctan2 can come between
+        # the angle is relative to psi, which avoids the branch cut of arctan2
         off = np.arctan2(z * np.cos(psi) - y * np.sin(psi), y * np.cos(psi) + z * np.sin(psi))
         return distance, float(np.arccos(self.sum_of_radii / distance)), float(psi + off)
 
@@ -68,7 +68,7 @@ class MeshLaw:
         return self.sigma * turned - s * (involute(alpha) - involute(self.angle_at_rest))
 
     def gradient(self, u_a: Array, u_b: Array) -> Array:
-        """Derivative of the deflection by (v_a, w_a, t_a, v_b, w_b, t_b)."""
+        """Give the gradient of the deflection in (v_a, w_a, t_a, v_b, w_b, t_b)."""
         _, alpha, gamma = self.centres(u_a, u_b)
         return self._line(alpha, gamma)
 
@@ -84,7 +84,7 @@ class MeshLaw:
         return np.array([n_y, n_z, spin_a, -n_y, -n_z, spin_b])
 
     def force(self, q: Array, qd: Array, live: bool = True) -> tuple[float, Array]:
-        """Tooth force, and the generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
+        """Give the tooth force and the generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
         if live:
             delta = self.deflection(q[0:2], q[3:5], q[2], q[5])
             gradient = self.gradient(q[0:2], q[3:5])
@@ -95,10 +95,10 @@ class MeshLaw:
         return force, -force * gradient
 
     def contact_ratio(self, distance: float) -> float:
-        """Length over base pitch of what both tip circles cut from the segment between the base circles.
+        """Give the contact ratio: the path of contact between both tip circles over the base pitch.
 
-        The segment touches the base circles at its ends: a chord of tip circle a begins at the end on a and is as long
-        as the tangent from a point of that tip circle, and the same for b from the other end.
+        The line of action touches both base circles. The part within tip circle a begins at the
+        point of tangency on a and has the length sqrt(tip^2 - base^2). The same holds for b.
         """
         segment = np.sqrt(distance**2 - self.sum_of_radii**2)
         of_a = min(segment, np.sqrt(self.tip_radius_a**2 - self.base_radius_a**2))

@@ -1,4 +1,4 @@
-"""A scene with every kind of number in it, as plain keywords, so that a test can spoil any one of them."""
+"""A scene with all kinds of numbers, as plain keywords, in which tests can falsify any number."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def build(scene: dict[str, Any]) -> gb.RotorSystem:
 
 
 def spoil(path: list[str | int], value: Any) -> dict[str, Any]:
-    """The scene with one value in place of another."""
+    """Give the scene with one value replaced."""
     scene = copy.deepcopy(SCENE)
     at: Any = scene
     for key in path[:-1]:
@@ -160,7 +160,7 @@ def spoil(path: list[str | int], value: Any) -> dict[str, Any]:
 
 
 def numbers(part: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
-    """Paths of all real numbers in the scene."""
+    """Give the paths of all real numbers in the scene."""
     if isinstance(part, (bool, str)):
         return []
     if isinstance(part, (float, complex, int)):
@@ -170,11 +170,11 @@ def numbers(part: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int
 
 
 def written(path: tuple[str | int, ...]) -> str:
-    """The path as the text of an error gives it."""
+    """Give the path as an error message prints it."""
     text = ""
     for i, key in enumerate(path):
         if i and path[i - 1] == "bow" and key == 1:
-            continue  # the arguments of the bow's constructor here are its own fields there
+            continue  # constructor arguments of the bow are its own fields in the message
         if isinstance(key, int):
             text += f"[{key}]"
         else:

@@ -1,4 +1,4 @@
-"""Three published rotors in the language of the independent assembly. Sources and numbers: see each."""
+"""Three published rotors as input of the independent assembly; each states its sources."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from reference.mesh_law import MeshLaw
 from reference.train import BearingSpec, MeshSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 
 # Geared two-rotor system: Rao, Shiau and Chang 1998; frequencies printed by Friswell, Penny, Garvey and Lees 2010.
-# One element per listed length, as the printed values are those of this mesh.
+# One element per listed length: the published values belong to this discretization.
 V1_DENSITY, V1_E, V1_G = 7800.0, 207e9, 79.5e9
 V1_LENGTHS = ((0.1, 4.24, 1.16, 0.3), (0.3, 5.0, 0.1))
 V1_DIAMETERS = ((0.3, 0.3, 0.22, 0.22), (0.15, 0.15, 0.15))
@@ -20,7 +20,7 @@ V1_DISKS = (
     ("d2", 0, 2, 116.04, 3.115, 6.23),
     ("d3", 1, 2, 7.45, 0.0745, 0.149),
 )
-V1_GEARS = (  # and base radius, teeth
+V1_GEARS = (  # also base radius, teeth
     ("wheel", 0, 4, 726.4, 56.95, 113.9, 0.5086, 328),
     ("pinion", 1, 0, 5.0, 0.002, 0.004, 0.03567, 23),
 )
@@ -66,7 +66,7 @@ V2_E, V2_DENSITY, V2_POISSON = (
     2.078e11,
     7806.0,
     0.3,
-)  # without shear Poisson's ratio does not matter laterally
+)  # without shear, Poisson's ratio does not affect bending
 V2_DISK = (0.0889, 1.401, 0.00136, 0.0020)  # position, mass, diametral, polar
 V2_BEARING_STATIONS = (11, 15)
 V2_BEARING_STIFFNESS = 4.378e7

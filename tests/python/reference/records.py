@@ -1,4 +1,4 @@
-"""A response of made-up numbers on a train of three shafts, with every kind of record."""
+"""A response with artificial values on a train of three shafts, with every kind of record."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ KINEMATICS = Kinematics(
 
 
 def response(time: np.ndarray, speed: float = 100.0, **data: Any) -> gb.Response:
-    """Give a response in which no two series are alike; `data` replaces some of them."""
+    """Give a response with different values in every series; `data` replaces some of them."""
     rows, numbers = time.size, np.random.default_rng(11)
     series = {
         "time": time,
@@ -87,7 +87,7 @@ def response(time: np.ndarray, speed: float = 100.0, **data: Any) -> gb.Response
 
 
 def of_series(time: np.ndarray, values: np.ndarray, speed: float = 100.0) -> gb.Response:
-    """Give a response whose displacement w of gear g1 is the given series, the rest being zero."""
+    """Give a response with the given displacement w of gear g1; all other series are zero."""
     motion = np.zeros((time.size, 4, 2))
     motion[:, 0, 1] = values
     return response(time, speed, displacement=motion)

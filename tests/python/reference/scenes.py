@@ -1,4 +1,4 @@
-"""Scenes in two languages: as the package takes them and as the independent assembly takes them."""
+"""Scenes in two forms: as input of the package and as input of the independent assembly."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class GearAt:
 
 @dataclass(frozen=True)
 class Geared:
-    """Shafts of one kind in a chain, standard gears, two end bearings each. Defaults: the demo of the interface."""
+    """A chain of equal shafts with standard gears and two end bearings each; defaults: the demo."""
 
     shafts: Sequence[str] = ("input", "middle", "output")
     gears: Sequence[GearAt] = (
@@ -59,8 +59,8 @@ class Geared:
     gravity: tuple[float, float] | None = None
     modal_damping: float | None = None
     centre_distance_factor: float = 1.0
-    sigma: float = 1.0  # sign of the spin of the first shaft, for the independent law alone
-    options: Mapping[str, Any] = field(default_factory=dict)  # for RotorSystem alone
+    sigma: float = 1.0  # sign of the spin of the first shaft, only for the independent mesh
+    options: Mapping[str, Any] = field(default_factory=dict)  # only for RotorSystem
 
     def package(self) -> gb.RotorSystem:
         torques = []
@@ -229,7 +229,7 @@ def single_shaft(
     support: float | None = 1e13,
     **more: Any,
 ) -> gb.RotorSystem:
-    """One uniform shaft named "s" on stiff end bearings (none where support is None)."""
+    """Give one uniform shaft "s" on stiff end bearings (none if support is None)."""
     material = gb.Material(
         youngs_modulus=youngs_modulus, density=density, poisson_ratio=poisson_ratio
     )

@@ -1,9 +1,9 @@
-"""Teeth of a mesh in plain formulas: pairs on the path of contact, the energy that they store, and its gradient.
+"""Formulas for the teeth of a mesh: pairs on the path of contact, stored energy and gradient.
 
-Pair j stands at s_j = r_a [sigma (angle_a - gamma) + alpha] + j p_b, measured from the interference point of a, and
-carries between C sin(alpha) - reach_b and reach_a, reach^2 = tip^2 - base^2, as far as that is on the segment from base
-circle to base circle. Stored energy U = 1/2 sum w k (delta - r)^2.
-Forces are complex-step derivatives of U: nothing is differentiated by hand.
+Pair j is at s_j = r_a [sigma (angle_a - gamma) + alpha] + j p_b from the interference point of a.
+It is in contact between C sin(alpha) - reach_b and reach_a, reach^2 = tip^2 - base^2, limited to
+the segment between the base circles. Stored energy U = 1/2 sum w k (delta - r)^2.
+Forces are complex-step derivatives of U; there are no analytical derivatives.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from reference.train import BearingSpec, MeshSpec, RigidSpec, ShaftPart, ShaftSp
 Array = NDArray[np.float64]
 E, NU, DENSITY = 207e9, 0.3, 7850.0
 G = E / (2 * (1 + NU))
-TINY = 1e-30  # of a complex step
+TINY = 1e-30  # complex step
 
 
 @dataclass(frozen=True)
 class TeethLaw:
-    """What the teeth of a mesh do, on top of the geometry of a `MeshLaw` (whose stiffness is not used)."""
+    """Tooth stiffness, relief, backlash and errors; `law` gives only geometry and damping."""
 
     law: MeshLaw
-    pair: Callable[[Any], Any] | None = None  # stiffness of one pair over s
-    cycle: Callable[[Any], Any] | None = None  # stiffness of the mesh over s / p_b
-    width: float = 0.0  # of a smooth engagement over p_b; 0 is sharp
+    pair: Callable[[Any], Any] | None = None  # stiffness of one pair as a function of s
+    cycle: Callable[[Any], Any] | None = None  # mesh stiffness as a function of s / p_b
+    width: float = 0.0  # width of a smooth engagement / p_b; 0 is sharp
     twist: bool = True  # the twist of the driver moves the teeth
     live: bool = True
     relief: tuple[float, float, int] | None = None  # amount, length, exponent
     backlash: float | None = None
-    error: Callable[[Any, Any], Any] | None = None  # of the spin angles
+    error: Callable[[Any, Any], Any] | None = None  # error as a function of the spin angles
     run_out: tuple[complex, complex] = (0j, 0j)
 
     def reaches(self) -> tuple[float, float]:
@@ -56,12 +56,12 @@ class TeethLaw:
     def path(self, distance: Any) -> tuple[Any, Any]:
         a, b = self.reaches()
         segment = np.sqrt(distance**2 - self.law.sum_of_radii**2)
-        # a tip circle that is wide enough takes in the whole segment
+        # a sufficiently large tip circle contains the whole segment
         low = np.where(np.real(segment) > b, segment - b, 0.0)
         return low, np.where(np.real(segment) > a, a, segment)
 
     def _centres(self, q: Any, angles: Sequence[Any]) -> tuple[Any, Any]:
-        """Of the base circles: u_b - u_a over (y, z)."""
+        """Give the relative displacement u_b - u_a of the base-circle centres in (y, z)."""
         apart = [q[3] - q[0], q[4] - q[1]]
         for sign, out, angle, twist in zip(
             (-1, 1), self.run_out, angles, (q[2], q[5]), strict=True
@@ -72,7 +72,7 @@ class TeethLaw:
         return apart[0], apart[1]
 
     def _lie(self, apart: tuple[Any, Any]) -> tuple[Any, Any, Any]:
-        """Distance, pressure angle, angle of the centres from psi."""
+        """Give centre distance, pressure angle, and centre-line angle relative to psi."""
         law = self.law
         cos, sin = np.cos(law.centre_line_angle), np.sin(law.centre_line_angle)
         along = law.centre_distance + cos * apart[0] + sin * apart[1]
@@ -101,7 +101,7 @@ class TeethLaw:
         return delta - self.error(*angles) if self.error else delta
 
     def place(self, q: Any, angles: Sequence[Any], back: bool = False) -> tuple[Any, Any, Any]:
-        """Of pair 0, and the ends of the path."""
+        """Give the position of pair 0 and the ends of the path."""
         law = self.law
         if self.live:
             distance, alpha, off = self._lie(self._centres(q, angles))
@@ -111,8 +111,8 @@ class TeethLaw:
         sigma = -law.sigma if back else law.sigma
         s = law.base_radius_a * (sigma * (turned - law.centre_line_angle - off) + alpha)
         low, high = self.path(distance)
-        # from drive flank to back flank a tooth is half a pitch on the reference circle of its rack of 20 degrees,
-        # and more on the base circle
+        # the tooth thickness is half a pitch on the reference circle of a 20 degree rack,
+        # and larger on the base circle
         rack = np.radians(20)
         thickness = law.base_pitch / 2 + 2 * law.base_radius_a * (np.tan(rack) - rack)
         return s + (thickness if back else 0.0), low, high
@@ -150,7 +150,7 @@ class TeethLaw:
     def flank(
         self, q: Array, qd: Array, angles: Array, spins: Array, back: bool
     ) -> tuple[Any, Array, Array]:
-        """Deflection, force along the line of action, and the generalised forces, were this flank to carry."""
+        """Give deflection, tooth force and generalised forces as if the flank is loaded."""
         steps = np.zeros((6, 8), dtype=complex)  # six coordinates, time, deflection
         steps[:, :6] = TINY * 1j * np.eye(6)
         moved = q[:, None] + steps
@@ -164,12 +164,12 @@ class TeethLaw:
         where = self.place(moved, turned, back) if self.twist else self.place(q, angles, back)
         energy = np.broadcast_to(self.energy(where, delta + push), 8).imag / TINY
         force = energy[7] + self.law.damping * rate
-        # of a stiffness that is prescribed, the force along the line of action alone
+        # a prescribed stiffness acts only along the line of action
         generalised = energy[:6] if self.twist else energy[7] * gradient[:6]
         return delta[0].real, force, -(generalised + self.law.damping * rate * gradient[:6])
 
     def force(self, q: Array, qd: Array, angles: Array, spins: Array) -> tuple[float, Array]:
-        """Force of the drive flank less that of the other, generalised forces on (v_a, w_a, t_a, v_b, w_b, t_b)."""
+        """Give drive-flank force minus back-flank force, and generalised forces as in `MeshLaw`."""
         if self.backlash is None:
             _, force, out = self.flank(q, qd, angles, spins, False)
             return float(force), out
@@ -184,18 +184,18 @@ class TeethLaw:
 
 @dataclass(frozen=True)
 class Toothed:
-    """A pair of gears on two shafts in the language of the package and in that of the independent train."""
+    """A pair of gears on two shafts, as input of the package and of the independent train."""
 
-    mesh: Mapping[str, Any] = field(default_factory=dict)  # of gb.Mesh; mappings for its parts
+    mesh: Mapping[str, Any] = field(default_factory=dict)  # fields of gb.Mesh
     teeth: tuple[int, int] = (25, 50)
     module: float = 3e-3
     face_width: float = 0.02
     gear: Mapping[str, tuple[Any, Any]] = field(
         default_factory=dict
-    )  # more of gb.Gear, for each gear
+    )  # further fields of gb.Gear, per gear
     torque: float = 0.0  # on the driver, balanced at the driven gear
     bearing_damping: float = 300.0
-    coupled: bool = False  # otherwise torsion alone, of two inertias on shafts that carry nothing
+    coupled: bool = False  # otherwise only torsion of two inertias on thin shafts
     inertia: tuple[float, float] = (1e-3, 8e-3)
     bows: Mapping[str, HalfSine] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -206,7 +206,7 @@ class Toothed:
 
     @property
     def diameter(self) -> float:
-        # in torsion a thread: its inertia is 1e-13 of the gears', its stiffness nothing beside that of the mesh
+        # in torsion a thin shaft: its inertia is 1e-13 of the gears', its stiffness is negligible
         return 0.03 if self.coupled else 1e-4
 
     @property
@@ -324,7 +324,7 @@ class Toothed:
 
 @dataclass(frozen=True)
 class Equations:
-    """Of a `Toothed` train in the coordinates that it has: all of them, or its twists."""
+    """The equations of a `Toothed` train in all coordinates, or only in its twists."""
 
     scene: Toothed
     law: MeshLaw
@@ -335,7 +335,7 @@ class Equations:
         keep = np.arange(train.size) if self.scene.coupled else np.arange(4, train.size, 5)
         sub = np.ix_(keep, keep)
         inverse = np.linalg.inv(train.mass[sub])
-        # places of the six coordinates among those kept; those left out stand still
+        # indices of the six coordinates among the retained ones; the others are zero
         places = [int(np.flatnonzero(keep == i)[0]) if i in keep else None for i in at]
         select = np.zeros((6, len(keep)))
         for row, place in enumerate(places):
@@ -367,7 +367,7 @@ def integrate(
     *,
     rtol: float = 1e-10,
 ) -> tuple[Array, Array]:
-    """Coordinates and tooth force at `times`, from rest, by SciPy's DOP853."""
+    """Give coordinates and tooth force at `times`, from rest, by SciPy's DOP853."""
     system = Equations(scene, teeth.law)
     n = len(system.keep)
     linear = np.hstack(
@@ -401,7 +401,7 @@ def integrate(
 
 
 def switch_times(teeth: TeethLaw, speed: float, until: float) -> Array:
-    """When a pair passes an end of the path, with sharp engagement moved by the spin alone, centres at rest."""
+    """Give the times when a pair passes an end of the path: sharp engagement, nominal rotation."""
     s, low, high = teeth.place(np.zeros(6), np.zeros(2))
     pitch = teeth.law.base_pitch
     rate = teeth.law.base_radius_a * teeth.law.sigma * speed
@@ -421,7 +421,10 @@ def propagate(
     speed: float,
     times: Array,
 ) -> tuple[Array, Array]:
-    """Exact motion from rest, frozen geometry and square stiffness, and the tooth force: exponentials between switches."""
+    """Give the exact motion from rest and the tooth force for frozen geometry and square stiffness.
+
+    The solution is a matrix exponential between contact changes.
+    """
     system = Equations(scene, teeth.law)
     n = len(system.keep)
     g = system.select.T @ teeth.law.gradient_at_rest()
@@ -474,7 +477,7 @@ def propagate(
 def begin(
     system: gb.RotorSystem, speed: float, y: Array | None = None, **options: Any
 ) -> dict[str, Any]:
-    """A state to continue from: that of a run of no length, with displacements and velocities as given."""
+    """Give a restart state, from a run of zero length, with the given motion."""
     found = dict(system.simulate(0.0, speed, initial="rest", record=["meshes"], **options).final)
     if y is not None:
         found |= {"state": np.array(y, dtype=float), "contact_modes": np.zeros(0, dtype=np.int64)}
@@ -482,8 +485,11 @@ def begin(
 
 
 def tips(scene: Toothed, contact_ratio: float) -> tuple[float, float]:
-    """Tip radii for a contact ratio: both reaches by the same factor from full depth, that of b inside the base circle
-    of a."""
+    """Give tip radii for a contact ratio.
+
+    One factor scales both reaches from full depth. The reach of b stays within the segment between
+    the base circles.
+    """
     law = scene.law()
     bases = (law.base_radius_a, law.base_radius_b)
     full = [np.sqrt(r["tip"] ** 2 - b**2) for r, b in zip(scene.radii(), bases, strict=True)]
@@ -498,8 +504,12 @@ def tips(scene: Toothed, contact_ratio: float) -> tuple[float, float]:
 def pair_stiffness(
     teeth: tuple[int, int], module: float, bores: tuple[float, float], tangent: float, s: float
 ) -> float:
-    """Of one pair per face width: bending, shear, compression (in the angle form of Yang, Lin and Tian, which has
-    integrals over the tangent angle from -a1 at the contact to a2 at the base circle), blank, contact."""
+    """Give the stiffness of one pair per face width.
+
+    The compliances are bending, shear, compression, blank and contact. The first three use the
+    angle form of Yang, Lin and Tian: integrals over the tangent angle from -a1 at the contact to a2
+    at the base circle.
+    """
     contact = 4 * (1 - NU**2) / (np.pi * E)
     return 1 / (
         contact
@@ -513,11 +523,11 @@ def tooth_compliance(z: int, module: float, bore: float, rolled: float) -> float
     base, root = module * z / 2 * np.cos(alpha), module * z / 2 - 1.25 * module
     a2 = np.pi / (2 * z) + np.tan(alpha) - alpha
     a1 = rolled / base - a2
-    # the tooth begins at the base circle, or where the involute leaves the root circle
+    # the tooth begins at the base circle, or at the intersection of involute and root circle
     lowest = a2 - np.sqrt(max((root / base) ** 2 - 1, 0.0))
 
     def integrals(x: float) -> float:
-        half = np.sin(x) + (a2 - x) * np.cos(x)  # thickness over base radius
+        half = np.sin(x) + (a2 - x) * np.cos(x)  # thickness / base radius
         travel = (a2 - x) * np.cos(x)
         lever = 1 + np.cos(a1) * ((a2 - x) * np.sin(x) - np.cos(x))
         bending = 3 * lever**2 * travel / (2 * E * half**3)
@@ -543,7 +553,7 @@ def tooth_compliance(z: int, module: float, bore: float, rolled: float) -> float
 
 
 def blank_compliance(z: int, module: float, bore: float, rolled: float) -> float:
-    """The part of `tooth_compliance` that fillet and blank have."""
+    """Give the contribution of fillet and blank to `tooth_compliance`."""
     alpha = np.radians(20)
     base, root = module * z / 2 * np.cos(alpha), module * z / 2 - 1.25 * module
     a2 = np.pi / (2 * z) + np.tan(alpha) - alpha

@@ -1,4 +1,4 @@
-"""A geared train assembled in NumPy: matrices, bow force, unbalance, mesh laws. Slow, dense and plain.
+"""A geared train assembled in NumPy with dense matrices: bow force, unbalance and meshes.
 
 Coordinates run over shafts, then nodes along x, then v, w, B, G, t. Angles of shaft s at time t: ratio_s * speed * t.
 """
@@ -109,7 +109,7 @@ class Train:
         return next((r.shaft, r.position) for r in self.rigid if r.name == name)
 
     def interface(self, mesh: MeshSpec) -> NDArray[np.intp]:
-        """Places of v_a, w_a, t_a, v_b, w_b, t_b."""
+        """Give the indices of v_a, w_a, t_a, v_b, w_b, t_b."""
         gears = (self.place(mesh.driver), self.place(mesh.driven))
         return np.array(
             [self.dof(*gear, c) for gear in gears for c in (elements.V, elements.W, elements.T)]
@@ -118,7 +118,7 @@ class Train:
     def _assemble(self) -> None:
         n = self.size
         self.mass, self.gyroscopic = np.zeros((n, n)), np.zeros((n, n))
-        self.elastic = np.zeros((n, n))  # the shafts alone
+        self.elastic = np.zeros((n, n))  # only the shafts
         for shaft in self.shafts:
             x, i = self.nodes[shaft.name], self.offset[shaft.name]
             ends = np.cumsum([part.length for part in shaft.parts])
@@ -136,7 +136,7 @@ class Train:
             m, g = elements.disk(body.mass, body.diametral, body.polar)
             self.mass[i : i + 5, i : i + 5] += m
             self.gyroscopic[i : i + 5, i : i + 5] += ratios[body.shaft] * g
-        self.grounded = self.elastic.copy()  # shafts and bearings, without a mesh
+        self.grounded = self.elastic.copy()  # shafts and bearings, without meshes
         self.viscous = np.zeros((n, n))
         for bearing in self.bearings:
             i = self.dof(bearing.shaft, bearing.position, 0)
@@ -144,7 +144,7 @@ class Train:
             self.viscous[i : i + 2, i : i + 2] += bearing.damping
 
     def linear(self) -> tuple[Array, Array]:
-        """Stiffness and damping with each mesh linearised at rest."""
+        """Give stiffness and damping with each mesh linearised at rest."""
         stiffness, damping = self.grounded.copy(), self.viscous.copy()
         for mesh in self.meshes:
             at, g = self.interface(mesh), mesh.law.gradient_at_rest()
@@ -153,7 +153,7 @@ class Train:
         return stiffness, damping
 
     def bow_shape(self, shaft: ShaftSpec, angle: float) -> Array:
-        """Stress-free nodal vector of one shaft, turned by `angle`."""
+        """Give the stress-free nodal vector of one shaft, rotated by `angle`."""
         q = np.zeros(self.size)
         if shaft.bow is None or shaft.bow_slope is None:
             return q
@@ -165,7 +165,7 @@ class Train:
         return q
 
     def steady_force(self) -> Array:
-        """Torques and gravity."""
+        """Give the forces of torques and gravity."""
         f = np.zeros(self.size)
         for at, value in self.torques:
             f[self.dof(*self.place(at), elements.T)] += value
@@ -174,7 +174,7 @@ class Train:
         return f + self.mass @ field_
 
     def turning_force(self, speed: float) -> list[tuple[float, Array, Array]]:
-        """Per shaft: its spin, and the bow and unbalance force at angle 0 and at a quarter turn."""
+        """Give per shaft the spin and the bow and unbalance force at the angles 0 and pi/2."""
         out = []
         for shaft in self.shafts:
             spin = shaft.ratio * speed
@@ -190,7 +190,7 @@ class Train:
         return out
 
     def synchronous(self, speed: float) -> list[NDArray[np.complex128]]:
-        """Per shaft as source the amplitude Q of q(t) = Re[Q exp(i ratio_s speed t)]."""
+        """Give per exciting shaft the amplitude Q of q(t) = Re[Q exp(i ratio_s speed t)]."""
         stiffness, damping = self.linear()
         out = []
         for spin, at_0, at_90 in self.turning_force(speed):
@@ -203,7 +203,7 @@ class Train:
     def eigenvalues(
         self, speed: float, lateral_only: bool = False, torsion_only: bool = False
     ) -> NDArray[np.complex128]:
-        """Damped eigenvalues, positive imaginary part, ascending."""
+        """Give the damped eigenvalues with positive imaginary part in ascending order."""
         stiffness, damping = self.linear()
         keep = np.arange(self.size)
         if lateral_only:

@@ -1,4 +1,4 @@
-//! What the tests share: the train that the documentation describes, and numbers without a pattern.
+//! Shared test helpers: the train of the documentation, and reproducible random numbers.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, reason = "every test file uses a part of this one")]
 
 pub mod particles;
@@ -13,7 +13,7 @@ use nalgebra::DVector;
 use num_complex::Complex64;
 use proptest::test_runner::{Config, RngSeed};
 
-/// `count` random cases, the same in every run; where GEARBOW_CASES is a number, so many times as many, and new ones.
+/// `count` random cases, the same in every run. GEARBOW_CASES multiplies the number and selects new cases.
 pub fn cases(count: u32) -> Config {
     let config = Config { failure_persistence: None, ..Config::with_cases(count) };
     match std::env::var("GEARBOW_CASES").ok().and_then(|times| times.parse::<u32>().ok()) {
@@ -22,7 +22,7 @@ pub fn cases(count: u32) -> Config {
     }
 }
 
-/// A double-stage train: three shafts on six bearings, two meshes, bow on two shafts, torque in balance.
+/// A double-stage train: three shafts on six bearings, two meshes, bow on two shafts, balanced torques.
 pub const TRAIN: &str = r#"
 shafts = [
     { name = "input", length = 0.5, outer_diameter = 0.05, elements = 4, bow = { shape = "half_sine", amplitude = 1.5e-4 } },
@@ -50,10 +50,10 @@ bearings = [
 torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
 "#;
 
-/// (v_a, w_a, v_b, w_b, θ_a, θ_b) of a mesh on its own.
+/// Indices of (v_a, w_a, v_b, w_b, θ_a, θ_b) of a single mesh.
 pub const COORDINATES: MeshCoordinates = MeshCoordinates { translation: Some([0, 2]), twist: [4, 5] };
 
-/// The scene of one mesh: `gears` say what the gears ga and gb are, `mesh` what their teeth are.
+/// The scene of one mesh: `gears` gives the fields of the gears ga and gb, `mesh` those of the mesh.
 pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
     let [a, b] = gears;
     let text = format!(
@@ -72,7 +72,7 @@ pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
     Scene::new(&SceneDescription::from_toml(&text).unwrap()).unwrap()
 }
 
-/// That mesh on coordinates of its own.
+/// The same mesh with its own coordinates.
 pub fn mesh(gears: [&str; 2], mesh: &str) -> GearMesh {
     let scene = scene_of_mesh(gears, mesh);
     GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES)
@@ -83,7 +83,7 @@ pub fn train() -> SceneDescription {
     SceneDescription::from_toml(TRAIN).unwrap()
 }
 
-/// The train with nothing that bends, drives or damps it: what is left conserves its energy.
+/// The train without bow, unbalance, torque and damping. Its energy is constant.
 pub fn free_train() -> SceneDescription {
     let mut system = train();
     system.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
@@ -99,12 +99,12 @@ pub fn model(system: &SceneDescription) -> Model {
     Model::new(Scene::new(system).unwrap()).unwrap()
 }
 
-/// The basis of a description.
+/// The cached model of a description.
 pub fn cached(system: &SceneDescription) -> CachedModel {
     CachedModel::new(model(system))
 }
 
-/// A train with everything that a scene can have: cross-coupled bearings, gravity, both dampings, a tilted bow.
+/// A train with all scene features: cross-coupled bearings, gravity, both dampings, a tilted bow.
 pub fn everything() -> SceneDescription {
     let mut system = train();
     system.bearings[1].stiffness = Coefficient::Full([[1e8, 3e6], [-2e6, 7e7]]).into();
@@ -117,7 +117,7 @@ pub fn everything() -> SceneDescription {
     system
 }
 
-/// The bow through `curve` at `positions`.
+/// The bow with the values of `curve` at `positions`.
 pub fn points(positions: Vec<f64>, curve: impl Fn(f64) -> Complex64) -> Bow {
     let values: Vec<_> = positions.iter().map(|x| curve(*x)).collect();
     Bow {
@@ -131,16 +131,16 @@ pub fn points(positions: Vec<f64>, curve: impl Fn(f64) -> Complex64) -> Bow {
     }
 }
 
-/// The motion of a basis; tolerances are relative to the distance from rest.
+/// The motion of a cached model. Tolerances are relative to the deviation from the zero state.
 pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64, origin: f64) -> EquationOfMotion<'_> {
     EquationOfMotion::new(cached, geometry, speed, origin, DVector::zeros(cached.model.len())).unwrap()
 }
 
-/// Numbers between −1 and 1 without a pattern, the same every time (Steele, Lea and Flood's SplitMix64).
+/// Reproducible random numbers between −1 and 1 (SplitMix64 of Steele, Lea and Flood).
 pub struct Noise(u64);
 
 impl Noise {
-    /// The sequence of `seed`.
+    /// The sequence with the seed `seed`.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }

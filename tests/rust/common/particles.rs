@@ -1,4 +1,4 @@
-//! Systems small enough to know the answer of.
+//! Small systems with known solutions.
 #![allow(dead_code, clippy::unwrap_used, reason = "every test file uses a part of this one")]
 
 use std::cell::Cell;
@@ -9,21 +9,21 @@ use gearbow::integrate::{
     Adaptive, FirstOrderSystem, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 
-/// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; products and sums alone, so that counts are the same everywhere.
+/// Particles q̈ᵢ = −ωᵢ² qᵢ − cᵢ qᵢ³ of unit mass; only products and sums, so counts do not depend on the platform.
 #[derive(Clone, Debug)]
 pub struct Particles {
     /// ωᵢ².
     pub square: Vec<f64>,
     /// cᵢ.
     pub cubic: Vec<f64>,
-    /// Springs that are `hit` times stiffer where q > 1: a kink.
+    /// Additional spring stiffness for q > 1. The force has a kink at q = 1.
     pub hit: f64,
     /// Evaluations of the derivative so far.
     pub evaluations: Rc<Cell<u64>>,
 }
 
 impl Particles {
-    /// Particles of `square` and `cubic`.
+    /// Particles with ωᵢ² = `square` and cᵢ = `cubic`.
     pub fn new(square: &[f64], cubic: &[f64]) -> Self {
         Self { square: square.to_vec(), cubic: cubic.to_vec(), hit: 0.0, evaluations: Rc::default() }
     }
@@ -62,18 +62,18 @@ impl FirstOrderSystem for Particles {
     }
 }
 
-/// Asks for nothing, or sees every step until `end`.
+/// Requests no output, or records every step until `end`.
 #[derive(Default)]
 pub struct Witness {
-    /// Until when.
+    /// End of the recording, s.
     pub end: Option<f64>,
-    /// Every step: beginning, length, evaluations.
+    /// Start, s, length, s, and number of evaluations of every step.
     pub seen: Vec<(f64, f64, u64)>,
-    /// (time, q₀, v₀) at two fifths of every step.
+    /// (time, q₀, v₀) at 0.4 of the length of every step.
     pub middles: Vec<[f64; 3]>,
-    /// The counter of the system that it watches.
+    /// Evaluation counter of the observed system.
     pub evaluations: Rc<Cell<u64>>,
-    /// How many times it lets a run go on.
+    /// Number of calls of `go_on` after which the run stops.
     pub patience: Option<u64>,
 }
 
@@ -115,7 +115,7 @@ pub fn integrate<const S: usize>(
     statistics
 }
 
-/// Error control from a floor of 1e-9.
+/// Error control with an absolute floor of 1e-9.
 pub fn adaptive(rtol: f64, longest: f64) -> StepControl {
     StepControl::Adaptive(Adaptive { rtol, floor: 1e-9, longest })
 }
