@@ -1,8 +1,8 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //!
-//! At a constant speed K and C are constant: `Model::at_speed` then puts the bearing into
-//! the matrices, so that it costs nothing there. Where the speed changes, K and C follow it at every evaluation. The energy
-//! ½uᵀKu then changes with K as well; the drive, which prescribes the speed, does that work: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
+//! At a constant speed K and C are constant, and `Model::at_speed` includes the bearing in the matrices. At a variable
+//! speed every evaluation computes K and C for the current speed. The energy ½uᵀKu then also changes with K. The drive
+//! prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{Bearing, EntryPath, Matrix2, SceneError};
@@ -14,9 +14,9 @@ pub struct SpeedDependentBearing {
     pub number: usize,
     /// The bearing with its tables.
     pub bearing: Bearing,
-    /// Index of the coordinate v of its node; w follows.
+    /// Index of the coordinate v of its node; w has the next index.
     pub index: usize,
-    /// Speed of its shaft over the speed of the reference shaft.
+    /// Ratio of the speed of its shaft to the speed of the reference shaft.
     pub ratio: f64,
 }
 
@@ -45,12 +45,12 @@ impl SpeedDependentBearing {
         coefficients.into_iter().flat_map(|coefficient| coefficient.speeds()).map(|speed| speed / self.ratio.abs())
     }
 
-    /// Whether its tables hold their end values at other speeds.
+    /// Whether its tables use their end values at speeds outside their range.
     pub fn holds(&self) -> bool {
         self.bearing.stiffness.holds() && self.bearing.damping.holds()
     }
 
-    /// Its two scalars: v and w of the node.
+    /// The two scalars of the bearing: v and w of the node.
     pub fn rows(&self) -> Vec<Row> {
         vec![vec![(self.index, 1.0)], vec![(self.index + 1, 1.0)]]
     }
@@ -62,13 +62,13 @@ impl SpeedDependentBearing {
         [self.bearing.stiffness.at(own), self.bearing.damping.at(own)]
     }
 
-    /// The same as matrices over its scalars.
+    /// Stiffness and damping as matrices over the scalars, at a speed of the reference shaft, rad/s.
     pub fn linear(&self, speed: f64) -> Coefficients {
         let [stiffness, damping] = self.at(speed);
         Coefficients::over_two(&stiffness, &damping)
     }
 
-    /// Bounds of its coefficients at all speeds of its tables; the stiffness counts from that at `speed`.
+    /// Bounds of the coefficients at all speeds of the tables. The stiffness is relative to the stiffness at `speed`.
     pub fn bounds(&self, speed: f64) -> Bounds {
         let [reference, _] = self.at(speed);
         let largest = |values: &[Matrix2], less: &Matrix2| {
@@ -83,7 +83,7 @@ impl SpeedDependentBearing {
         }
     }
 
-    /// Force of the shaft on the bearing over (y, z), N, at a speed of the reference shaft.
+    /// Force of the shaft on the bearing, components (y, z), N, at a speed of the reference shaft, rad/s.
     #[inline]
     pub fn force(&self, speed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let ([k, c], i) = (self.at(speed), self.index);
@@ -102,7 +102,7 @@ impl SpeedDependentBearing {
         let ([k, c], u, rate) =
             (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);
         let own = self.ratio * speed;
-        // The table is over |Ω_s|.
+        // The table is a function of |Ω_s|.
         let faster = self.ratio * acceleration * own.signum();
         let stiffening = form(&self.bearing.stiffness.slope(own), u) * faster / 2.0;
         let circulating = (k[0][1] - k[1][0]) / 2.0 * (rate[0] * u[1] - rate[1] * u[0]);
@@ -110,7 +110,7 @@ impl SpeedDependentBearing {
     }
 }
 
-/// uᵀku.
+/// Quadratic form uᵀku.
 fn form(k: &Matrix2, u: [f64; 2]) -> f64 {
     k[0][0] * u[0] * u[0] + (k[0][1] + k[1][0]) * u[0] * u[1] + k[1][1] * u[1] * u[1]
 }

@@ -1,8 +1,8 @@
-//! What the interface of a connection needs from its run.
+//! Quantities of a run that the interface of a connection needs.
 
 use crate::mesh::{ContactMode, Geometry, ShaftPhase};
 
-/// What a connection depends on besides its scalars at an instant of a run.
+/// Quantities at an instant of a run on which a connection depends in addition to its scalars.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
     /// Angles and spins of the two shafts of a mesh.
@@ -14,13 +14,14 @@ pub struct Instant {
 /// Interval in which the contact mode of a connection cannot change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuaranteedInterval {
-    /// Lower bound on the time to the next change, s, whatever part of the motion oscillates.
+    /// Lower bound on the time to the next change, s, for any oscillating part of the motion.
     pub time: f64,
-    /// Angular frequency of the oscillation of the gears on the teeth that may end it, rad/s; zero if `time` is infinite.
+    /// Angular frequency of the gear oscillation on the mesh stiffness that can end the interval, rad/s; zero if `time`
+    /// is infinite.
     pub swing: f64,
 }
 
-/// What the interfaces of a run have in common.
+/// Quantities that all interfaces of a run share.
 #[derive(Clone, Copy, Debug)]
 pub struct InterfaceOptions<'a> {
     /// Whether the line of action follows the gear centres.
@@ -29,8 +30,8 @@ pub struct InterfaceOptions<'a> {
     pub reference: &'a [f64],
     /// Whether the linear motion contains the linear part of the connections.
     pub contained: bool,
-    /// Highest angular frequency of the oscillation of gears on their teeth, rad/s.
+    /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
     pub highest_swing: f64,
-    /// Acceleration of the teeth of a mesh along the line of action by a unit force, 1/kg.
+    /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.
     pub mobility: f64,
 }

@@ -1,8 +1,8 @@
 //! A connection in a run: the loads that act on the linear motion through its scalars.
 //!
-//! The linear motion may contain the linear part of a connection. Deviations are measured from a reference, the static
-//! equilibrium where there is one. A load is the force of the connection without its force at the reference and without
-//! the linear part that the motion contains.
+//! The linear motion may contain the linear part of a connection. Deviations are measured from a reference: the static
+//! equilibrium, if it exists. A load is the force of the connection minus its force at the reference and minus the
+//! linear part that the motion contains.
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
 use super::mesh::MeshInterface;
@@ -22,7 +22,7 @@ pub enum Interface {
 #[derive(Clone, Debug)]
 pub struct SpringInterface {
     spring: Spring,
-    /// u at the reference, m, and −F there, N.
+    /// Scalar u at the reference, m, and generalised force −F at the reference, N.
     reference: f64,
     reference_force: f64,
     /// Stiffness, N/m, and damping, N s/m, that the linear motion contains.
@@ -30,7 +30,7 @@ pub struct SpringInterface {
 }
 
 impl Interface {
-    /// The interface of a connection; none for one that is part of the linear motion at a constant speed.
+    /// Creates the interface of a connection; none if the linear motion contains the connection at a constant speed.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
@@ -39,7 +39,7 @@ impl Interface {
             Connection::Mesh(index, mesh, sigma) => {
                 MeshInterface::new(index, mesh, sigma, options).map(|interface| Some(Self::Mesh(Box::new(interface))))
             }
-            // A run in modes has a constant speed.
+            // A run in modal coordinates has a constant speed.
             Connection::Bearing(_) => Ok(None),
             Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
         }
@@ -128,7 +128,7 @@ impl Interface {
         }
     }
 
-    /// Interval in which the flanks do not change from their state in a contact.
+    /// Interval in which the flanks keep the state that they have in `contact`.
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
@@ -136,8 +136,8 @@ impl Interface {
         }
     }
 
-    /// Distances of the drive flank and of the back flank from a change of the contact mode in a contact, m: positive
-    /// where the flank stays as it is, for example by the deflection that a pressed flank has left.
+    /// Distances of the drive flank and of the back flank from a change of the contact mode, m. A distance is positive
+    /// while the flank keeps its state; for a pressed flank it is the remaining deflection.
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),

@@ -1,8 +1,8 @@
-//! A mesh in a run, as a few scalars of the motion and the loads on them.
+//! A mesh in a run: a few scalars of the motion, and the loads on these scalars.
 //!
 //! The force of a mesh depends on six coordinates, but only through the relative displacement of the gear centres and the
 //! rolling displacement of the gears: three scalars. In frozen geometry the deflection alone is enough. Both twists are
-//! needed where the tooth engagement follows the twist, and where a gear has run-out. The linear motion may contain the
+//! needed if the tooth engagement depends on the twist, or if a gear has run-out. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
 use super::Row;
@@ -12,10 +12,10 @@ use crate::mesh::{
 };
 use crate::scene::Phase;
 
-/// The scalars through which a mesh sees the motion.
+/// The scalars of the motion on which the mesh force depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scalars {
-    /// The deflection δ along the line of action at rest.
+    /// Deflection δ along the line of action at rest, m.
     Deflection,
     /// u_b − u_a over (y, z), and r_a θ_a + r_b θ_b.
     Plane,
@@ -42,9 +42,9 @@ pub struct MeshInterface {
     reference_force: [f64; MAX_SCALARS],
     /// Mesh force at the reference, N, negative on the back flank.
     static_force: f64,
-    /// Highest angular frequency of the oscillation of gears on their teeth, rad/s.
+    /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
     highest_swing: f64,
-    /// Acceleration of the teeth along the line of action by a unit force, 1/kg.
+    /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.
     mobility: f64,
     /// ∂δ/∂(scalars) along the line of action at rest.
     gradient: [f64; MAX_SCALARS],
@@ -171,7 +171,7 @@ impl MeshInterface {
         }
     }
 
-    /// Generalised forces of the mean stiffness at the reference on the flank that carries there, and its force, N.
+    /// Generalised forces of the mean stiffness at the reference, on the flank that carries load, and its force, N.
     fn mean_force(&self, reference: &[f64]) -> Result<([f64; MAX_SCALARS], f64), Overlap> {
         let pressed = |flank| self.gear_mesh.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
         let drive = pressed(Flank::Drive)?;
@@ -225,7 +225,7 @@ impl MeshInterface {
         if self.gear_mesh.backlash.is_none() || self.is_firm(flank, contact) {
             return GuaranteedInterval { time: f64::INFINITY, swing: 0.0 };
         }
-        // Separated flanks are watched at the frequency that the gears have on the teeth in contact.
+        // For separated flanks, the frequency is that of the gear oscillation with teeth in contact.
         let swing =
             if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.highest_swing };
         let [drive, back] = self.margins(flank, contact);
@@ -234,7 +234,7 @@ impl MeshInterface {
         if !self.has_rates() || !presses || drive <= 0.0 || back <= 0.0 {
             return GuaranteedInterval { time: 0.0, swing };
         }
-        // The distance x after the time t is at least x − |ẋ|t − aω²t²/2 with the amplitude a.
+        // After the time t the distance is at least x − |ẋ|t − aω²t²/2, with the amplitude a.
         let rate = contact.rate.abs();
         let amplitude = ((contact.force - self.static_force) / contact.stiffness).hypot(rate / swing);
         let time =
@@ -243,7 +243,7 @@ impl MeshInterface {
     }
 
     pub(super) fn margins(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
-        // The force decides on separation: damping may hold flanks together whose deflection is negative.
+        // The force decides on separation, because damping can keep flanks with negative deflection in contact.
         let pressed = |force: f64, deflection: f64| {
             if contact.stiffness > 0.0 { force / contact.stiffness } else { deflection }
         };
@@ -256,16 +256,16 @@ impl MeshInterface {
         }
     }
 
-    /// Whether the flank in contact certainly stays pressed and the other flank stays clear: the oscillation of the mesh
-    /// force, estimated from the force and its rate, is at most half of the static force, and half of the backlash is
-    /// left.
+    /// Whether the flank in contact stays pressed and the other flank stays separated. The oscillation of the mesh
+    /// force, estimated from the force and its rate, must be at most half of the static force, and at least half of the
+    /// backlash must remain.
     fn is_firm(&self, flank: Flank, contact: &Contact) -> bool {
         let (static_force, clear) = match flank {
             Flank::Drive => (self.static_force, contact.back_flank_deflection),
             Flank::Back => (-self.static_force, contact.deflection),
             Flank::Apart | Flank::Both => return false,
         };
-        // Relative to the static force, so that no square overflows.
+        // Forces are relative to the static force, so that squares do not overflow.
         let part = |force: f64| force / static_force;
         let oscillation = part(contact.force - self.static_force).powi(2)
             + part(contact.stiffness * contact.rate / self.highest_swing).powi(2);

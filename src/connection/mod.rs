@@ -1,7 +1,7 @@
-//! Everything that acts between a few coordinates and is not simply linear and constant.
+//! Elements that act between a few coordinates and are nonlinear or time-varying.
 //!
-//! A connection sees the displacements q through a few scalars u = Wᵀq and acts on the same coordinates with the same
-//! coefficients. [`Connection`] is one enum; each variant has its own file and answers the same questions:
+//! A connection depends on the displacements q through a few scalars u = Wᵀq, and acts on the same coordinates with the
+//! same coefficients. [`Connection`] is one enum. Each variant has its own file and answers the same questions:
 //!
 //! | question | answer | used by |
 //! |---|---|---|
@@ -12,10 +12,10 @@
 //! | Which contact mode, and how far is the next change? | [`Interface::contact_mode`], [`Interface::margins`], [`Interface::guaranteed_interval`] | events |
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
 //!
-//! A bearing with constant coefficients is linear and constant: it is part of the matrices and no connection. A
-//! [`SpeedDependentBearing`] joins it there at a constant speed.
+//! A bearing with constant coefficients is linear: it is part of the matrices and is not a connection. At a constant
+//! speed a [`SpeedDependentBearing`] is also part of the matrices.
 //!
-//! The `match` over the variants has no wildcard, so an analysis that does not answer for a new variant does not compile.
+//! The `match` over the variants has no wildcard. An analysis that does not handle a new variant does not compile.
 
 mod bearing;
 mod instant;
@@ -68,7 +68,7 @@ impl Coefficients {
     }
 }
 
-/// Bounds of what a connection adds to the fastest motion of a run.
+/// Bounds of the contribution of a connection to the fastest motion of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Norm of the stiffness beyond that of [`Connection::linear`], N/m.
@@ -78,7 +78,7 @@ pub struct Bounds {
 }
 
 impl Connection<'_> {
-    /// Its scalars; those of a mesh are the deflection along the line of action at rest.
+    /// Scalars of the connection; for a mesh, the deflection along the line of action at rest.
     pub fn rows(&self) -> Vec<Row> {
         match self {
             Self::Mesh(_, mesh, sigma) => {
@@ -91,7 +91,7 @@ impl Connection<'_> {
         }
     }
 
-    /// Stiffness and damping over its scalars at a speed of the reference shaft, rad/s: those of a mesh are the means.
+    /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.
     pub fn linear(&self, speed: f64) -> Coefficients {
         match self {
             Self::Mesh(_, mesh, _) => Coefficients::over_one(mesh.stiffness, mesh.damping),
@@ -100,7 +100,7 @@ impl Connection<'_> {
         }
     }
 
-    /// Bounds of its coefficients in a run whose linear part is that at `speed`.
+    /// Bounds of the coefficients in a run whose linear part is the one at `speed`.
     pub fn bounds(&self, speed: f64) -> Bounds {
         match self {
             Self::Mesh(_, mesh, _) => {
@@ -112,7 +112,7 @@ impl Connection<'_> {
         }
     }
 
-    /// The name of the connection in messages, with its stiffness; none for a bearing, which has a stiffness for each
+    /// Name of the connection in messages, with its stiffness; none for a bearing, whose stiffness depends on the
     /// speed.
     pub fn described(&self) -> Option<String> {
         match self {

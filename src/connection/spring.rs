@@ -1,7 +1,7 @@
 //! A spring and damper on one scalar, with a cubic term: F = k u + k₃ u³ + c u̇, u = Σ w_i q_i.
 //!
-//! The smallest connection that answers every question. No scene describes it; the tests build models with it, to prove
-//! that no analysis ignores a connection, and `docs/adding_a_connection.md` explains connections by it.
+//! This is the simplest connection that answers every question. A scene cannot contain it. The tests build models with
+//! it to check that no analysis ignores a connection, and `docs/adding_a_connection.md` uses it as the example.
 
 use super::{Bounds, Coefficients, Row};
 use crate::mesh::Contact;
@@ -20,7 +20,7 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// Its scalar.
+    /// The scalar of the spring.
     pub fn rows(&self) -> Vec<Row> {
         vec![self.row.clone()]
     }
@@ -30,13 +30,13 @@ impl Spring {
         Coefficients::over_one(self.stiffness, self.damping)
     }
 
-    /// Bounds of damping and of the stiffness above k. The cubic term has no bound; a run by Runge–Kutta with a large one
-    /// chooses its steps by the error.
+    /// Bounds of the damping and of the stiffness above k. The cubic term has no bound. For a large cubic term, use a
+    /// Runge–Kutta method with error control.
     pub fn bounds(&self) -> Bounds {
         Bounds { excess_stiffness: 0.0, damping: self.damping }
     }
 
-    /// u of displacements, or u̇ of velocities.
+    /// Scalar u for displacements, or u̇ for velocities.
     #[inline]
     pub fn scalar(&self, q: &[f64]) -> f64 {
         self.row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum()
@@ -66,7 +66,7 @@ impl Spring {
         }
     }
 
-    /// ∂F/∂u about the displacements q, and F, without damping.
+    /// ∂F/∂u and F at the displacements q, without damping.
     pub fn tangent(&self, q: &[f64]) -> (f64, f64) {
         let contact = self.contact(self.scalar(q), 0.0);
         (contact.stiffness, contact.force)

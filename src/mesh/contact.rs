@@ -5,7 +5,7 @@ use super::Centres;
 /// Angle and spin of a shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShaftPhase {
-    /// Angle ϑ of its spin, rad.
+    /// Spin angle ϑ, rad.
     pub angle: f64,
     /// Spin Ω, rad/s.
     pub spin: f64,
@@ -86,17 +86,17 @@ impl ContactMode {
 /// The state of a mesh at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Deflection δ of the drive flank, m; of the back flank where that alone is asked for.
+    /// Deflection δ of the drive flank, m, or of the back flank if only the back flank is evaluated.
     pub deflection: f64,
-    /// Its rate δ̇, m/s.
+    /// Rate δ̇ of the deflection, m/s.
     pub rate: f64,
-    /// Force F, N: that of the drive flank, less that of the back flank.
+    /// Mesh force F, N: force of the drive flank minus force of the back flank.
     pub force: f64,
     /// Stiffness ∂²U/∂δ², N/m.
     pub stiffness: f64,
     /// Elastic energy U, J.
     pub energy: f64,
-    /// Generalised force on u_b, and the opposite on u_a, N.
+    /// Generalised force on u_b, N; the force on u_a is the opposite.
     pub push: [f64; 2],
     /// Generalised forces on θ_a and θ_b, N m.
     pub moments: [f64; 2],
@@ -109,7 +109,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The contact of separated flanks: deflection and rate, without force.
+    /// The contact with separated flanks: same deflection and rate, no force.
     pub(super) fn separated(&self) -> Self {
         Self { deflection: self.deflection, rate: self.rate, ..Self::default() }
     }
@@ -132,17 +132,17 @@ impl Contact {
     }
 }
 
-/// What a response reports of a mesh.
+/// Quantities of a mesh that a response reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshState {
-    /// Deflection δ of the drive flank, m; below zero while the flanks are apart.
+    /// Deflection δ of the drive flank, m; negative while the drive flank is separated.
     pub deflection: f64,
-    /// Force F, N; below zero on the back flank.
+    /// Mesh force F, N; negative on the back flank.
     pub force: f64,
     /// Stiffness, N/m.
     pub stiffness: f64,
-    /// The moving centres.
+    /// Position of the moving gear centres.
     pub centres: Centres,
-    /// Tooth pairs between the tip circles; none while the flanks are apart.
+    /// Number of tooth pairs between the tip circles; zero while the flanks are separated.
     pub pairs_in_contact: f64,
 }

@@ -6,7 +6,7 @@ use super::contact::ShaftPhase;
 use super::stiffness::PeriodicCurve;
 use crate::scene::TransmissionError;
 
-/// An error that can be evaluated.
+/// Transmission error that can be evaluated at any shaft angle.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorCurve {
     harmonics: [(PeriodicCurve, f64); 3],
@@ -15,7 +15,7 @@ pub(super) struct ErrorCurve {
 }
 
 impl ErrorCurve {
-    /// The error of a mesh whose driver has `teeth` teeth.
+    /// Creates the transmission error of a mesh; `teeth` is the number of teeth of the driver.
     pub fn new(given: &TransmissionError, teeth: u32) -> Self {
         let teeth = f64::from(teeth);
         let of = |harmonics: &Vec<[f64; 2]>| PeriodicCurve::Fourier(0.0, harmonics.clone());
@@ -26,7 +26,7 @@ impl ErrorCurve {
         }
     }
 
-    /// e and its rate.
+    /// Transmission error e, m, and its rate, m/s.
     pub fn at(&self, turning: &[ShaftPhase; 2]) -> (f64, f64) {
         let [driver, driven] = turning;
         let mut sum = (0.0, 0.0);

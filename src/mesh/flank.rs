@@ -1,4 +1,4 @@
-//! One flank of a mesh: its deflection and force; and the contact mode, which follows from both flanks.
+//! Deflection and force of one flank of a mesh, and the contact mode that follows from both flanks.
 
 use super::contact::{Contact, ContactMode, Flank};
 use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
@@ -6,7 +6,7 @@ use super::involute::{CentreGeometry, LineOfAction, Overlap};
 use super::stiffness::{ContactPath, ElasticState};
 use crate::scene::Phase;
 
-/// Kinematics of the gears that both flanks have in common.
+/// Kinematics of the gears, shared by both flanks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GearKinematics<'a> {
     pose: MeshPose<'a>,
@@ -24,7 +24,7 @@ pub(super) struct FlankKinematics {
     back: bool,
     sigma: f64,
     line: LineOfAction,
-    /// δ, m, and its rate, m/s; the flank is separated if δ ≤ 0.
+    /// Deflection δ, m, and its rate, m/s; the flank is separated if δ ≤ 0.
     deflection: f64,
     rate: f64,
     error_rate: f64,
@@ -87,7 +87,7 @@ impl GearMesh {
         self.backlash.map_or(f64::NEG_INFINITY, clear)
     }
 
-    /// The contact of one flank: tooth pairs, error and run-out.
+    /// Evaluates the contact of one flank with tooth pairs, transmission error and run-out.
     pub(super) fn press(
         &self,
         approach: &GearKinematics<'_>,

@@ -1,7 +1,7 @@
 //! The force of a mesh: one scalar that acts on six coordinates.
 //!
 //! ```text
-//! F = ∂U/∂δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) over (u_a, u_b, θ_a, θ_b)
+//! F = ∂U/∂δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) for q = (u_a, u_b, θ_a, θ_b)
 //! ```
 //!
 //! U is ½kδ² for a mean stiffness k, otherwise the sum over the tooth pairs. Modes, static equilibrium and motion use the
@@ -9,8 +9,9 @@
 //! undamped scene conserves its energy. Frozen geometry keeps n of the centres at rest, so that the force is linear. A
 //! stiffness that depends on the displacements adds its own −∂U/∂q.
 //!
-//! With backlash F acts on the drive flank while that is pressed, on the back flank (σ → −σ, deflection less the backlash)
-//! while that is pressed, and is zero otherwise; it never pulls. The force of one flank is in `flank.rs`.
+//! With backlash, F acts on the drive flank while this flank is pressed, and on the back flank (σ → −σ, deflection
+//! minus backlash) while the back flank is pressed. Otherwise F is zero. F is never tensile. `flank.rs` computes the
+//! force of one flank.
 
 use super::contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
@@ -71,7 +72,7 @@ pub struct GearMesh {
     pub coordinates: MeshCoordinates,
     /// Stiffness of the teeth.
     pub teeth: Stiffness,
-    /// The angle that moves the teeth along the path of contact: the prescribed angle, or that with the twist.
+    /// Angle that moves the teeth along the path of contact: the prescribed angle, with or without the twist.
     pub phase: Phase,
     /// Mean stiffness, N/m, used by modes, equilibrium and all linear analyses.
     pub stiffness: f64,
@@ -84,14 +85,14 @@ pub struct GearMesh {
     /// Shafts of driver and driven gear; the spin of the first gives σ.
     pub shafts: [usize; 2],
     pub(super) error: Option<ErrorCurve>,
-    /// Run-out of driver and driven gear, where one has any: amplitude, m, and angle in the shaft, rad.
+    /// Run-out of driver and driven gear: amplitude, m, and angle in the shaft, rad; none if neither gear has run-out.
     run_out: Option<[(f64, f64); 2]>,
-    /// The line of action of the centres at rest, for σ = −1 and +1.
+    /// Line of action of the centres at rest, for σ = −1 and σ = +1.
     pub(super) at_rest: [LineOfAction; 2],
 }
 
 impl GearMesh {
-    /// The mesh of two gears on its coordinates.
+    /// Creates the mesh of two gears that acts on these coordinates.
     pub fn new(mesh: &Mesh, gears: &[Gear], coordinates: MeshCoordinates) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let involute = Involute::new(mesh, gears);
@@ -124,22 +125,22 @@ impl GearMesh {
         }
     }
 
-    /// Whether the mesh has contact modes, at whose changes a step of the integration must end.
+    /// Whether the mesh changes its contact mode. An integration step must end at each change.
     pub fn switches(&self) -> bool {
         self.backlash.is_some() || self.teeth.is_sharp()
     }
 
-    /// Whether the stiffness varies with time or the contact mode changes: the centres are then observed at every step.
+    /// Whether the stiffness varies with time or the contact mode changes. The centres are then observed at every step.
     pub fn is_time_varying(&self) -> bool {
         self.switches() || !self.teeth.is_constant()
     }
 
-    /// Whether the force depends, between changes of the contact mode, on the position of the teeth on the path of contact.
+    /// Whether the force depends on the position of the teeth on the path of contact at a constant contact mode.
     pub fn depends_on_tooth_position(&self) -> bool {
         !self.teeth.is_piecewise_constant() || self.error.is_some()
     }
 
-    /// Whether the motion moves the tooth engagement: by the twist, or by run-out.
+    /// Whether the tooth engagement depends on the motion, by the twist or by run-out.
     pub fn engagement_follows_motion(&self) -> bool {
         self.phase == Phase::Twist || self.run_out.is_some()
     }
@@ -157,8 +158,8 @@ impl GearMesh {
         self.involute.centres(self.relative_displacement(turning, position))
     }
 
-    /// The moving centres as a response reports them. The force of frozen geometry does not depend on them, so base
-    /// circles that overlap end no run there.
+    /// Position of the moving centres for the response. In frozen geometry the force does not depend on it, so
+    /// overlapping base circles do not stop the run.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles in live geometry.
@@ -220,7 +221,7 @@ impl GearMesh {
         Some([at(0), at(1)])
     }
 
-    /// Geometry of the moving centres; none in frozen geometry, which keeps the centres at rest.
+    /// Geometry of the moving centres; none in frozen geometry, which uses the centres at rest.
     #[inline(always)]
     pub(super) fn centre_geometry(
         &self,
@@ -233,7 +234,7 @@ impl GearMesh {
         }
     }
 
-    /// The line of action; in frozen geometry the line at rest, with the deflection by small displacements.
+    /// The line of action. In frozen geometry it is the line at rest, with the deflection linear in the displacements.
     #[inline(always)]
     pub(super) fn line(
         &self,
@@ -292,7 +293,7 @@ impl GearMesh {
         }
     }
 
-    /// u_b − u_a of the base circles.
+    /// Relative displacement u_b − u_a of the centres of the base circles, m.
     fn relative_displacement(&self, turning: &[ShaftPhase; 2], position: &RelativeMotion) -> [f64; 2] {
         let relative_displacement = position.relative_displacement;
         match self.eccentric(turning, position.twist) {
@@ -315,7 +316,7 @@ impl GearMesh {
         out[b] += contact.moments[1];
     }
 
-    /// Calls `visit(index, ∂δ/∂q)` for the coordinates of the mesh, along the line of action `normal`.
+    /// Calls `visit(index, ∂δ/∂q)` for each coordinate of the mesh; `normal` is the unit vector of the line of action.
     #[inline(always)]
     pub fn gradient(&self, sigma: f64, normal: [f64; 2], mut visit: impl FnMut(usize, f64)) {
         if let Some([a, b]) = self.coordinates.translation {

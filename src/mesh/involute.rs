@@ -1,93 +1,95 @@
-//! A pair of involutes is a crossed belt between the base circles; its change of length is the mesh deflection.
+//! Involute geometry of a gear pair, modelled as a crossed belt between the base circles. The mesh deflection is the
+//! change of the belt length.
 //!
-//! With S = r_a + r_b, centres apart by c = C₀(cos ψ, sin ψ) + (u_b − u_a), C = |c|, γ = arg c and cos α = S/C:
+//! With S = r_a + r_b, the vector c = C₀(cos ψ, sin ψ) + (u_b − u_a) between the centres, C = |c|, γ = arg c and
+//! cos α = S/C:
 //!
 //! ```text
 //! δ = σ[ r_a θ_a + r_b θ_b − S(γ − ψ) ] − S(inv α − inv α₀),        inv α = tan α − α
 //! ```
 //!
-//! σ is the sign of the driver's spin. The gradient of δ over the displacement of a is the line of action
-//! n = σ cos α·(−sin γ, cos γ) + sin α·(cos γ, sin γ), over that of b it is −n, over the twists σr_a and σr_b.
-//! Angles count counter-clockwise seen from +x, y to the right and z up.
+//! σ is the sign of the driver's spin. The gradient of δ with respect to u_a is the unit vector of the line of action,
+//! n = σ cos α·(−sin γ, cos γ) + sin α·(cos γ, sin γ). With respect to u_b it is −n, and with respect to the twists it
+//! is σr_a and σr_b. Angles are positive counter-clockwise, viewed from +x with y to the right and z up.
 //!
-//! Every difference (γ − ψ, inv α − inv α₀) is computed as one, not as the difference of two rounded numbers: a
-//! load of 1e-9 N deflects a mesh by 1e-18 m, which is still right to all its digits.
+//! The differences γ − ψ and inv α − inv α₀ are computed directly, without subtracting two rounded numbers. A load of
+//! 1e-9 N deflects a mesh by 1e-18 m, and this deflection keeps its full relative accuracy.
 
 use super::stiffness::ContactPath;
 use crate::scene::{Gear, Mesh, path_of_contact};
 
-/// What the teeth and the centres at rest make of a pair.
+/// Geometry of a gear pair with the centres at rest.
 #[derive(Clone, Debug)]
 pub struct Involute {
     /// Base radii of driver and driven gear, m.
     pub base_radius: [f64; 2],
-    /// √(tip radius² − base radius²), the length of the line of action from base circle to tip, of driver and driven
-    /// gear, m.
+    /// √(tip radius² − base radius²) of driver and driven gear, m: length of the line of action from base circle to
+    /// tip.
     tip_reach: [f64; 2],
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
-    /// Thickness of a tooth of the driver on its base circle, m: so far its back flank follows its drive flank.
+    /// Thickness of a tooth of the driver on its base circle, m: the arc between its drive flank and its back flank.
     pub base_thickness: f64,
-    /// S, the sum of the base radii, m.
+    /// Sum S of the base radii, m.
     sum: f64,
-    /// C₀, m.
+    /// Centre distance C₀ at rest, m.
     distance: f64,
-    /// t₀ = C₀ sin α₀, the length of the line of action between the base circles at rest, m.
+    /// Length t₀ = C₀ sin α₀ of the line of action between the base circles at rest, m.
     tangent: f64,
-    /// α₀, rad.
+    /// Operating pressure angle α₀ at rest, rad.
     pressure_angle: f64,
-    /// ψ, rad, with its cosine and sine.
+    /// Angle ψ of the line of centres at rest, rad, with its cosine and sine.
     angle: f64,
     direction: [f64; 2],
 }
 
-/// How the centres lie at an instant.
+/// Position of the gear centres at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Centres {
     /// Operating pressure angle α, rad.
     pub pressure_angle: f64,
-    /// Distance C, m.
+    /// Centre distance C, m.
     pub distance: f64,
-    /// Angle γ of the line of centres, rad: near the ψ that was given, whatever turns that contains.
+    /// Angle γ of the line of centres, rad. It is close to the given ψ and contains the same whole revolutions.
     pub angle: f64,
     /// Contact ratio ε.
     pub contact_ratio: f64,
-    /// C sin α less the longer of √(tip radius² − base radius²), m: below zero a tip reaches beyond the base circle of
-    /// the other gear, where no involute is (involute interference).
+    /// C sin α minus the larger √(tip radius² − base radius²) of both gears, m. If it is negative, a tip reaches beyond
+    /// the base circle of the other gear, where no involute exists (involute interference).
     pub involute_clearance: f64,
 }
 
-/// How the centres lie: what the lines of action of both flanks have in common.
+/// Position of the gear centres, which the lines of action of both flanks share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CentreGeometry {
     /// Unit vector along the line of centres.
     direction: [f64; 2],
-    /// C, m.
+    /// Centre distance C, m.
     distance: f64,
-    /// C sin α, m.
+    /// Length C sin α of the line of action between the base circles, m.
     tangent: f64,
-    /// γ − ψ, rad.
+    /// Rotation γ − ψ of the line of centres from rest, rad.
     turned: f64,
-    /// α − α₀, rad.
+    /// Change α − α₀ of the pressure angle from rest, rad.
     steeper: f64,
-    /// S(inv α − inv α₀), m.
+    /// Change of the belt length due to the pressure angle, S(inv α − inv α₀), m.
     longer: f64,
 }
 
-/// The deflection and its derivatives over the displacement of the driver.
+/// The deflection and its derivatives with respect to the displacement of the driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineOfAction {
-    /// The part of δ that the centres make, −σS(γ − ψ) − S(inv α − inv α₀), m.
+    /// Contribution of the centre displacements to δ, −σS(γ − ψ) − S(inv α − inv α₀), m.
     pub deflection: f64,
-    /// Unit vector n over (y, z).
+    /// Unit vector n of the line of action, components (y, z).
     pub normal: [f64; 2],
-    /// Unit vector m across it; ∂n/∂(u_b − u_a) = m mᵀ / `tangent`.
+    /// Unit vector m perpendicular to n, components (y, z); ∂n/∂(u_b − u_a) = m mᵀ / `tangent`.
     pub tangent_direction: [f64; 2],
-    /// C sin α, m.
+    /// Length C sin α of the line of action between the base circles, m.
     pub tangent: f64,
-    /// γ − ψ, rad.
+    /// Rotation γ − ψ of the line of centres from rest, rad.
     pub turned: f64,
-    /// α − α₀, rad.
+    /// Change α − α₀ of the pressure angle from rest, rad.
     pub steeper: f64,
 }
 
@@ -101,7 +103,7 @@ pub struct Overlap {
 }
 
 impl Involute {
-    /// The pair of a mesh.
+    /// Creates the gear pair of a mesh.
     pub fn new(mesh: &Mesh, gears: &[Gear]) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
         let sum = a.base_radius + b.base_radius;
@@ -121,7 +123,7 @@ impl Involute {
         }
     }
 
-    /// `relative_displacement`, the displacement u_b − u_a, along and across the line of centres at rest.
+    /// Components of `relative_displacement` = u_b − u_a along and perpendicular to the line of centres at rest.
     #[inline(always)]
     fn along_and_across(&self, relative_displacement: [f64; 2]) -> (f64, f64) {
         let [cos, sin] = self.direction;
@@ -137,7 +139,7 @@ impl Involute {
         self.line(sigma, &CentreGeometry { direction, distance, tangent, turned: 0.0, steeper: 0.0, longer: 0.0 })
     }
 
-    /// Distance of the centres, and the tangent length with its change from rest.
+    /// Centre distance, and the length of the line of action with its change from rest.
     #[inline(always)]
     fn lengths(&self, relative_displacement: [f64; 2]) -> Result<(f64, f64, f64), Overlap> {
         let (along, _) = self.along_and_across(relative_displacement);
@@ -146,7 +148,7 @@ impl Involute {
             + relative_displacement[0] * relative_displacement[0]
             + relative_displacement[1] * relative_displacement[1];
         let square = self.tangent * self.tangent + growth;
-        // A comparison that NaN passes: a run that diverged is not one whose base circles overlap.
+        // The comparison is false for NaN, so a diverged run does not report overlapping base circles.
         if square <= 0.0 {
             let distance = (self.distance * self.distance + growth).max(0.0).sqrt();
             return Err(Overlap { distance, base_circles: self.sum });
@@ -155,7 +157,8 @@ impl Involute {
         Ok(((self.distance * self.distance + growth).sqrt(), tangent, growth / (tangent + self.tangent)))
     }
 
-    /// The line of action for centres that have moved `relative_displacement` = u_b − u_a; `sigma` is the sign of the driver's spin.
+    /// The line of action for the centre displacement `relative_displacement` = u_b − u_a; `sigma` is the sign of the
+    /// driver's spin.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -163,7 +166,7 @@ impl Involute {
         Ok(self.line(sigma, &self.centre_geometry(relative_displacement)?))
     }
 
-    /// How the centres lie that have moved `relative_displacement`.
+    /// Position of the gear centres for the centre displacement `relative_displacement` = u_b − u_a.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -181,7 +184,7 @@ impl Involute {
         Ok(CentreGeometry { direction, distance, tangent, turned, steeper, longer: stretched - self.sum * steeper })
     }
 
-    /// The line of action of centres that lie so.
+    /// The line of action for this position of the centres.
     #[inline(always)]
     pub(super) fn line(&self, sigma: f64, centre_geometry: &CentreGeometry) -> LineOfAction {
         let CentreGeometry { direction: [y, z], distance, tangent, turned, steeper, longer } = *centre_geometry;
@@ -196,7 +199,7 @@ impl Involute {
         }
     }
 
-    /// Pressure angle, distance, angle and contact ratio for centres that have moved `relative_displacement`.
+    /// Pressure angle, distance, angle and contact ratio for the displacement `relative_displacement` = u_b − u_a.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -213,7 +216,7 @@ impl Involute {
         })
     }
 
-    /// Position of centres whose base circles overlap. They have no pressure angle and no contact ratio: both are NaN.
+    /// Position of the gear centres if the base circles overlap. Pressure angle and contact ratio are then NaN.
     pub(super) fn overlapping_centres(&self, relative_displacement: [f64; 2], overlap: &Overlap) -> Centres {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
         Centres {
@@ -225,7 +228,7 @@ impl Involute {
         }
     }
 
-    /// The path of contact where the line of action between the base circles is `tangent` long, with pair 0 at its
+    /// The path of contact for a line of action of the length `tangent` between the base circles, with pair 0 at its
     /// origin.
     #[inline(always)]
     pub fn path(&self, tangent: f64) -> ContactPath {
@@ -238,29 +241,29 @@ impl Involute {
         self.path(self.tangent)
     }
 
-    /// s = r_a[σ(ϑ_a − γ) + α] of pair 0 for a driver that has turned to ϑ_a (spin, and twist if it counts).
+    /// Position s = r_a[σ(ϑ_a − γ) + α] of pair 0, m, at the driver angle ϑ_a (spin angle, plus twist if included).
     #[inline(always)]
     pub fn position(&self, sigma: f64, turned: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
         self.base_radius[0] * (sigma * (turned - centres_angle) + pressure_angle)
     }
 
-    /// α₀, rad.
+    /// Operating pressure angle α₀ at rest, rad.
     pub fn pressure_angle_at_rest(&self) -> f64 {
         self.pressure_angle
     }
 
-    /// ψ, rad.
+    /// Angle ψ of the line of centres at rest, rad.
     pub fn angle_at_rest(&self) -> f64 {
         self.angle
     }
 
-    /// S, m.
+    /// Sum S of the base radii, m.
     pub fn base_circles(&self) -> f64 {
         self.sum
     }
 }
 
-/// The angle of (x, y). Centres wander by little, where six terms of the series are all its digits.
+/// Angle of the vector (x, y), rad. For small centre displacements, six terms of the series give full precision.
 #[inline(always)]
 fn angle(y: f64, x: f64) -> f64 {
     const SERIES: [f64; 5] = [1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];

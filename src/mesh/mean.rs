@@ -5,21 +5,21 @@ use super::gear_mesh::{GearMesh, Geometry, dot};
 use super::involute::Overlap;
 
 impl GearMesh {
-    /// δ of small displacements `q`, along the line of action at rest.
+    /// Deflection δ for small displacements `q`, along the line of action at rest, m.
     pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
         let relative = self.relative(q);
         let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
         sigma * relative.rolling_displacement - dot(normal, relative.relative_displacement)
     }
 
-    /// n of the centres at rest.
+    /// Unit vector n of the line of action with the centres at rest.
     pub fn normal_at_rest(&self, sigma: f64) -> [f64; 2] {
         self.at_rest[usize::from(sigma > 0.0)].normal
     }
 
-    /// The force of the mean stiffness at rest in displacements `q` on the drive flank, or on the back flank, and the
-    /// tangent of the generalised forces: `visit(row, column, ∂(F ∂δ/∂q)/∂q)`, k·ggᵀ, and in live geometry F ∂²δ/∂q².
-    /// Returns F and n.
+    /// Static force of the mean stiffness at the displacements `q`, on the drive flank or on the back flank, and the
+    /// tangent of the generalised forces. Calls `visit(row, column, ∂(F ∂δ/∂q)/∂q)` with the terms k·ggᵀ and, in live
+    /// geometry, F ∂²δ/∂q². Returns F and n.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -46,7 +46,7 @@ impl GearMesh {
             self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
         });
         if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
-            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action rotates when the centres move across it.
+            // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action rotates if the centres move perpendicular to it.
             let curvature = -force / line.tangent;
             for (row, sign) in [(a, -1.0), (b, 1.0)] {
                 for (column, other) in [(a, -1.0), (b, 1.0)] {
@@ -63,7 +63,7 @@ impl GearMesh {
         Ok((force, line.normal))
     }
 
-    /// The quantities that are reported of an equilibrium with the mean stiffness at the displacements `q`.
+    /// The reported quantities of a mesh in equilibrium with the mean stiffness at the displacements `q`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.

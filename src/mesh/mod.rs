@@ -1,4 +1,4 @@
-//! A pair of gears in mesh: involute geometry that follows the centres, and the force between the flanks.
+//! A pair of gears in mesh: involute geometry for moving centres, and the force between the flanks.
 
 mod contact;
 mod error;

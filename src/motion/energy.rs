@@ -8,13 +8,13 @@ use crate::model::Model;
 /// Energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// ½vᵀMv.
+    /// Kinetic energy ½vᵀMv.
     pub kinetic: f64,
-    /// ½(q − q_b)ᵀK_s(q − q_b).
+    /// Elastic energy of the shafts, ½(q − q_b)ᵀK_s(q − q_b), with the stress-free shape q_b.
     pub shafts: f64,
-    /// ½qᵀK_bearings q, and the energy of other connections that are no meshes.
+    /// Elastic energy of the bearings, ½qᵀK_bearings q, and of all other connections except meshes.
     pub bearings: f64,
-    /// ΣU of the meshes.
+    /// Sum of the elastic energies U of the meshes.
     pub meshes: f64,
 }
 
@@ -47,7 +47,7 @@ impl<'m> EquationOfMotion<'m> {
         })
     }
 
-    /// Elastic energy of the connections that are no meshes, J.
+    /// Elastic energy of all connections except meshes, J.
     fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
             Connection::Mesh(..) => 0.0,

@@ -1,12 +1,12 @@
 //! M q̈ = f(t) − K q − (C + ΩG) q̇ − Σ_mesh F ∂δ/∂q, node by node.
 //!
-//! The two bending planes of a shaft are the lanes of one complex chain, its twist is a chain of its own; every chain
-//! is multiplied and solved in time proportional to its nodes. Terms that a scene does not have (spin, damping, bow) are
-//! skipped.
+//! One complex chain contains both bending planes of a shaft; a separate chain contains its twist. The multiplication
+//! and the solution of a chain take time proportional to its number of nodes. Terms that a scene does not have (spin,
+//! damping, bow) are skipped.
 //!
-//! Where Ω changes, every shaft has its exact angle, spin and acceleration at each evaluation. The torque that accelerates
-//! a section is assumed to act on that section along its own axis: there is no term Ω̇G q, and the twist, which is measured
-//! from the prescribed spin, is not excited.
+//! At a variable Ω, each evaluation uses the exact angle, spin and acceleration of every shaft. The torque that
+//! accelerates a section is assumed to act on this section along its own axis. Therefore there is no term Ω̇G q, and
+//! the twist, which is measured from the prescribed spin, is not excited.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -42,11 +42,11 @@ pub struct EquationOfMotion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
-    /// Signed spin of each shaft, rad/s, where it is constant.
+    /// Signed spin of each shaft, rad/s, if the speed is constant.
     spins: Vec<f64>,
-    /// Speed of the reference shaft, rad/s, where it is constant.
+    /// Speed of the reference shaft, rad/s, if it is constant.
     speed: f64,
-    /// The speed where it changes.
+    /// Speed of the reference shaft, if it is variable.
     changing: Option<Changing>,
     /// Phasor e^{iϑ} of each shaft at elapsed time zero.
     pub(super) at_origin: Vec<Complex64>,
@@ -57,11 +57,11 @@ pub struct EquationOfMotion<'m> {
     /// Indices of the coordinates of meshes with several contact modes.
     switching: Vec<usize>,
     excited: Vec<Excited>,
-    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping. Runs at a constant speed do not use it:
-    /// they are in modal coordinates.
+    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping. Runs at a constant speed do not use
+    /// it, because they use modal coordinates.
     pub(super) modal_damping: Option<DMatrix<f64>>,
-    /// Bearings that depend on the speed, at the largest speed of the run: they measure the energy norm of tolerances,
-    /// which must not change along a run.
+    /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
+    /// must be constant during a run.
     norm_supports: Vec<Support>,
     equilibrium: DVector<f64>,
     /// Scratch memory for one vector of displacements.
@@ -69,8 +69,8 @@ pub struct EquationOfMotion<'m> {
 }
 
 impl<'m> EquationOfMotion<'m> {
-    /// The motion at a constant `speed` of the reference shaft, from the time `origin`; tolerances are relative to the
-    /// deviation from `equilibrium`.
+    /// Creates the motion at a constant `speed` of the reference shaft, from the time `origin`. Tolerances are relative
+    /// to the deviation from `equilibrium`.
     pub fn new(
         cached: &'m CachedModel,
         geometry: Geometry,
@@ -137,7 +137,7 @@ impl<'m> EquationOfMotion<'m> {
         })
     }
 
-    /// qᵀKq, each mesh linearised at rest.
+    /// Quadratic form qᵀKq, with each mesh linearised at rest.
     fn elastic_form(&self, q: &[f64]) -> f64 {
         let constant = self.model.elastic_form(q, |mesh| self.sigma[mesh]);
         self.norm_supports.iter().fold(constant, |sum, support| sum + support.elastic_form(q))
@@ -149,14 +149,14 @@ impl<'m> EquationOfMotion<'m> {
         self.model.connections_with(|mesh| self.sigma[mesh])
     }
 
-    /// What a connection depends on besides its scalars: the shafts and the contact mode of a mesh.
+    /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh.
     #[inline(always)]
     pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
         let phases = mesh.map_or_else(Default::default, |mesh| self.turning(mesh, elapsed));
         Instant { phases, contact_mode: *self.contact_mode(mesh) }
     }
 
-    /// The contact mode of a mesh; [`ContactMode::ALWAYS`] of another connection.
+    /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
     #[inline(always)]
     pub fn contact_mode(&self, mesh: Option<usize>) -> &ContactMode {
         mesh.map_or(&ContactMode::ALWAYS, |mesh| &self.contact_modes[mesh])
@@ -179,7 +179,7 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// Force of the shaft on the bearings of a node over (y, z), N.
+    /// Force of the shaft on the bearings of a node, components (y, z), N.
     pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let mut force = self.model.bearing_force(node, q, v);
         for bearing in self.model.bearings_at(node) {
@@ -189,7 +189,7 @@ impl<'m> EquationOfMotion<'m> {
         force
     }
 
-    /// e^{iϑ} of a shaft.
+    /// Phasor e^{iϑ} of a shaft.
     pub fn turn(&self, shaft: usize, elapsed: f64) -> Complex64 {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.turned(shaft, elapsed).0)
     }
@@ -222,13 +222,13 @@ impl<'m> EquationOfMotion<'m> {
         self.spins[shaft]
     }
 
-    /// σ of a mesh.
+    /// Sign σ of the driver's spin of a mesh.
     pub fn sigma_of(&self, mesh: usize) -> f64 {
         self.sigma[mesh]
     }
 
-    /// Whether the contact modes of a final state fit this motion: none, or one code for each mesh and the piece of the
-    /// speed profile.
+    /// Whether the contact modes of a final state are valid for this motion: none, or one code for each mesh and the
+    /// piece of the speed profile.
     pub fn accepts_laws(&self, contact_modes: &[i64]) -> bool {
         let meshes = self.contact_modes.len() * ContactMode::CODE;
         let whole = meshes + usize::from(self.changing.is_some());
@@ -237,7 +237,7 @@ impl<'m> EquationOfMotion<'m> {
                 && contact_modes[..meshes].chunks_exact(ContactMode::CODE).all(ContactMode::is_code)
     }
 
-    /// Whether the motion decides when contact modes change.
+    /// Whether the times of contact mode changes depend on the motion.
     pub fn motion_changes_contact_modes(&self) -> bool {
         let moves = |mesh: &GearMesh| {
             mesh.backlash.is_some() || self.geometry == Geometry::Live || mesh.engagement_follows_motion()
@@ -251,7 +251,7 @@ impl<'m> EquationOfMotion<'m> {
         self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
     }
 
-    /// Relative acceleration of the teeth of a mesh along the line of action by a unit force between two free gears, 1/kg.
+    /// Relative acceleration of the teeth of two free gears along the line of action per unit of mesh force, 1/kg.
     pub fn mobility(&self, mesh: usize) -> f64 {
         let scene = &self.model.scene;
         let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
@@ -277,7 +277,7 @@ impl<'m> EquationOfMotion<'m> {
         self.excited.iter().map(|excited| excited.shaft)
     }
 
-    /// The rotating force of a shaft at ϑ = 0 and at ϑ = π/2 as entries (index, force): the factors of cos ϑ and sin ϑ.
+    /// Rotating force of a shaft at ϑ = 0 and at ϑ = π/2, the factors of cos ϑ and sin ϑ, as entries (index, force).
     pub fn turning_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
         let forces = self.excited.iter().filter(|excited| excited.shaft == shaft).flat_map(|excited| &excited.forces);
         let (mut cosine, mut sine) = (Vec::new(), Vec::new());
@@ -303,7 +303,7 @@ impl<'m> EquationOfMotion<'m> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], turning, q, v)
     }
 
-    /// Adds the rotating forces of shafts with a changing speed.
+    /// Adds the rotating forces of shafts with a variable speed.
     fn add_changing(&self, elapsed: f64, force: &mut [f64]) {
         for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
             let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));

@@ -1,8 +1,8 @@
-//! Shaft angles of long runs without the round-off of a large product.
+//! Accurate shaft angles in long runs, by products in double-double precision.
 
 use num_complex::Complex64;
 
-/// A number of twice the digits, the unevaluated sum of two (Dekker 1971).
+/// A double-double number: the unevaluated sum of two numbers (Dekker 1971).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble {
     /// The number, rounded.
@@ -12,7 +12,7 @@ pub struct DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// a·b, exact.
+    /// Exact product a·b.
     pub fn product(a: f64, b: f64) -> Self {
         let high = a * b;
         let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
@@ -20,33 +20,33 @@ impl DoubleDouble {
         Self { high, low }
     }
 
-    /// a + b, exact (Knuth).
+    /// Exact sum a + b (Knuth).
     pub fn sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let of_b = high - a;
         Self { high, low: (a - (high - of_b)) + (b - of_b) }
     }
 
-    /// a/n.
+    /// Quotient a/n.
     pub fn quotient(a: f64, n: f64) -> Self {
         let high = a / n;
         let product = Self::product(high, n);
         Self { high, low: ((a - product.high) - product.low) / n }
     }
 
-    /// The sum with another.
+    /// Sum of both numbers.
     pub fn plus(self, other: Self) -> Self {
         let sum = Self::sum(self.high, other.high);
         Self::sum(sum.high, sum.low + (self.low + other.low))
     }
 
-    /// The product with another.
+    /// Product of both numbers.
     pub fn times(self, other: Self) -> Self {
         let product = Self::product(self.high, other.high);
         Self::sum(product.high, product.low + (self.high * other.low + self.low * other.high))
     }
 
-    /// e^{iϑ} of this angle.
+    /// Phasor e^{iϑ} of this angle ϑ, rad.
     pub fn turn(self) -> Complex64 {
         Complex64::from_polar(1.0, self.high) * Complex64::from_polar(1.0, self.low)
     }
@@ -58,8 +58,8 @@ impl From<f64> for DoubleDouble {
     }
 }
 
-/// e^{iΩt} for any t: the product Ωt is taken with its rounding error, which at Ωt = 1e8 rad would otherwise turn the
-/// shaft by 1e-8 rad.
+/// Phasor e^{iΩt}. The product Ωt includes its rounding error. Without it, the angle error at Ωt = 1e8 rad would be
+/// 1e-8 rad.
 pub fn phase(spin: f64, time: f64) -> Complex64 {
     if !(spin * time).is_finite() {
         return Complex64::new(f64::NAN, f64::NAN);

@@ -11,7 +11,7 @@ use super::speed::{Profile, Speed};
 pub struct Anchor {
     /// Time, s.
     pub time: f64,
-    /// Angle, rad, not reduced to one turn: the other shafts turn by r_s times this angle.
+    /// Angle, rad, not reduced modulo 2π, because shaft s has r_s times this angle.
     pub angle: DoubleDouble,
 }
 
@@ -64,15 +64,15 @@ impl ShaftRotation {
     }
 }
 
-/// A changing speed from elapsed time zero. The current piece is fixed within a step, so that no step crosses a kink and an
-/// evaluation needs no search.
+/// A variable speed as a function of elapsed time. The current piece is fixed within a step, so that no step crosses a
+/// kink and an evaluation needs no search.
 #[derive(Clone, Debug)]
 pub(super) struct Changing {
     stretches: Vec<Stretch>,
     holds: usize,
 }
 
-/// A cubic of Ω over the elapsed time since its start.
+/// A cubic polynomial of Ω in the elapsed time since the start of the piece.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     start: f64,
@@ -118,8 +118,8 @@ impl Changing {
         self.holds = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
     }
 
-    /// The reference shaft at an instant of the current piece. A trial step may end after the piece, where the cubic would
-    /// extrapolate without bound: Ω̇ is constant there.
+    /// The reference shaft at an instant of the current piece. A trial step may end after the piece. There Ω̇ is
+    /// constant, because an extrapolated cubic has no bound.
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
     pub fn at(&self, elapsed: f64) -> Instant {

@@ -5,7 +5,7 @@
 use super::phase::DoubleDouble;
 use crate::scene::{EntryPath, SceneError};
 
-/// Relative to the largest speed, smaller speeds and jumps count as zero: they are round-off or interpolation errors.
+/// Speeds and jumps below this fraction of the largest speed count as zero: they are round-off or interpolation errors.
 const NOTHING: f64 = 1e-9;
 
 /// Speed of the reference shaft, rad/s.
@@ -32,9 +32,9 @@ impl Speed {
         }
     }
 
-    /// The largest |Ω| of the whole profile with the sign of Ω between two times, or of the whole profile if Ω is zero between
-    /// them. The sign decides which flanks are in contact. The magnitude is the same for every part of a run, so that a
-    /// continued run has the same steps.
+    /// Largest |Ω| of the whole profile with the sign of Ω between two times. If Ω is zero between them, the sign is
+    /// that of the whole profile. The sign decides which flanks are in contact. The magnitude is the same for every
+    /// section of a run, so that a continued run has the same steps.
     pub fn fastest(&self, start: f64, end: f64) -> f64 {
         match self {
             Self::Constant(speed) => *speed,
@@ -83,7 +83,7 @@ impl Speed {
     }
 }
 
-/// A changing speed of cubic pieces.
+/// A variable speed of cubic pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     breaks: Vec<f64>,
@@ -92,7 +92,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The pieces between `breaks`, s, with the coefficients of 1, τ, τ², τ³ over the time τ since the break.
+    /// Creates the pieces between `breaks`, s, with the coefficients of 1, τ, τ², τ³ in the time τ since the break.
     ///
     /// # Errors
     /// [`SceneError`] if times do not ascend, a number is not finite, or the speed jumps.
@@ -201,10 +201,10 @@ impl Profile {
     }
 }
 
-/// A cubic.
+/// A piece of the speed profile: a cubic polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
-    /// Time at which it begins.
+    /// Time at which the piece begins, s.
     pub begin: f64,
     /// Time at which τ is zero, s.
     pub about: f64,
@@ -213,13 +213,13 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// Ω.
+    /// Speed Ω at a time, rad/s.
     fn at(&self, time: f64) -> f64 {
         let ([a, b, c, d], t) = (self.cubic, time - self.about);
         a + t * (b + t * (c + t * d))
     }
 
-    /// ∫Ω dt.
+    /// Angle ∫Ω dt between two times, rad.
     fn turned(&self, from: f64, to: f64) -> DoubleDouble {
         let [a, b, c, d] = self.cubic;
         let since = |time: f64| {
@@ -239,7 +239,7 @@ impl Piece {
         [self.about + sum / (3.0 * d), self.about + b / sum]
     }
 
-    /// The coefficients about another time.
+    /// Coefficients for τ measured from another time.
     pub fn moved_to(&self, about: f64) -> [f64; 4] {
         let ([a, b, c, d], t) = (self.cubic, about - self.about);
         [a + t * (b + t * (c + t * d)), b + t * (2.0 * c + 3.0 * t * d), c + 3.0 * t * d, d]

@@ -84,7 +84,7 @@ pub(super) fn start(
     Ok(Start { course, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
 }
 
-/// A run continues with the flanks that pressed before: σ of no mesh may change, as backlash lies on the other side then.
+/// Refuses to continue a run if σ of a mesh changes, because the opposite flank would then be in contact.
 fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), SceneError> {
     let (model, before) = (&cached.model, last.course(last.origin).fastest);
     let changes = |mesh: &usize| model.sigma(*mesh, before) != model.sigma(*mesh, fastest);

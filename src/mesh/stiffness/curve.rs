@@ -11,7 +11,7 @@ pub struct UniformCurve {
 }
 
 impl UniformCurve {
-    /// The natural cubic spline through `values` at start, start + spacing, …; constant beyond its ends.
+    /// Creates the natural cubic spline through `values` at start, start + spacing, …. It is constant beyond its ends.
     pub fn new(start: f64, spacing: f64, values: &[f64]) -> Self {
         let n = values.len();
         let mut diagonal = vec![4.0; n];
@@ -59,9 +59,9 @@ impl UniformCurve {
 /// A periodic function of the mesh cycle.
 #[derive(Clone, Debug)]
 pub enum PeriodicCurve {
-    /// Mean k̄, and amplitude aₙ and phase pₙ of each harmonic: k̄ + Σ aₙ cos(2πn·x + pₙ), x in cycles.
+    /// Mean k̄, and amplitude aₙ and phase pₙ (rad) of each harmonic: k̄ + Σ aₙ cos(2πn·x + pₙ), x in cycles.
     Fourier(f64, Vec<[f64; 2]>),
-    /// Values at equal parts of the cycle, and the slopes of the periodic cubic spline through them.
+    /// Values at equally spaced points of the cycle, and the slopes of the periodic cubic spline through them.
     Table(Vec<(f64, f64)>),
 }
 
@@ -113,18 +113,18 @@ impl PeriodicCurve {
         }
     }
 
-    /// The smallest value, among at least 1000 samples.
+    /// The smallest of at least 1000 samples.
     pub fn smallest(&self) -> f64 {
         self.samples().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest value, among at least 1000 samples.
+    /// The largest of at least 1000 samples.
     pub fn largest(&self) -> f64 {
         self.samples().fold(0.0, f64::max)
     }
 
-    /// Values at equal parts of the cycle: at least 1000, 16 in a period of the highest harmonic, or 4 in a piece of the
-    /// spline.
+    /// Values at equally spaced points of the cycle: at least 1000, and at least 16 in a period of the highest harmonic
+    /// or 4 in a piece of the spline.
     fn samples(&self) -> impl Iterator<Item = f64> {
         let count = match self {
             Self::Fourier(_, harmonics) => 16 * harmonics.len(),
@@ -135,7 +135,7 @@ impl PeriodicCurve {
     }
 }
 
-/// Value and slope of the cubic between two knots at the part `s` of their `spacing`.
+/// Value and slope of the cubic between two knots at the fraction `s` of their `spacing`.
 #[inline]
 fn hermite(left: (f64, f64), right: (f64, f64), s: f64, spacing: f64) -> (f64, f64) {
     let rise = right.0 - left.0;

@@ -1,10 +1,10 @@
-//! How a pair of teeth comes into contact and leaves it, and the relief of its tips.
+//! Beginning and end of the contact of a tooth pair, and tip relief.
 
 use super::ContactPath;
 use crate::scene::{Engagement, Relief};
 
 impl Engagement {
-    /// The pairs that may carry.
+    /// First and last tooth pair that can carry load.
     pub(super) fn range(&self, path: &ContactPath, engaged: (i64, i64)) -> (i64, i64) {
         match self {
             Self::Sharp => engaged,
@@ -15,10 +15,11 @@ impl Engagement {
         }
     }
 
-    /// Weight of a pair that entered `entered` metres ago and leaves in `left`, and its derivatives over both.
+    /// Engagement weight of a pair, and its derivatives with respect to `entered` and `left`: the distances from the
+    /// beginning and to the end of the path of contact, m.
     ///
-    /// The ramp 6x⁵ − 15x⁴ + 10x³ is twice differentiable and symmetric, so the mean number of pairs stays the contact
-    /// ratio.
+    /// The ramp 6x⁵ − 15x⁴ + 10x³ is twice differentiable. It is symmetric, so the mean number of pairs equals the
+    /// contact ratio.
     #[inline]
     pub(super) fn weight(&self, entered: f64, left: f64, pitch: f64) -> [f64; 3] {
         match self {
@@ -26,7 +27,7 @@ impl Engagement {
             Self::Smooth(width) => {
                 let over = width * pitch;
                 let ramp = |distance: f64| {
-                    // A pair is mostly well within the path.
+                    // Most pairs are far from both ends of the path.
                     if distance >= over / 2.0 {
                         return (1.0, 0.0);
                     }
@@ -42,9 +43,10 @@ impl Engagement {
 }
 
 impl Relief {
-    /// Relief of a pair that entered `entered` metres ago and leaves in `left`, and its derivatives over both.
+    /// Tip relief of a pair, m, and its derivatives with respect to `entered` and `left`: the distances from the
+    /// beginning and to the end of the path of contact, m.
     ///
-    /// A call of its own: its constants are then not computed where teeth have no relief.
+    /// The function is not inlined, so that its constants are not computed for teeth without relief.
     #[inline(never)]
     pub(super) fn at(&self, entered: f64, left: f64) -> [f64; 3] {
         let one = |distance: f64| {

@@ -13,9 +13,9 @@ pub struct Iso6336 {
     pub mesh: f64,
 }
 
-/// Theory correction: what measured pairs are softer than the theory of elastic teeth.
+/// Correction factor of the theory: measured stiffness divided by theoretical stiffness of elastic teeth.
 const CORRECTION: f64 = 0.8;
-/// N/(mm µm) in N/m².
+/// Conversion factor from N/(mm µm) to N/m².
 const UNIT: f64 = 1e9;
 
 /// Stiffness of a pair of solid gears; the blank and basic rack factors C_R and C_B are 1.

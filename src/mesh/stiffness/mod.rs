@@ -1,15 +1,15 @@
 //! Stiffness of a mesh: a mean, tooth pairs on the path of contact, or a function of the mesh cycle.
 //!
-//! Pair j is at s_j = s + j·p_b on the path, measured from the interference point of the driver. It carries load
-//! between lo = max(0, t − √(tip_b² − r_b²)) and hi = min(t, √(tip_a² − r_a²)), t = C sin α: the
-//! tips limit the path, or a base circle where a tip reaches beyond it. With the engagement w_j of the pair, its
-//! stiffness k_j and its tip relief r_j, the elastic energy and the force are
+//! Pair j has the position s_j = s + j·p_b on the path, measured from the interference point of the driver. It carries
+//! load between lo = max(0, t − √(tip_b² − r_b²)) and hi = min(t, √(tip_a² − r_a²)), with t = C sin α. The tips limit
+//! the path; if a tip reaches beyond a base circle, this base circle limits the path. With the engagement w_j of the
+//! pair, its stiffness k_j and its tip relief r_j, the elastic energy and the force are
 //!
 //! ```text
 //! U = ½ Σ_j w_j k_j (δ − r_j)²,        F = ∂U/∂δ
 //! ```
 //!
-//! The stiffness follows the moving centres through lo, hi, t and s.
+//! The stiffness depends on the moving centres through lo, hi, t and s.
 
 mod curve;
 mod engagement;
@@ -31,20 +31,21 @@ use crate::scene::{Engagement, Relief};
 /// Position of the tooth pairs on the path of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPath {
-    /// s of pair 0, m.
+    /// Position s of pair 0, m.
     pub position: f64,
-    /// C sin α, the length of the line of action between the base circles, m.
+    /// Length C sin α of the line of action between the base circles, m.
     pub tangent: f64,
     /// Beginning of the path of contact, m.
     pub low: f64,
-    /// Its end, m.
+    /// End of the path of contact, m.
     pub high: f64,
     /// Base pitch, m.
     pub pitch: f64,
 }
 
 impl ContactPath {
-    /// Derivatives of both ends over C sin α: 1 at a tip of the driven gear and at its base circle, otherwise 0.
+    /// Derivatives of both ends with respect to C sin α: 1 if a tip or the base circle of the driven gear is the end,
+    /// otherwise 0.
     #[inline]
     fn end_slopes(&self) -> [f64; 2] {
         [f64::from(u8::from(self.low > 0.0)), f64::from(u8::from(self.high >= self.tangent))]
@@ -55,7 +56,7 @@ impl ContactPath {
         [self.low, self.high].map(|end| (end - self.position) / self.pitch)
     }
 
-    /// First and last pair between the ends; last < first where there is none.
+    /// First and last pair between the ends; last < first if there is none.
     pub fn engaged(&self) -> (i64, i64) {
         let [low, high] = self.ends();
         (low.ceil() as i64, high.floor() as i64)
@@ -71,9 +72,9 @@ pub struct ElasticState {
     pub force: f64,
     /// Stiffness ∂²U/∂δ², N/m.
     pub stiffness: f64,
-    /// ∂U/∂s, N: derivative over the position of the pairs on the path.
+    /// ∂U/∂s, N: derivative with respect to the position of the pairs on the path.
     pub by_position: f64,
-    /// ∂U/∂(C sin α), N: derivative over the length of the line of action, which changes with the centre distance.
+    /// ∂U/∂(C sin α), N: derivative with respect to the length of the line of action.
     pub by_tangent: f64,
 }
 
@@ -98,8 +99,8 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    /// Energy and forces at `deflection`, m. `engaged` are the first and the last pair in contact where engagement is
-    /// sharp. `path` is evaluated only if the stiffness depends on it.
+    /// Energy and forces at `deflection`, m. `engaged` is the first and the last pair in contact with sharp engagement.
+    /// `path` is evaluated only if the stiffness depends on it.
     #[inline]
     pub fn elastic_state(
         &self,
@@ -157,13 +158,13 @@ impl Stiffness {
         }
     }
 
-    /// Whether the engagement of tooth pairs is sharp: the stiffness then jumps.
+    /// Whether the engagement of tooth pairs is sharp. The stiffness then jumps at engagement changes.
     pub fn is_sharp(&self) -> bool {
         let (Self::Pairs { engagement, .. } | Self::Shared(Shared { engagement, .. })) = self else { return false };
         *engagement == Engagement::Sharp
     }
 
-    /// Whether the tips are relieved: the number of touching pairs then grows with the deflection.
+    /// Whether the teeth have tip relief. The number of touching pairs then increases with the deflection.
     pub fn is_relieved(&self) -> bool {
         matches!(self, Self::Pairs { relief: Some(_), .. })
     }

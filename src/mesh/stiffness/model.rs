@@ -33,7 +33,7 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             pairs(ToothPair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores, foundation) => {
-            // Contact points lie between the base circle, or the root circle if that is larger, and the tip. A smooth
+            // Contact points lie between the larger one of base circle and root circle, and the tip circle. A smooth
             // engagement adds half of its width. A margin of a fifth of the pitch follows, because a spline is least
             // accurate at its ends.
             let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };

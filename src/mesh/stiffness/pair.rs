@@ -2,32 +2,33 @@
 
 use super::{ContactPath, UniformCurve};
 
-/// Stiffness of a pair over its position s.
+/// Stiffness of a pair as a function of its position s.
 #[derive(Clone, Debug)]
 pub enum ToothPair {
     /// Constant along the path, N/m: the mesh stiffness is a square wave.
     Uniform(f64),
-    /// Largest in the middle of the path, falling as a parabola towards its ends.
+    /// Parabolic along the path, with the maximum in the middle.
     Parabolic {
         /// Stiffness in the middle of the path, N/m.
         middle: f64,
-        /// Stiffness at the ends over that in the middle.
+        /// Ratio of the stiffness at the ends to the stiffness in the middle.
         end_ratio: f64,
         /// Middle and half length of the path of contact at rest, m.
         path: (f64, f64),
     },
-    /// The series of the contact and of both teeth, whose compliance depends on the contact point.
+    /// Contact and both teeth in series; the compliance of the teeth depends on the contact point.
     Teeth {
         /// Compliance of the contact, m/N.
         contact: f64,
-        /// Compliance of the driver's tooth over s, and of the driven one over C sin α − s, m/N.
+        /// Compliance of the driver's tooth as a function of s, and of the driven tooth as a function of C sin α − s,
+        /// m/N.
         teeth: Box<[UniformCurve; 2]>,
     },
 }
 
 impl ToothPair {
-    /// Stiffness at the position `s`, N/m, and its derivatives over s and over `tangent`, the length of the line of action
-    /// between the base circles, m.
+    /// Stiffness at the position `s`, N/m, and its derivatives with respect to s and to `tangent`, the length of the
+    /// line of action between the base circles, m.
     #[inline]
     pub fn at(&self, s: f64, tangent: f64) -> [f64; 3] {
         match self {

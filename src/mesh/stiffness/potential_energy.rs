@@ -1,8 +1,9 @@
-//! Stiffness of a pair of teeth by potential energy: each tooth a cantilever on an elastic blank.
+//! Stiffness of a tooth pair by the potential energy method: each tooth is a cantilever on an elastic blank.
 //!
-//! Bending, shear and axial compression after Yang and Lin (1987) and Tian (2004), the tooth being the involute down to
-//! the base circle and straight from there to the root circle; the fillet and the blank after Sainsot, Velex and
-//! Duverger (2004); the contact after Yang and Sun (1985). All per face width: multiply by it.
+//! Bending, shear and axial compression follow Yang and Lin (1987) and Tian (2004). The tooth profile is an involute
+//! down to the base circle and straight from the base circle to the root circle. Fillet and blank follow Sainsot, Velex
+//! and Duverger (2004). The contact follows Yang and Sun (1985). Stiffness is per face width; compliance is times face
+//! width.
 
 use std::f64::consts::PI;
 
@@ -11,7 +12,7 @@ use crate::scene::Gear;
 /// Young's modulus and Poisson's ratio of the gears: steel.
 const YOUNGS_MODULUS: f64 = 207e9;
 const POISSON_RATIO: f64 = 0.3;
-/// Compliance of the contact of two flanks per face width, m²/N.
+/// Compliance of the contact of two flanks times face width, m²/N.
 pub const CONTACT_COMPLIANCE: f64 = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
 /// Shear correction of a rectangular section.
 const SHEAR: f64 = 1.2;
@@ -24,7 +25,7 @@ const FOUNDATION: [[f64; 6]; 4] = [
     [-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904],
 ];
 
-/// Abscissae and weights of the eight-point Gauss rule on [−1, 1], by halves.
+/// Positive abscissae and weights of the eight-point Gauss rule on [−1, 1]; the rule is symmetric.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -59,21 +60,22 @@ impl Tooth {
         (self.base_radius * (cos + roll * sin), self.base_radius * (roll * cos - sin))
     }
 
-    /// Compliance per face width (m²/N) along the line of action, touched at the distance `rolling_displacement` from its base point.
+    /// Compliance along the line of action times face width, m²/N. The contact point has the distance
+    /// `rolling_displacement` (m) along the line of action from the base circle.
     ///
-    /// Just below the base circle, or the root circle above it, where a smooth engagement begins, the formulas go on
-    /// smoothly.
+    /// A smooth engagement begins slightly below the larger one of base circle and root circle. The formulas continue
+    /// smoothly there.
     pub fn compliance(&self, rolling_displacement: f64) -> f64 {
         self.flexure(rolling_displacement) + self.foundation(rolling_displacement)
     }
 
-    /// That of the tooth alone, by bending, shear and compression.
+    /// Compliance of the tooth alone by bending, shear and compression, times face width, m²/N.
     pub fn flexure(&self, rolling_displacement: f64) -> f64 {
         let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));
-        // Energy of the unit force in a slice at height x of half thickness h.
+        // Energy of a unit force in a slice at the height x with the half thickness h.
         let slice = |x: f64, h: f64| {
             let moment = cos * (contact - x) - sin * lever;
             let inertia = 2.0 / 3.0 * h.powi(3);
@@ -81,7 +83,7 @@ impl Tooth {
                 + SHEAR * cos * cos / (2.0 * shear_modulus * h)
                 + sin * sin / (2.0 * YOUNGS_MODULUS * h)
         };
-        // From the base circle, or the root circle above it, up the involute; x' = r_b·roll·cos(roll − half_angle).
+        // Along the involute from the larger one of base circle and root circle; x' = r_b·roll·cos(roll − half_angle).
         let lowest = ((self.root_radius / self.base_radius).powi(2) - 1.0).max(0.0).sqrt();
         let involute = gauss(lowest, roll, |angle| {
             let (x, h) = self.flank(angle);
@@ -92,7 +94,7 @@ impl Tooth {
         involute + straight
     }
 
-    /// That of the fillet and the blank.
+    /// Compliance of the fillet and the blank times face width, m²/N.
     pub fn foundation(&self, rolling_displacement: f64) -> f64 {
         let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();
@@ -101,7 +103,7 @@ impl Tooth {
         let [l, m, p, q] = FOUNDATION
             .map(|[a, b, c, d, e, f]| a / (theta * theta) + b * h * h + c * h / theta + d / theta + e * h + f);
         let arc = 2.0 * theta * self.root_radius;
-        // Where the line of action meets the axis of the tooth, above the root circle.
+        // Height above the root circle at which the line of action intersects the axis of the tooth.
         let reach = (contact - lever * sin / cos - self.root_radius) / arc;
         let tangent = sin / cos;
         cos * cos / YOUNGS_MODULUS * (l * reach * reach + m * reach + p * (1.0 + q * tangent * tangent))

@@ -1,35 +1,36 @@
-//! Pairs of teeth on gear bodies that they share: every pair in contact loads the bodies, and bends the others' roots.
+//! Tooth pairs on shared gear bodies: every pair in contact deforms the bodies and thereby displaces the other pairs.
 //!
-//! With κ_j = w_j k_j the stiffness of pair j without the bodies, weighted by its engagement, and c_j the compliance of
-//! both bodies at its place, a body that couples two pairs by the geometric mean of their compliances, f_i f_j with
-//! f = √c, gives the compliance matrix diag(1/κ) + f fᵀ. The mesh is as stiff as its inverse, summed over all pairs:
+//! κ_j = w_j k_j is the stiffness of pair j without the bodies, weighted by its engagement. c_j is the compliance of
+//! both bodies at the position of pair j. The bodies couple two pairs by the geometric mean of their compliances,
+//! f_i f_j with f = √c. The compliance matrix is then diag(1/κ) + f fᵀ. The mesh stiffness is the sum of all entries of
+//! its inverse:
 //!
 //! ```text
 //! K = Σκ − (Σκf)² / (1 + Σκf²)
 //! ```
 //!
-//! which is positive, is 1/(1/κ + c) for one pair, and 1/(1/Σκ + c) for pairs at places of equal compliance (fillet and
-//! body once for all pairs, in series with them).
+//! K is positive. It equals 1/(1/κ + c) for one pair. For pairs with equal body compliance c it equals 1/(1/Σκ + c):
+//! fillet and body are then in series with all pairs in parallel.
 
 use super::{ContactPath, ElasticState, ToothPair, UniformCurve};
 use crate::scene::Engagement;
 
-/// Pairs and the bodies that they share.
+/// Tooth pairs and their shared gear bodies.
 #[derive(Clone, Debug)]
 pub struct Shared {
     /// One pair without the bodies.
     pub pair: ToothPair,
-    /// Compliance of the driver's body over s, and of the driven one's over C sin α − s, m/N.
+    /// Compliance of the driver's body as a function of s, and of the driven body as a function of C sin α − s, m/N.
     pub bodies: Box<[UniformCurve; 2]>,
-    /// How a pair comes into contact and leaves it.
+    /// Sharp or smooth beginning and end of the contact of a pair.
     pub engagement: Engagement,
 }
 
-/// A sum over the pairs, and its derivatives over their position and over C sin α.
+/// A sum over the pairs, and its derivatives with respect to s and to C sin α.
 type Sum = [f64; 3];
 
 impl Shared {
-    /// Energy and forces at `deflection`, where `engaged` are the pairs that carry where engagement is sharp.
+    /// Energy and forces at `deflection`, m. `engaged` is the first and the last pair in contact with sharp engagement.
     #[inline(never)]
     pub(super) fn elastic_state(&self, path: &ContactPath, engaged: (i64, i64), deflection: f64) -> ElasticState {
         let (first, last) = self.engagement.range(path, engaged);
@@ -74,7 +75,7 @@ impl Shared {
         self.elastic_state(&path, path.engaged(), 1.0).stiffness
     }
 
-    /// Mean over the mesh cycle, N/m: the two-point Gauss rule on pieces that meet where an engagement begins or ends.
+    /// Mean over the mesh cycle, N/m, by the two-point Gauss rule on pieces between the engagement changes.
     pub(super) fn mean(&self, path: &ContactPath) -> f64 {
         const PIECES: usize = 256;
         let pitch = path.pitch;
@@ -92,7 +93,7 @@ impl Shared {
         marks.windows(2).map(|ends| piece(ends[0], ends[1])).sum::<f64>() / pitch
     }
 
-    /// The largest stiffness over the mesh cycle, to a part in 1000 of it.
+    /// The largest stiffness over the mesh cycle, N/m, with a relative accuracy of 1/1000.
     pub(super) fn largest(&self, path: &ContactPath) -> f64 {
         (0..1000).map(|i| self.stiffness(path, f64::from(i) / 1000.0 * path.pitch)).fold(0.0, f64::max)
     }
