@@ -93,7 +93,7 @@ impl Shared {
         marks.windows(2).map(|ends| piece(ends[0], ends[1])).sum::<f64>() / pitch
     }
 
-    /// The largest stiffness over the mesh cycle, N/m, with a relative accuracy of 1/1000.
+    /// The largest stiffness among 1000 positions of the mesh cycle, N/m.
     pub(super) fn largest(&self, path: &ContactPath) -> f64 {
         (0..1000).map(|i| self.stiffness(path, f64::from(i) / 1000.0 * path.pitch)).fold(0.0, f64::max)
     }
