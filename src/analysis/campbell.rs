@@ -18,8 +18,8 @@ use crate::scene::EntryPath;
 
 /// Smallest |yᴴy'|² of a mode in a speed step; with a smaller value the step is halved.
 const MIN_CORRELATION: f64 = 0.9;
-/// Two modes that exchange their order and mix by less than this cross. A veering within a hundredth of the step is
-/// treated as a crossing.
+/// Two modes that exchange their order are treated as crossing if the mixing of their shapes is below this limit. A veering
+/// that takes less than a hundredth of the speed step is therefore treated as a crossing.
 const MAX_MIXING_OF_CROSSING: f64 = 1e-4;
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 10;

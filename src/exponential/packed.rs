@@ -170,7 +170,7 @@ impl Panel {
     }
 }
 
-/// Whether a vector over a state is not zero on a part of it.
+/// Whether a vector of the length of the state has a nonzero entry in the slots `part`, in either half.
 fn touches(vector: &[f64], part: &Range<usize>) -> bool {
     let (x, y) = vector.split_at(vector.len() / 2);
     [x, y].iter().any(|half| half[part.clone()].iter().any(|entry| *entry != 0.0))

@@ -35,7 +35,7 @@ enum Message<T> {
 /// returns whether to continue.
 ///
 /// # Errors
-/// The exception that Python raised, if the work was abandoned; the error of the system if it cannot start a thread.
+/// The exception that Python raised, if the analysis was abandoned. An `OSError`, if no thread can be started.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,
