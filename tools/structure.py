@@ -54,6 +54,11 @@ def without_tests(text: str) -> str:
     return text.split("#[cfg(test)]", maxsplit=1)[0]
 
 
+def code_of(text: str) -> str:
+    """Cut the unit tests and the lines of comments of a Rust file."""
+    return re.sub(r"^\s*//.*$", "", without_tests(text), flags=re.M)
+
+
 def use_paths(tree: str, prefix: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Expand the tree of a Rust `use` statement into paths."""
     depth, begin = 0, 0
@@ -78,12 +83,14 @@ def module_of(file: Path) -> tuple[str, ...]:
     return parts[:-1] if parts[-1] in {"mod", "lib"} else parts
 
 
-def rust_graph() -> Graph:
-    """Collect the imports between the files of the crate, parents and children apart."""
+def rust_graph(family: str = "none") -> Graph:
+    """Collect the imports between the files of the crate.
+
+    A module and its parent may use each other. `family` tells which of these two imports count:
+    "none", "child" (the parent imports its child) or "parent" (the child imports its parent).
+    """
     files = {module_of(file): file for file in sorted((ROOT / "src").rglob("*.rs"))}
-    texts = {
-        module: without_tests(file.read_text(encoding="utf-8")) for module, file in files.items()
-    }
+    texts = {module: code_of(file.read_text(encoding="utf-8")) for module, file in files.items()}
     exports: dict[tuple[str, ...], dict[str, tuple[str, ...]]] = {}
     for module, text in texts.items():
         exports[module] = {
@@ -121,14 +128,30 @@ def rust_graph() -> Graph:
             for path in use_paths(use)
         ]
         paths += [
-            tuple(path.split("::")) for path in re.findall(r"\b((?:crate|super)(?:::\w+)+)", text)
+            tuple(path.split("::"))
+            for path in re.findall(r"\b((?:crate|super)(?:::\w+)+)\b(?!::)", text)
         ]
         names = graph.setdefault(str(files[module].relative_to(ROOT)), set())
         for path in paths:
             target = home(absolute(path, module))
-            if target is None or target == module or target == module[:-1] or target[:-1] == module:
+            if target is None or target == module:
+                continue
+            if target == module[:-1] and family != "parent":
+                continue
+            if target[:-1] == module and family != "child":
                 continue
             names.add(str(files[target].relative_to(ROOT)))
+    return graph
+
+
+def folder_graph() -> Graph:
+    """Collect the imports between the folders of the crate."""
+    graph: Graph = {}
+    for file, targets in rust_graph().items():
+        folders = {str(Path(target).parent) for target in targets if Path(target).parent.name != "src"}
+        folder = "/".join(Path(file).parts[:2])
+        names = graph.setdefault(folder, set())
+        names |= {"/".join(Path(name).parts[:2]) for name in folders} - {folder}
     return graph
 
 
@@ -194,9 +217,15 @@ def python_classes(text: str) -> Iterator[tuple[str, int]]:
 
 def findings() -> Iterator[tuple[str, str]]:
     """Give every finding: where it is, and what it is."""
-    for graph in (rust_graph(), python_graph()):
-        for component in strong_components(graph):
-            yield component[0], f"import cycle of {len(component)} files: {', '.join(component)}"
+    cycles = {
+        tuple(component)
+        for graph in (rust_graph("child"), rust_graph("parent"), python_graph())
+        for component in strong_components(graph)
+    }
+    for cycle in sorted(cycles):
+        yield cycle[0], f"import cycle of {len(cycle)} files: {', '.join(cycle)}"
+    for component in strong_components(folder_graph()):
+        yield component[0], f"import cycle of {len(component)} folders: {', '.join(component)}"
     for file in sorted([*(ROOT / "src").rglob("*.rs"), *(ROOT / "python").rglob("*.py")]):
         text, name = file.read_text(encoding="utf-8"), str(file.relative_to(ROOT))
         rust = file.suffix == ".rs"

@@ -10,7 +10,7 @@
 //! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length, so that
 //! the propagators of a few lengths serve all steps.
 //!
-//! - Loads: `nonlinear_loads`, `rotating_source`, `interface_maps`.
+//! - Loads: `nonlinear_loads`, `prescribed`, `rotating_source`, `interface_maps`.
 //! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
@@ -36,6 +36,7 @@ mod output;
 mod packed;
 mod panel_kernel;
 mod phi;
+mod prescribed;
 mod propagator;
 mod quadrature;
 mod rotating_source;

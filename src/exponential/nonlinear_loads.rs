@@ -8,31 +8,15 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::interface_maps::{InterfaceMaps, LinearizedContact};
+use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
-    RotatingSource, add_rotated, interface_amplitudes, is_resonant, rotating_sources, synchronous_amplitudes,
+    RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
 };
 use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
 use crate::motion::EquationOfMotion;
-
-/// A residual load below this fraction of the loads at the reference is round-off.
-const BALANCE_TOLERANCE: f64 = 1e-11;
-
-/// An interface scalar as entries (index, coefficient) over the displacements.
-type ScalarEntries = Vec<(usize, f64)>;
-
-/// A load that does not depend on the motion.
-#[derive(Clone, Copy, Debug)]
-enum Prescribed {
-    /// The value 1; its column holds the load.
-    Constant,
-    /// cos ϑ of a source.
-    Cosine(usize),
-    /// sin ϑ of a source.
-    Sine(usize),
-}
 
 /// Loads on the linear motion.
 #[derive(Clone, Debug)]
@@ -60,7 +44,7 @@ pub struct NonlinearLoads<'m> {
 impl<'m> NonlinearLoads<'m> {
     /// Collects the loads of a motion about `reference`, and the maps between them and `linear`. `synchronous` holds the
     /// complex amplitudes of all displacements, one column for each shaft as the source. Columns of shafts that are
-    /// resonant, see [`is_resonant`], are not read.
+    /// resonant, see [`super::is_resonant`], are not read.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference, with the index of the mesh.
@@ -187,11 +171,7 @@ impl<'m> NonlinearLoads<'m> {
             from = to;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
-            *load = match prescribed {
-                Prescribed::Constant => 1.0,
-                Prescribed::Cosine(source) => phasors[*source].re,
-                Prescribed::Sine(source) => phasors[*source].im,
-            };
+            *load = prescribed.value(phasors);
         }
         Ok(())
     }
@@ -338,29 +318,6 @@ fn halt(interface: &Interface, overlap: Overlap) -> Halt {
     Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap }
 }
 
-/// Loads that do not depend on the motion, with their columns b: the unbalanced constant load, and the excitation of
-/// every shaft that has no synchronous motion.
-fn prescribed_loads(
-    motion: &EquationOfMotion,
-    linear: &ModalStateSpace,
-    (interfaces, entries): (&[Interface], &[ScalarEntries]),
-    sources: &[RotatingSource],
-    reference: &DVector<f64>,
-) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
-    let (mut prescribed, mut columns) = (Vec::new(), Vec::new());
-    let constant = constant_load(motion, interfaces, entries, reference);
-    if !constant.is_empty() {
-        prescribed.push(Prescribed::Constant);
-        columns.push(linear.column(&constant));
-    }
-    for (index, source) in sources.iter().enumerate().filter(|(_, source)| is_resonant(linear, source.spin)) {
-        prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
-        let [cosine, sine] = motion.turning_forces(source.shaft);
-        columns.extend([linear.column(&cosine), linear.column(&sine)]);
-    }
-    (prescribed, columns)
-}
-
 /// Linearises the meshes at rest.
 fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
     let mut from = 0;
@@ -372,42 +329,4 @@ fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
         LinearizedContact { scalars, gradient: gradient.to_vec(), root }
     };
     interfaces.iter().map(tangent).collect()
-}
-
-/// Constant load that the forces at the reference do not balance, as entries (index, value); empty if they balance it.
-fn constant_load(
-    motion: &EquationOfMotion,
-    interfaces: &[Interface],
-    entries: &[Vec<(usize, f64)>],
-    reference: &DVector<f64>,
-) -> Vec<(usize, f64)> {
-    let model = motion.model();
-    let load = &model.constant_load;
-    let mut residual = load.clone();
-    let mut scale = load.map(f64::abs);
-    let mut add = |index: usize, value: f64| {
-        residual[index] += value;
-        scale[index] += value.abs();
-    };
-    for (row, value) in model.static_force(reference).iter().enumerate() {
-        add(row, -value);
-    }
-    let reference_force = interfaces.iter().flat_map(Interface::reference_force);
-    for (entry, reference_force) in entries.iter().zip(reference_force) {
-        for (index, factor) in entry {
-            add(*index, factor * reference_force);
-        }
-    }
-    // Forces and moments have different units. Each is compared with the largest of its kind.
-    let largest = |lateral: bool| {
-        let dofs = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral() == lateral);
-        dofs.map(|dof| scale[dof.index]).fold(0.0, f64::max)
-    };
-    let sizes = [largest(false), largest(true)];
-    let acts = model
-        .numbering
-        .dofs()
-        .iter()
-        .any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[usize::from(dof.kind.is_lateral())]);
-    if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }
 }

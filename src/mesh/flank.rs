@@ -1,9 +1,10 @@
 //! Deflection and force of one flank of a mesh, and the contact mode that follows from both flanks.
 
 use super::contact::{Contact, ContactMode, Flank};
+use super::contact_path::ContactPath;
 use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
 use super::involute::{CentreGeometry, LineOfAction, Overlap};
-use super::stiffness::{ContactPath, ElasticState};
+use super::stiffness::ElasticState;
 use crate::scene::Phase;
 
 /// Kinematics of the gears, shared by both flanks.
@@ -97,8 +98,8 @@ impl GearMesh {
         let GearKinematics { pose: MeshPose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
         let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *meeting;
         let path = || self.path_of(&approach.pose, meeting);
-        let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } =
-            self.teeth.elastic_state(path, contact_mode.engaged[usize::from(back)], deflection);
+        let state = self.teeth.elastic_state(path, contact_mode.engaged[usize::from(back)], deflection);
+        let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } = state;
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);
@@ -120,12 +121,7 @@ impl GearMesh {
                 }
             }
             Phase::Prescribed if *geometry == Geometry::Live => {
-                let (along, tangent_direction) = (
-                    dot(line.normal, velocity.relative_displacement),
-                    dot(line.tangent_direction, velocity.relative_displacement),
-                );
-                drive_power += by_position * ra * tangent_direction / line.tangent
-                    + by_tangent * (along + tangent_direction * steeper);
+                drive_power += self.centre_power(&line, velocity, &state);
             }
             Phase::Prescribed => {}
         }
@@ -148,6 +144,16 @@ impl GearMesh {
             damping_power,
             back_flank_deflection,
         }
+    }
+
+    /// Power of the prescribed motion, W, where the moving centres shift the tooth pairs along the path of contact and
+    /// change the length of the line of action.
+    fn centre_power(&self, line: &LineOfAction, velocity: &RelativeMotion, state: &ElasticState) -> f64 {
+        let ElasticState { by_position, by_tangent, .. } = state;
+        let along = dot(line.normal, velocity.relative_displacement);
+        let across = dot(line.tangent_direction, velocity.relative_displacement);
+        by_position * self.involute.base_radius[0] * across / line.tangent
+            + by_tangent * (along + across * (self.involute.base_circles() / line.tangent))
     }
 
     /// Position of the tooth pairs of a flank on the path of contact.

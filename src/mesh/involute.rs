@@ -15,7 +15,7 @@
 //! The differences γ − ψ and inv α − inv α₀ are computed directly, without subtracting two rounded numbers. A load of
 //! 1e-9 N deflects a mesh by 1e-18 m, and this deflection keeps its full relative accuracy.
 
-use super::stiffness::ContactPath;
+use super::contact_path::ContactPath;
 use crate::scene::{Gear, Mesh, path_of_contact};
 
 /// Geometry of a gear pair with the centres at rest.

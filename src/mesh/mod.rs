@@ -1,6 +1,7 @@
 //! A pair of gears in mesh: involute geometry for moving centres, and the force between the flanks.
 
 mod contact;
+mod contact_path;
 mod error;
 mod flank;
 mod gear_mesh;
@@ -9,5 +10,6 @@ mod mean;
 pub mod stiffness;
 
 pub use contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
+pub use contact_path::ContactPath;
 pub use gear_mesh::{GearMesh, Geometry, MeshCoordinates, MeshPose, RelativeMotion};
 pub use involute::{Centres, Involute, LineOfAction, Overlap};

@@ -2,6 +2,7 @@
 
 mod energy;
 mod equation;
+mod first_order;
 mod phase;
 mod shaft_rotation;
 mod speed;

@@ -1,6 +1,6 @@
 //! Beginning and end of the contact of a tooth pair, and tip relief.
 
-use super::ContactPath;
+use crate::mesh::ContactPath;
 use crate::scene::{Engagement, Relief};
 
 impl Engagement {

@@ -1,10 +1,9 @@
 //! Construction of the mesh stiffness from the checked description of the teeth.
 
 use super::{
-    CONTACT_COMPLIANCE, ContactPath, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336,
-    mean_of_pairs,
+    CONTACT_COMPLIANCE, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336, mean_of_pairs,
 };
-use crate::mesh::Involute;
+use crate::mesh::{ContactPath, Involute};
 use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
 
 /// Number of knots of the compliance curve of a tooth.

@@ -1,6 +1,7 @@
 //! Stiffness of one tooth pair along the path of contact.
 
-use super::{ContactPath, UniformCurve};
+use super::UniformCurve;
+use crate::mesh::ContactPath;
 
 /// Stiffness of a pair as a function of its position s.
 #[derive(Clone, Debug)]

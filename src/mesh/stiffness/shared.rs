@@ -12,7 +12,8 @@
 //! K is positive. It equals 1/(1/κ + c) for one pair. For pairs with equal body compliance c it equals 1/(1/Σκ + c):
 //! fillet and body are then in series with all pairs in parallel.
 
-use super::{ContactPath, ElasticState, ToothPair, UniformCurve};
+use super::{ElasticState, ToothPair, UniformCurve};
+use crate::mesh::ContactPath;
 use crate::scene::Engagement;
 
 /// Tooth pairs and their shared gear bodies.

@@ -1,0 +1,96 @@
+//! Loads that do not depend on the motion: a constant load without equilibrium, and bow and unbalance at resonance.
+
+use nalgebra::DVector;
+use num_complex::Complex64;
+
+use super::rotating_source::{RotatingSource, is_resonant};
+use crate::connection::{Interface, Row};
+use crate::modal::ModalStateSpace;
+use crate::motion::EquationOfMotion;
+
+/// A residual load below this fraction of the loads at the reference is round-off.
+const BALANCE_TOLERANCE: f64 = 1e-11;
+
+/// A load that does not depend on the motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Prescribed {
+    /// The value 1; its column holds the load.
+    Constant,
+    /// cos ϑ of a source.
+    Cosine(usize),
+    /// sin ϑ of a source.
+    Sine(usize),
+}
+
+impl Prescribed {
+    /// The value of the load; `phasors` holds e^{iϑ} of every source.
+    #[inline(always)]
+    pub fn value(self, phasors: &[Complex64]) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Cosine(source) => phasors[source].re,
+            Self::Sine(source) => phasors[source].im,
+        }
+    }
+}
+
+/// Loads that do not depend on the motion, with their columns b: the unbalanced constant load, and the excitation of
+/// every shaft that has no synchronous motion.
+pub(super) fn prescribed_loads(
+    motion: &EquationOfMotion,
+    linear: &ModalStateSpace,
+    (interfaces, entries): (&[Interface], &[Row]),
+    sources: &[RotatingSource],
+    reference: &DVector<f64>,
+) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
+    let (mut prescribed, mut columns) = (Vec::new(), Vec::new());
+    let constant = constant_load(motion, interfaces, entries, reference);
+    if !constant.is_empty() {
+        prescribed.push(Prescribed::Constant);
+        columns.push(linear.column(&constant));
+    }
+    for (index, source) in sources.iter().enumerate().filter(|(_, source)| is_resonant(linear, source.spin)) {
+        prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
+        let [cosine, sine] = motion.turning_forces(source.shaft);
+        columns.extend([linear.column(&cosine), linear.column(&sine)]);
+    }
+    (prescribed, columns)
+}
+
+/// Constant load that the forces at the reference do not balance, as entries (index, value); empty if they balance it.
+fn constant_load(
+    motion: &EquationOfMotion,
+    interfaces: &[Interface],
+    entries: &[Row],
+    reference: &DVector<f64>,
+) -> Row {
+    let model = motion.model();
+    let load = &model.constant_load;
+    let mut residual = load.clone();
+    let mut scale = load.map(f64::abs);
+    let mut add = |index: usize, value: f64| {
+        residual[index] += value;
+        scale[index] += value.abs();
+    };
+    for (row, value) in model.static_force(reference).iter().enumerate() {
+        add(row, -value);
+    }
+    let reference_force = interfaces.iter().flat_map(Interface::reference_force);
+    for (entry, reference_force) in entries.iter().zip(reference_force) {
+        for (index, factor) in entry {
+            add(*index, factor * reference_force);
+        }
+    }
+    // Forces and moments have different units. Each is compared with the largest of its kind.
+    let largest = |lateral: bool| {
+        let dofs = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral() == lateral);
+        dofs.map(|dof| scale[dof.index]).fold(0.0, f64::max)
+    };
+    let sizes = [largest(false), largest(true)];
+    let acts = model
+        .numbering
+        .dofs()
+        .iter()
+        .any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[usize::from(dof.kind.is_lateral())]);
+    if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }
+}

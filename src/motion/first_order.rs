@@ -1,0 +1,171 @@
+//! The equation of motion as a first-order system: the forces on all coordinates, the accelerations and the contact modes.
+//!
+//! The stiffness, damping and mass of a chain act node by node, in a time proportional to its number of nodes. Terms that a
+//! scene does not have (spin, damping, bow) are skipped.
+
+use num_complex::Complex64;
+
+use super::equation::{EquationOfMotion, RotatingForce};
+use crate::connection::Connection;
+use crate::integrate::{FirstOrderSystem, Halt};
+use crate::mesh::ContactMode;
+use crate::model::ShaftModel;
+
+impl EquationOfMotion<'_> {
+    /// Adds the rotating forces of shafts with a variable speed.
+    fn add_changing(&self, elapsed: f64, force: &mut [f64]) {
+        for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
+            let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
+            for excitation in &shaft.excitations {
+                let turned = excitation.amplitude(spin, rate) * turn;
+                force[excitation.index] += turned.re;
+                force[excitation.index + 1] += turned.im;
+            }
+        }
+    }
+
+    /// Writes the external forces and the forces of all connections into `force`.
+    #[inline(always)]
+    fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
+        force.copy_from_slice(self.model.constant_load.as_slice());
+        if self.changing.is_some() {
+            self.add_changing(elapsed, force);
+        }
+        for excited in &self.rotating_forces {
+            let turn = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
+            for RotatingForce { index, amplitude } in &excited.forces {
+                force[*index] += amplitude.re * turn.re - amplitude.im * turn.im;
+                force[*index + 1] += amplitude.re * turn.im + amplitude.im * turn.re;
+            }
+        }
+        for support in &self.model.supports {
+            for (row, value) in support.force(q, v).into_iter().enumerate() {
+                force[support.index + row] -= value;
+            }
+        }
+        self.connections().try_for_each(|connection| {
+            match connection {
+                Connection::Mesh(index, mesh, _) => {
+                    let contact = mesh
+                        .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index])
+                        .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
+                    mesh.apply(&contact, force);
+                }
+                Connection::Bearing(bearing) => {
+                    let [y, z] = bearing.force(self.reference_speed(elapsed).0, q, v);
+                    force[bearing.index] -= y;
+                    force[bearing.index + 1] -= z;
+                }
+                Connection::Spring(spring) => {
+                    spring.apply(spring.contact(spring.scalar(q), spring.scalar(v)).force, force);
+                }
+            }
+            Ok(())
+        })?;
+        if let Some(damping) = &self.modal_damping {
+            for (column, rate) in damping.column_iter().zip(v) {
+                for (force, entry) in force.iter_mut().zip(column.iter()) {
+                    *force -= entry * rate;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `force −= K q + (C − iΩG) v`, then `force ← M⁻¹ force`, for one shaft.
+#[inline(always)]
+fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [f64]) {
+    if let Some(chain) = &shaft.bending {
+        let range = chain.start..chain.start + 4 * chain.nodes;
+        let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
+        chain.subtract_elastic::<2>(q, force);
+        if spin != 0.0 {
+            for (node, force) in force.chunks_exact_mut(4).enumerate() {
+                let [[u_re, u_im], [phi_re, phi_im]] = shaft.gyroscopic.row::<2>(node, v);
+                force[0] -= spin * u_im;
+                force[1] += spin * u_re;
+                force[2] -= spin * phi_im;
+                force[3] += spin * phi_re;
+            }
+        }
+        if let Some(damping) = &chain.damping {
+            damping.multiply_add::<2>(-1.0, v, force);
+        }
+        chain.mass_factor.solve::<2>(force);
+    }
+    if let Some(chain) = &shaft.twist {
+        let range = chain.start..chain.start + chain.nodes;
+        let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
+        chain.subtract_elastic::<1>(q, force);
+        if let Some(damping) = &chain.damping {
+            damping.multiply_add::<1>(-1.0, v, force);
+        }
+        chain.mass_factor.solve::<1>(force);
+    }
+}
+
+impl FirstOrderSystem for EquationOfMotion<'_> {
+    fn len(&self) -> usize {
+        2 * self.model.len()
+    }
+
+    fn derivative(&mut self, elapsed: f64, y: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        let n = self.model.len();
+        let (q, v) = y.split_at(n);
+        let (rate, acceleration) = derivative.split_at_mut(n);
+        rate.copy_from_slice(v);
+        self.loads(elapsed, q, v, acceleration)?;
+        let speed = self.changing.as_ref().map(|changing| changing.at(elapsed).speed);
+        for (shaft, spin) in self.model.shafts.iter().zip(&self.spins) {
+            let spin = speed.map_or(*spin, |speed| shaft.ratio * speed);
+            accelerate(shaft, spin, q, v, acceleration);
+        }
+        Ok(())
+    }
+
+    fn switching(&self) -> Option<&[usize]> {
+        (self.changing.is_some() || !self.switching.is_empty()).then_some(&self.switching)
+    }
+
+    fn contact_modes_at(&mut self, elapsed: f64, y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
+        let (q, v) = y.split_at(self.model.len());
+        contact_modes.clear();
+        for (index, mesh) in self.model.meshes.iter().enumerate() {
+            let contact_mode = if mesh.switches() {
+                mesh.contact_mode(&self.pose(index, &self.turning(index, elapsed), q, v))
+                    .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?
+            } else {
+                ContactMode::ALWAYS
+            };
+            contact_modes.extend(contact_mode.code());
+        }
+        contact_modes.extend(self.changing.as_ref().map(|changing| changing.piece_at(elapsed)));
+        Ok(())
+    }
+
+    fn set_contact_modes(&mut self, contact_modes: &[i64]) {
+        for (contact_mode, code) in self.contact_modes.iter_mut().zip(contact_modes.chunks_exact(ContactMode::CODE)) {
+            *contact_mode = ContactMode::from_code(code);
+        }
+        if let (Some(changing), Some(piece)) = (&mut self.changing, contact_modes.last()) {
+            changing.hold(*piece);
+        }
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        let (q, v) = difference.split_at(self.model.len());
+        (self.elastic_form(q) + self.model.kinetic_form(v)).max(0.0).sqrt()
+    }
+
+    fn size(&mut self, y: &[f64]) -> f64 {
+        let (q, v) = y.split_at(self.model.len());
+        let mut deviation = std::mem::take(&mut self.scratch);
+        for ((deviation, q), equilibrium) in deviation.iter_mut().zip(q).zip(&self.equilibrium) {
+            *deviation = q - equilibrium;
+        }
+        let square = self.elastic_form(&deviation) + self.model.kinetic_form(v);
+        self.scratch = deviation;
+        square.max(0.0).sqrt()
+    }
+}
