@@ -148,7 +148,9 @@ def folder_graph() -> Graph:
     """Collect the imports between the folders of the crate."""
     graph: Graph = {}
     for file, targets in rust_graph().items():
-        folders = {str(Path(target).parent) for target in targets if Path(target).parent.name != "src"}
+        folders = {
+            str(Path(target).parent) for target in targets if Path(target).parent.name != "src"
+        }
         folder = "/".join(Path(file).parts[:2])
         names = graph.setdefault(folder, set())
         names |= {"/".join(Path(name).parts[:2]) for name in folders} - {folder}

@@ -18,7 +18,7 @@ pub struct GuaranteedInterval {
     pub time: f64,
     /// Angular frequency of the gear oscillation on the mesh stiffness that can end the interval, rad/s; zero if `time`
     /// is infinite.
-    pub swing: f64,
+    pub frequency: f64,
 }
 
 /// Quantities that all interfaces of a run share.
@@ -31,7 +31,7 @@ pub struct InterfaceOptions<'a> {
     /// Whether the linear motion contains the linear part of the connections.
     pub contained: bool,
     /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
-    pub highest_swing: f64,
+    pub highest_frequency: f64,
     /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.
     pub mobility: f64,
 }

@@ -132,7 +132,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) => GuaranteedInterval { time: f64::INFINITY, swing: 0.0 },
+            Self::Spring(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
         }
     }
 

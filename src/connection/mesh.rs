@@ -43,7 +43,7 @@ pub struct MeshInterface {
     /// Mesh force at the reference, N, negative on the back flank.
     static_force: f64,
     /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
-    highest_swing: f64,
+    highest_frequency: f64,
     /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.
     mobility: f64,
     /// ∂δ/∂(scalars) along the line of action at rest.
@@ -63,7 +63,7 @@ impl MeshInterface {
         sigma: f64,
         options: InterfaceOptions<'_>,
     ) -> Result<Self, Overlap> {
-        let InterfaceOptions { geometry, reference, contained, highest_swing, mobility } = options;
+        let InterfaceOptions { geometry, reference, contained, highest_frequency, mobility } = options;
         let follows_twist = gear_mesh.phase == Phase::Twist && !gear_mesh.teeth.is_constant();
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
@@ -90,7 +90,7 @@ impl MeshInterface {
             reference: [0.0; MAX_SCALARS],
             reference_force: [0.0; MAX_SCALARS],
             static_force: 0.0,
-            highest_swing,
+            highest_frequency,
             mobility,
             gradient,
             contained,
@@ -223,23 +223,24 @@ impl MeshInterface {
 
     pub(super) fn guaranteed_interval(&self, flank: Flank, contact: &Contact) -> GuaranteedInterval {
         if self.gear_mesh.backlash.is_none() || self.is_firm(flank, contact) {
-            return GuaranteedInterval { time: f64::INFINITY, swing: 0.0 };
+            return GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 };
         }
         // For separated flanks, the frequency is that of the gear oscillation with teeth in contact.
-        let swing =
-            if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.highest_swing };
+        let frequency =
+            if contact.stiffness > 0.0 { (contact.stiffness * self.mobility).sqrt() } else { self.highest_frequency };
         let [drive, back] = self.margins(flank, contact);
         let presses = matches!(flank, Flank::Drive | Flank::Back);
         // The amplitude of an oscillation is unknown without rates.
         if !self.has_rates() || !presses || drive <= 0.0 || back <= 0.0 {
-            return GuaranteedInterval { time: 0.0, swing };
+            return GuaranteedInterval { time: 0.0, frequency };
         }
         // After the time t the distance is at least x − |ẋ|t − aω²t²/2, with the amplitude a.
         let rate = contact.rate.abs();
-        let amplitude = ((contact.force - self.static_force) / contact.stiffness).hypot(rate / swing);
-        let time =
-            |margin: f64| 2.0 * margin / (rate + (rate * rate + 2.0 * amplitude * swing * swing * margin).sqrt());
-        GuaranteedInterval { time: time(drive).min(time(back)), swing }
+        let amplitude = ((contact.force - self.static_force) / contact.stiffness).hypot(rate / frequency);
+        let time = |margin: f64| {
+            2.0 * margin / (rate + (rate * rate + 2.0 * amplitude * frequency * frequency * margin).sqrt())
+        };
+        GuaranteedInterval { time: time(drive).min(time(back)), frequency }
     }
 
     pub(super) fn margins(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
@@ -251,7 +252,7 @@ impl MeshInterface {
         match flank {
             Flank::Drive => [pressed(force, deflection), -back_flank_deflection],
             Flank::Back => [-deflection, pressed(-force, back_flank_deflection)],
-            Flank::Apart => [-deflection, -back_flank_deflection],
+            Flank::Separated => [-deflection, -back_flank_deflection],
             Flank::Both => [deflection, back_flank_deflection],
         }
     }
@@ -263,12 +264,12 @@ impl MeshInterface {
         let (static_force, clear) = match flank {
             Flank::Drive => (self.static_force, contact.back_flank_deflection),
             Flank::Back => (-self.static_force, contact.deflection),
-            Flank::Apart | Flank::Both => return false,
+            Flank::Separated | Flank::Both => return false,
         };
         // Forces are relative to the static force, so that squares do not overflow.
         let part = |force: f64| force / static_force;
         let oscillation = part(contact.force - self.static_force).powi(2)
-            + part(contact.stiffness * contact.rate / self.highest_swing).powi(2);
+            + part(contact.stiffness * contact.rate / self.highest_frequency).powi(2);
         self.has_rates()
             && static_force > 0.0
             && oscillation <= 0.25
@@ -315,6 +316,6 @@ impl MeshInterface {
             *speed = *rate;
         }
         let (position, velocity) = (self.relative(scalars), self.relative(speeds));
-        MeshPose { geometry: self.geometry, sigma: self.sigma, turning: phases, position, velocity }
+        MeshPose { geometry: self.geometry, sigma: self.sigma, phases, position, velocity }
     }
 }

@@ -10,7 +10,7 @@ use super::packed::Panel;
 use super::propagator::{StageResponse, StepPropagator};
 use super::quadrature::QuadratureRule;
 use super::time_grid::TimeGrid;
-use crate::modal::{Form, ModalStateSpace, ModePair};
+use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
 
 /// The propagators and stage responses of all step levels of a time grid.
 #[derive(Clone, Debug)]
@@ -42,12 +42,12 @@ impl<'m> PropagatorCache<'m> {
     ) -> Self {
         let columns: Vec<f64> = maps.columns.iter().take(maps.meshes).flatten().copied().collect();
         let gram = gram(&columns, maps.meshes);
-        let (propagators, stage_responses) = match &linear.form {
-            Form::Pairs(_) => {
+        let (propagators, stage_responses) = match &linear.matrix {
+            StateMatrix::Pairs(_) => {
                 (vec![OnceCell::new(); time_grid.finest + 1], vec![OnceCell::new(); time_grid.finest + 1])
             }
             // Doubling a step yields the next longer one, so that all levels are computed together.
-            Form::Dense(matrix) => {
+            StateMatrix::Dense(matrix) => {
                 let phasors = |level| stage_phasors(&rule, &time_grid, &spins, level);
                 let levels = dense::levels(matrix, &rule, &maps, &time_grid, phasors);
                 levels.into_iter().map(|(propagator, response)| (propagator.into(), response.into())).unzip()
@@ -72,7 +72,7 @@ impl<'m> PropagatorCache<'m> {
 
     /// Mode pairs of the linear motion; none for the dense form, whose levels are all computed at construction.
     fn pairs(&self) -> &[ModePair] {
-        if let Form::Pairs(pairs) = &self.linear.form { pairs } else { &[] }
+        if let StateMatrix::Pairs(pairs) = &self.linear.matrix { pairs } else { &[] }
     }
 }
 

@@ -43,7 +43,7 @@ impl<'m> StepContext<'m> {
 
     /// Writes the scalars and rates w z of a state, without the synchronous motion.
     pub fn observe(&self, z: &[f64], out: &mut [f64]) {
-        kernel::seen(self.arch, &self.rows, z, out);
+        kernel::row_products(self.arch, &self.rows, z, out);
     }
 
     /// Writes the interface state of a state at a time for which no phasors are stored.
@@ -59,7 +59,7 @@ impl<'m> StepContext<'m> {
 
     /// Energy norm of the rate b p of the state under the mesh loads `loads`.
     pub fn load_norm(&self, loads: &[f64]) -> f64 {
-        panel_kernel::form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
+        panel_kernel::quadratic_form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
     }
 }
 

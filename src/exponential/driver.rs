@@ -218,7 +218,7 @@ impl Driver {
         state: &State,
         statistics: &mut Statistics,
     ) -> Result<Outcome, Halt> {
-        let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.meshed);
+        let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
         stepper.solver.guess(&stepper.context, level, &stepper.begin, history, &mut stepper.stages);
         let end = self.time(state.count + self.time_grid.units(level));

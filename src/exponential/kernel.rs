@@ -43,23 +43,23 @@ impl WithSimd for Scalars<'_> {
 }
 
 /// `out[i] = rows[i]·z`.
-pub fn seen(arch: Arch, rows: &Rows, z: &[f64], out: &mut [f64]) {
-    seen_of(arch, rows, 1, z, out);
+pub fn row_products(arch: Arch, rows: &Rows, z: &[f64], out: &mut [f64]) {
+    row_products_of(arch, rows, 1, z, out);
 }
 
 /// The same for several states, one after the other. Each row is read from memory once for all states.
-pub fn seen_of(arch: Arch, rows: &Rows, states: usize, z: &[f64], out: &mut [f64]) {
-    arch.dispatch(Seen { rows, states, z, out });
+pub fn row_products_of(arch: Arch, rows: &Rows, states: usize, z: &[f64], out: &mut [f64]) {
+    arch.dispatch(RowProducts { rows, states, z, out });
 }
 
-struct Seen<'a> {
+struct RowProducts<'a> {
     rows: &'a Rows,
     states: usize,
     z: &'a [f64],
     out: &'a mut [f64],
 }
 
-impl WithSimd for Seen<'_> {
+impl WithSimd for RowProducts<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -54,14 +54,14 @@ impl<'m> NonlinearLoads<'m> {
         reference: DVector<f64>,
         synchronous: &DMatrix<Complex<f64>>,
     ) -> Result<(Self, InterfaceMaps), (usize, Overlap)> {
-        let interfaces = interfaces(&motion, &reference, linear.meshed)?;
+        let interfaces = interfaces(&motion, &reference, linear.includes_meshes)?;
         let entries: Vec<Vec<(usize, f64)>> = interfaces.iter().flat_map(Interface::rows).collect();
         let has_rates = interfaces.iter().any(Interface::has_rates);
         let kinds: &[bool] = if has_rates { &[false, true] } else { &[false] };
         let rows: Vec<Vec<f64>> =
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
         let mesh_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
-        let tangents = tangents(&interfaces, linear.meshed);
+        let tangents = tangents(&interfaces, linear.includes_meshes);
         let sources = rotating_sources(&motion);
         let (prescribed, prescribed_columns) =
             prescribed_loads(&motion, linear, (&interfaces, &entries), &sources, &reference);
@@ -79,7 +79,7 @@ impl<'m> NonlinearLoads<'m> {
             prescribed,
             synchronous_size: 0.0,
         };
-        nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.meshed);
+        nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.includes_meshes);
         let (parts, synchronous) = (linear.parts.clone(), nonlinear_loads.interface_amplitudes.clone());
         let (meshes, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
         Ok((nonlinear_loads, InterfaceMaps { rows, columns, meshes, parts, tangents, synchronous }))
@@ -275,11 +275,11 @@ impl<'m> NonlinearLoads<'m> {
     }
 
     /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root mean square over their angles.
-    fn size_of_synchronous(&self, meshed: bool) -> f64 {
+    fn size_of_synchronous(&self, includes_meshes: bool) -> f64 {
         let model = self.motion.model();
-        let elastic_form = |vector: &[f64]| match meshed {
+        let elastic_form = |vector: &[f64]| match includes_meshes {
             true => model.elastic_form(vector, |mesh| self.motion.sigma_of(mesh)),
-            false => model.unmeshed_elastic_form(vector),
+            false => model.elastic_form_without_meshes(vector),
         };
         let mut sum = 0.0;
         for (index, source) in self.sources.iter().enumerate() {
@@ -304,7 +304,7 @@ fn interfaces(
             geometry: motion.geometry(),
             reference: reference.as_slice(),
             contained,
-            highest_swing: motion.fastest_swing(),
+            highest_frequency: motion.highest_mesh_frequency(),
             mobility: if index < motion.model().meshes.len() { motion.mobility(index) } else { 0.0 },
         };
         // Only meshes have base circles, and they come first.
@@ -319,13 +319,13 @@ fn halt(interface: &Interface, overlap: Overlap) -> Halt {
 }
 
 /// Linearises the meshes at rest.
-fn tangents(interfaces: &[Interface], meshed: bool) -> Vec<LinearizedContact> {
+fn tangents(interfaces: &[Interface], includes_meshes: bool) -> Vec<LinearizedContact> {
     let mut from = 0;
     let tangent = |interface: &Interface| {
         let (gradient, stiffness) = interface.tangent();
         let scalars = from..from + gradient.len();
         from = scalars.end;
-        let root = if meshed { 0.0 } else { stiffness.sqrt() };
+        let root = if includes_meshes { 0.0 } else { stiffness.sqrt() };
         LinearizedContact { scalars, gradient: gradient.to_vec(), root }
     };
     interfaces.iter().map(tangent).collect()

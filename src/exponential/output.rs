@@ -121,7 +121,7 @@ impl OutputMap {
     /// Maps the gathered states to values.
     fn map_states(&mut self, states: usize) {
         self.values.resize(states * self.rows.count, 0.0);
-        kernel::seen_of(self.arch, &self.rows, states, &self.states, &mut self.values);
+        kernel::row_products_of(self.arch, &self.rows, states, &self.states, &mut self.values);
         self.states.clear();
     }
 

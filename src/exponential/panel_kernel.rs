@@ -115,16 +115,16 @@ impl WithSimd for AccumulatePanel<'_> {
 }
 
 /// xᵀ P x of a square, symmetric panel P.
-pub fn form(arch: Arch, panel: &Panel, x: &[f64]) -> f64 {
-    arch.dispatch(Form { panel, x })
+pub fn quadratic_form(arch: Arch, panel: &Panel, x: &[f64]) -> f64 {
+    arch.dispatch(QuadraticForm { panel, x })
 }
 
-struct Form<'a> {
+struct QuadraticForm<'a> {
     panel: &'a Panel,
     x: &'a [f64],
 }
 
-impl WithSimd for Form<'_> {
+impl WithSimd for QuadraticForm<'_> {
     type Output = f64;
 
     #[inline(always)]

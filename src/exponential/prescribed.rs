@@ -51,7 +51,7 @@ pub(super) fn prescribed_loads(
     }
     for (index, source) in sources.iter().enumerate().filter(|(_, source)| is_resonant(linear, source.spin)) {
         prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
-        let [cosine, sine] = motion.turning_forces(source.shaft);
+        let [cosine, sine] = motion.rotating_forces(source.shaft);
         columns.extend([linear.column(&cosine), linear.column(&sine)]);
     }
     (prescribed, columns)

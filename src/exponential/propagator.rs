@@ -71,7 +71,7 @@ impl StepPropagator {
 
     /// Energy norm of the error from a load defect d π(τ) with d = `defect`, N.
     pub fn error(&self, arch: Arch, defect: &[f64]) -> f64 {
-        panel_kernel::form(arch, &self.gram, defect).max(0.0).sqrt()
+        panel_kernel::quadratic_form(arch, &self.gram, defect).max(0.0).sqrt()
     }
 }
 

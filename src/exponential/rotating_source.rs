@@ -43,7 +43,7 @@ pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
 
 /// The shafts that excite the motion.
 pub(super) fn rotating_sources(motion: &EquationOfMotion) -> Vec<RotatingSource> {
-    let source = |shaft| RotatingSource { shaft, spin: motion.spin(shaft), at_origin: motion.turn(shaft, 0.0) };
+    let source = |shaft| RotatingSource { shaft, spin: motion.spin(shaft), at_origin: motion.phasor(shaft, 0.0) };
     motion.sources().map(source).collect()
 }
 

@@ -325,7 +325,7 @@ fn residual_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
     let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
     let mut largest: f64 = 0.0;
     for residual in stages.residual.chunks_exact(loads) {
-        let square = panel_kernel::form(context.arch, &context.cache.gram, &residual[..meshes]);
+        let square = panel_kernel::quadratic_form(context.arch, &context.cache.gram, &residual[..meshes]);
         if !square.is_finite() {
             return f64::INFINITY;
         }
@@ -339,7 +339,7 @@ fn load_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
     let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
     let stages = stages.loads.chunks_exact(loads);
     step * stages
-        .map(|loads| panel_kernel::form(context.arch, &context.cache.gram, &loads[..meshes]))
+        .map(|loads| panel_kernel::quadratic_form(context.arch, &context.cache.gram, &loads[..meshes]))
         .fold(0.0, f64::max)
         .sqrt()
 }

@@ -62,7 +62,7 @@ impl Stages {
     /// Computes the response to the state `z` alone, for a step that begins at the time of `phasors`.
     pub fn prepare(&mut self, context: &StepContext<'_>, level: usize, phasors: &SourcePhasors, z: &[f64]) {
         let stage_response = context.cache.stage_response(level);
-        kernel::seen(context.arch, &stage_response.rows, z, &mut self.homogeneous_response);
+        kernel::row_products(context.arch, &stage_response.rows, z, &mut self.homogeneous_response);
         for (parts, phasor) in self.phasor_parts.chunks_exact_mut(2).zip(&phasors.values) {
             parts.copy_from_slice(&[phasor.re, phasor.im]);
         }

@@ -51,7 +51,7 @@ impl<'m> Stepper<'m> {
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
             sharp: motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
-            separable: motion.parts(),
+            separable: motion.flanks_can_separate(),
             phasors: SourcePhasors::new(&nonlinear_loads),
             contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
             context: StepContext::new(nonlinear_loads, cache),
@@ -128,7 +128,7 @@ impl<'m> Stepper<'m> {
     pub(super) fn frequency_at_begin(&self) -> f64 {
         if self.separable {
             let intervals = self.context.nonlinear_loads.guaranteed_intervals(&self.begin.contacts);
-            intervals.map(|interval| interval.swing).fold(0.0, f64::max)
+            intervals.map(|interval| interval.frequency).fold(0.0, f64::max)
         } else {
             0.0
         }
@@ -148,7 +148,7 @@ impl<'m> Stepper<'m> {
         for contacts in self.stages.contacts.chunks_exact(unchanged.len().max(1)).chain([&self.end.contacts[..]]) {
             for (unchanged, interval) in unchanged.iter_mut().zip(nonlinear_loads.guaranteed_intervals(contacts)) {
                 *unchanged &= interval.time >= gap;
-                frequency = frequency.max(interval.swing);
+                frequency = frequency.max(interval.frequency);
             }
         }
         frequency

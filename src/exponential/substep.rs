@@ -2,7 +2,7 @@
 
 use super::kernel::{self, TERMS};
 use super::step::Stepper;
-use crate::modal::Form;
+use crate::modal::StateMatrix;
 
 /// A remainder below this fraction of the shortest substep is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -147,7 +147,7 @@ impl SubstepSampler {
             terms += 1;
             size *= rotation / terms as f64;
         }
-        if let Form::Pairs(_) = &context.cache.linear.form {
+        if let StateMatrix::Pairs(_) = &context.cache.linear.matrix {
             let (blocks, columns) = (&context.cache.linear.blocks, &context.columns);
             kernel::taylor_step(
                 context.arch,

@@ -19,7 +19,7 @@ pub enum Flank {
     /// The back flank.
     Back,
     /// Neither: the teeth are separated.
-    Apart,
+    Separated,
     /// Both: the centre distance is smaller than the backlash allows.
     Both,
 }
@@ -76,7 +76,7 @@ impl ContactMode {
         let flank = match code[0] {
             0 => Flank::Drive,
             1 => Flank::Back,
-            2 => Flank::Apart,
+            2 => Flank::Separated,
             _ => Flank::Both,
         };
         Self { flank, engaged: [(code[1], code[2]), (code[3], code[4])] }

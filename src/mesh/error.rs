@@ -27,16 +27,16 @@ impl ErrorCurve {
     }
 
     /// Transmission error e, m, and its rate, m/s.
-    pub fn at(&self, turning: &[ShaftPhase; 2]) -> (f64, f64) {
-        let [driver, driven] = turning;
+    pub fn at(&self, phases: &[ShaftPhase; 2]) -> (f64, f64) {
+        let [driver, driven] = phases;
         let mut sum = (0.0, 0.0);
-        let mut add = |cycle: &PeriodicCurve, order: f64, turning: &ShaftPhase| {
-            let (value, slope) = cycle.at(order * turning.angle / (2.0 * PI));
+        let mut add = |cycle: &PeriodicCurve, order: f64, phase: &ShaftPhase| {
+            let (value, slope) = cycle.at(order * phase.angle / (2.0 * PI));
             sum.0 += value;
-            sum.1 += slope * order * turning.spin / (2.0 * PI);
+            sum.1 += slope * order * phase.spin / (2.0 * PI);
         };
-        for ((cycle, order), turning) in self.harmonics.iter().zip([driver, driver, driven]) {
-            add(cycle, *order, turning);
+        for ((cycle, order), phase) in self.harmonics.iter().zip([driver, driver, driven]) {
+            add(cycle, *order, phase);
         }
         if let Some(table) = &self.table {
             add(table, self.teeth, driver);

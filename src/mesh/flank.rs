@@ -15,7 +15,7 @@ pub(super) struct GearKinematics<'a> {
     velocity: RelativeMotion,
     /// Run-out vectors of both gears, m, and the relative velocity of the centres that the spins cause, m/s.
     eccentric: Option<[[f64; 2]; 2]>,
-    carried: [f64; 2],
+    run_out_velocity: [f64; 2],
     pub centre_geometry: Option<CentreGeometry>,
 }
 
@@ -37,32 +37,32 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub(super) fn approach<'a>(&self, pose: &MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
-        let &MeshPose { geometry, turning, mut position, mut velocity, .. } = pose;
-        let eccentric = self.eccentric(turning, position.twist);
-        let mut carried = [0.0; 2];
+    pub(super) fn gear_kinematics<'a>(&self, pose: &MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
+        let &MeshPose { geometry, phases, mut position, mut velocity, .. } = pose;
+        let eccentric = self.eccentric(phases, position.twist);
+        let mut run_out_velocity = [0.0; 2];
         if let Some([ea, eb]) = eccentric {
             let [a, b] = velocity.twist;
-            let (rate_a, rate_b) = (turning[0].spin + a, turning[1].spin + b);
+            let (rate_a, rate_b) = (phases[0].spin + a, phases[1].spin + b);
             position.relative_displacement =
                 [position.relative_displacement[0] + eb[0] - ea[0], position.relative_displacement[1] + eb[1] - ea[1]];
             velocity.relative_displacement[0] += rate_a * ea[1] - rate_b * eb[1];
             velocity.relative_displacement[1] += rate_b * eb[0] - rate_a * ea[0];
-            let (spin_a, spin_b) = (turning[0].spin, turning[1].spin);
-            carried = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
+            let (spin_a, spin_b) = (phases[0].spin, phases[1].spin);
+            run_out_velocity = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
         }
         let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
-        Ok(GearKinematics { pose: *pose, position, velocity, eccentric, carried, centre_geometry })
+        Ok(GearKinematics { pose: *pose, position, velocity, eccentric, run_out_velocity, centre_geometry })
     }
 
     /// Kinematics of the drive flank or of the back flank.
     #[inline(always)]
-    pub(super) fn meet(&self, approach: &GearKinematics<'_>, back: bool) -> FlankKinematics {
-        let GearKinematics { pose, position, velocity, centre_geometry, .. } = approach;
+    pub(super) fn flank_kinematics(&self, gears: &GearKinematics<'_>, back: bool) -> FlankKinematics {
+        let GearKinematics { pose, position, velocity, centre_geometry, .. } = gears;
         let sigma = if back { -pose.sigma } else { pose.sigma };
         let line = self.line(sigma, centre_geometry, position.relative_displacement);
         let (error, error_rate) = match &self.error {
-            Some(error) if !back => error.at(pose.turning),
+            Some(error) if !back => error.at(pose.phases),
             _ => (0.0, 0.0),
         };
         let clearance = if back { self.backlash.unwrap_or(0.0) } else { error };
@@ -89,24 +89,25 @@ impl GearMesh {
     }
 
     /// Evaluates the contact of one flank with tooth pairs, transmission error and run-out.
-    pub(super) fn press(
+    pub(super) fn flank_contact(
         &self,
-        approach: &GearKinematics<'_>,
-        meeting: &FlankKinematics,
+        gears: &GearKinematics<'_>,
+        flank: &FlankKinematics,
         contact_mode: &ContactMode,
     ) -> Contact {
-        let GearKinematics { pose: MeshPose { geometry, turning, .. }, velocity, eccentric, carried, .. } = approach;
-        let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *meeting;
-        let path = || self.path_of(&approach.pose, meeting);
+        let GearKinematics { pose: MeshPose { geometry, phases, .. }, velocity, eccentric, run_out_velocity, .. } =
+            gears;
+        let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *flank;
+        let path = || self.path_of(&gears.pose, flank);
         let state = self.teeth.elastic_state(path, contact_mode.engaged[usize::from(back)], deflection);
         let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } = state;
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
         let mut push = line.normal.map(|n| force * n);
         let mut moments = [-force * sigma * ra, -force * sigma * rb];
-        // Power of the prescribed motion: transmission error, teeth moving along the path, and run-out turning with the
+        // Power of the prescribed motion: transmission error, teeth moving along the path, and run-out that rotates with the
         // shafts.
-        let mut drive_power = -force * error_rate + by_position * ra * sigma * turning[0].spin;
+        let mut drive_power = -force * error_rate + by_position * ra * sigma * phases[0].spin;
         let steeper = self.involute.base_circles() / line.tangent;
         match self.phase {
             Phase::Twist => {
@@ -128,7 +129,7 @@ impl GearMesh {
         if let Some([ea, eb]) = eccentric {
             moments[0] += push[0] * ea[1] - push[1] * ea[0];
             moments[1] += push[1] * eb[0] - push[0] * eb[1];
-            drive_power -= dot(push, *carried);
+            drive_power -= dot(push, *run_out_velocity);
         }
         let damping_power = self.damping * rate * rate;
         let back_flank_deflection = f64::NEG_INFINITY;
@@ -158,22 +159,22 @@ impl GearMesh {
 
     /// Position of the tooth pairs of a flank on the path of contact.
     pub(super) fn path(&self, sigma: f64, back: bool, line: &LineOfAction, angle: f64, twist: f64) -> ContactPath {
-        let turned = match self.phase {
+        let driver_angle = match self.phase {
             Phase::Twist => angle + twist,
             Phase::Prescribed => angle,
         };
-        let pressure_angle = self.involute.pressure_angle_at_rest() + line.steeper;
-        let centres = self.involute.angle_at_rest() + line.turned;
+        let pressure_angle = self.involute.pressure_angle_at_rest() + line.pressure_angle_change;
+        let centres = self.involute.angle_at_rest() + line.rotation;
         // Backlash makes the teeth thinner by about a hundredth of the pitch; how it divides between the gears is unknown,
         // so it is neglected here.
-        let back_flank_deflection = if back { self.involute.base_thickness } else { 0.0 };
-        let position = self.involute.position(sigma, turned, centres, pressure_angle) + back_flank_deflection;
+        let tooth_thickness = if back { self.involute.base_thickness } else { 0.0 };
+        let position = self.involute.position(sigma, driver_angle, centres, pressure_angle) + tooth_thickness;
         ContactPath { position, ..self.involute.path(line.tangent) }
     }
 
     /// Position of the tooth pairs of a flank with known kinematics.
-    fn path_of(&self, pose: &MeshPose<'_>, meeting: &FlankKinematics) -> ContactPath {
-        self.path(meeting.sigma, meeting.back, &meeting.line, pose.turning[0].angle, pose.position.twist[0])
+    fn path_of(&self, pose: &MeshPose<'_>, flank: &FlankKinematics) -> ContactPath {
+        self.path(flank.sigma, flank.back, &flank.line, pose.phases[0].angle, pose.position.twist[0])
     }
 
     /// Position of the tooth pairs of the drive flank or of the back flank on the path of contact.
@@ -181,8 +182,8 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn engagement(&self, pose: &MeshPose<'_>, back: bool) -> Result<ContactPath, Overlap> {
-        let approach = self.approach(pose)?;
-        Ok(self.path_of(pose, &self.meet(&approach, back)))
+        let gears = self.gear_kinematics(pose)?;
+        Ok(self.path_of(pose, &self.flank_kinematics(&gears, back)))
     }
 
     /// The contact mode: the pressed flanks, and the tooth pairs on the path of contact.
@@ -190,24 +191,24 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn contact_mode(&self, pose: &MeshPose<'_>) -> Result<ContactMode, Overlap> {
-        let approach = self.approach(pose)?;
-        let engaged = |meeting: &FlankKinematics| {
-            if self.teeth.is_sharp() { self.path_of(pose, meeting).engaged() } else { (0, 0) }
+        let gears = self.gear_kinematics(pose)?;
+        let engaged = |flank: &FlankKinematics| {
+            if self.teeth.is_sharp() { self.path_of(pose, flank).engaged() } else { (0, 0) }
         };
-        let drive = self.meet(&approach, false);
+        let drive = self.flank_kinematics(&gears, false);
         if self.backlash.is_none() {
             return Ok(ContactMode { flank: Flank::Drive, engaged: [engaged(&drive), (0, 0)] });
         }
-        let back = self.meet(&approach, true);
+        let back = self.flank_kinematics(&gears, true);
         let contact_mode = ContactMode { flank: Flank::Both, engaged: [engaged(&drive), engaged(&back)] };
-        let presses = |meeting: &FlankKinematics| {
-            meeting.deflection > 0.0 && self.press(&approach, meeting, &contact_mode).force > 0.0
+        let presses = |flank: &FlankKinematics| {
+            flank.deflection > 0.0 && self.flank_contact(&gears, flank, &contact_mode).force > 0.0
         };
         let flank = match (presses(&drive), presses(&back)) {
             (true, true) => Flank::Both,
             (true, false) => Flank::Drive,
             (false, true) => Flank::Back,
-            (false, false) => Flank::Apart,
+            (false, false) => Flank::Separated,
         };
         Ok(ContactMode { flank, ..contact_mode })
     }

@@ -45,7 +45,7 @@ pub struct MeshPose<'a> {
     /// σ, the sign of the driver's spin.
     pub sigma: f64,
     /// Angles and spins of the shafts of driver and driven gear.
-    pub turning: &'a [ShaftPhase; 2],
+    pub phases: &'a [ShaftPhase; 2],
     /// Relative displacements.
     pub position: RelativeMotion,
     /// Relative velocities.
@@ -154,8 +154,8 @@ impl GearMesh {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn centres(&self, turning: &[ShaftPhase; 2], position: &RelativeMotion) -> Result<Centres, Overlap> {
-        self.involute.centres(self.relative_displacement(turning, position))
+    pub fn centres(&self, phases: &[ShaftPhase; 2], position: &RelativeMotion) -> Result<Centres, Overlap> {
+        self.involute.centres(self.relative_displacement(phases, position))
     }
 
     /// Position of the moving centres for the response. In frozen geometry the force does not depend on it, so
@@ -203,19 +203,19 @@ impl GearMesh {
         &self,
         geometry: Geometry,
         sigma: f64,
-        turning: &'a [ShaftPhase; 2],
+        phases: &'a [ShaftPhase; 2],
         q: &[f64],
         v: &[f64],
     ) -> MeshPose<'a> {
-        MeshPose { geometry, sigma, turning, position: self.relative(q), velocity: self.relative(v) }
+        MeshPose { geometry, sigma, phases, position: self.relative(q), velocity: self.relative(v) }
     }
 
     /// Run-out vectors of driver and driven gear over (y, z), m.
-    pub(super) fn eccentric(&self, turning: &[ShaftPhase; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    pub(super) fn eccentric(&self, phases: &[ShaftPhase; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let out = self.run_out?;
         let at = |i: usize| {
             let (size, phase): (f64, f64) = out[i];
-            let (sin, cos) = (turning[i].angle + twist[i] + phase).sin_cos();
+            let (sin, cos) = (phases[i].angle + twist[i] + phase).sin_cos();
             [size * cos, size * sin]
         };
         Some([at(0), at(1)])
@@ -279,14 +279,14 @@ impl GearMesh {
                 back_flank_deflection: self.back_flank_deflection(sigma, &centre_geometry, &position),
             });
         }
-        let approach = self.approach(pose)?;
-        let drive = self.press(&approach, &self.meet(&approach, false), contact_mode);
-        let back_flank_deflection = || self.back_flank_deflection(sigma, &approach.centre_geometry, &approach.position);
+        let gears = self.gear_kinematics(pose)?;
+        let drive = self.flank_contact(&gears, &self.flank_kinematics(&gears, false), contact_mode);
+        let back_flank_deflection = || self.back_flank_deflection(sigma, &gears.centre_geometry, &gears.position);
         match contact_mode.flank {
             Flank::Drive => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive }),
-            Flank::Apart => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.separated() }),
+            Flank::Separated => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.separated() }),
             Flank::Back | Flank::Both => {
-                let back = self.press(&approach, &self.meet(&approach, true), contact_mode);
+                let back = self.flank_contact(&gears, &self.flank_kinematics(&gears, true), contact_mode);
                 let drive = if contact_mode.flank.drives() { drive } else { drive.separated() };
                 Ok(drive.and_back(&back))
             }
@@ -294,9 +294,9 @@ impl GearMesh {
     }
 
     /// Relative displacement u_b − u_a of the centres of the base circles, m.
-    fn relative_displacement(&self, turning: &[ShaftPhase; 2], position: &RelativeMotion) -> [f64; 2] {
+    fn relative_displacement(&self, phases: &[ShaftPhase; 2], position: &RelativeMotion) -> [f64; 2] {
         let relative_displacement = position.relative_displacement;
-        match self.eccentric(turning, position.twist) {
+        match self.eccentric(phases, position.twist) {
             Some([ea, eb]) => [relative_displacement[0] + eb[0] - ea[0], relative_displacement[1] + eb[1] - ea[1]],
             None => relative_displacement,
         }
@@ -337,10 +337,10 @@ impl GearMesh {
     /// [`Overlap`] of the base circles.
     pub fn state(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<MeshState, Overlap> {
         let contact = self.contact(pose, contact_mode)?;
-        let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.turning, &pose.position))?;
+        let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.phases, &pose.position))?;
         let (first, last) =
             self.engagement(pose, !contact_mode.flank.drives() && contact_mode.flank.holds_back())?.engaged();
-        let count = if contact_mode.flank == Flank::Apart { 0.0 } else { (last - first + 1).max(0) as f64 };
+        let count = if contact_mode.flank == Flank::Separated { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(MeshState {
             deflection: contact.deflection,
             force: contact.force,

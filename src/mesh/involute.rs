@@ -69,11 +69,11 @@ pub(super) struct CentreGeometry {
     /// Length C sin α of the line of action between the base circles, m.
     tangent: f64,
     /// Rotation γ − ψ of the line of centres from rest, rad.
-    turned: f64,
+    rotation: f64,
     /// Change α − α₀ of the pressure angle from rest, rad.
-    steeper: f64,
+    pressure_angle_change: f64,
     /// Change of the belt length due to the pressure angle, S(inv α − inv α₀), m.
-    longer: f64,
+    lengthening: f64,
 }
 
 /// The deflection and its derivatives with respect to the displacement of the driver.
@@ -88,9 +88,9 @@ pub struct LineOfAction {
     /// Length C sin α of the line of action between the base circles, m.
     pub tangent: f64,
     /// Rotation γ − ψ of the line of centres from rest, rad.
-    pub turned: f64,
+    pub rotation: f64,
     /// Change α − α₀ of the pressure angle from rest, rad.
-    pub steeper: f64,
+    pub pressure_angle_change: f64,
 }
 
 /// The base circles overlap: there is no line of action.
@@ -136,7 +136,17 @@ impl Involute {
     /// The line of action of the centres at rest.
     pub fn line_at_rest(&self, sigma: f64) -> LineOfAction {
         let Self { direction, distance, tangent, .. } = *self;
-        self.line(sigma, &CentreGeometry { direction, distance, tangent, turned: 0.0, steeper: 0.0, longer: 0.0 })
+        self.line(
+            sigma,
+            &CentreGeometry {
+                direction,
+                distance,
+                tangent,
+                rotation: 0.0,
+                pressure_angle_change: 0.0,
+                lengthening: 0.0,
+            },
+        )
     }
 
     /// Centre distance, and the length of the line of action with its change from rest.
@@ -174,28 +184,36 @@ impl Involute {
     pub(super) fn centre_geometry(&self, relative_displacement: [f64; 2]) -> Result<CentreGeometry, Overlap> {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
         let (distance, tangent, stretched) = self.lengths(relative_displacement)?;
-        let turned = angle(tangent_direction, self.distance + along);
+        let rotation = angle(tangent_direction, self.distance + along);
         // inv α − inv α₀ = (t − t₀)/S − [atan(t/S) − atan(t₀/S)]
-        let steeper = angle(self.sum * stretched, self.sum * self.sum + tangent * self.tangent);
+        let pressure_angle_change = angle(self.sum * stretched, self.sum * self.sum + tangent * self.tangent);
         let [cos, sin] = self.direction;
         let direction =
             [self.distance * cos + relative_displacement[0], self.distance * sin + relative_displacement[1]]
                 .map(|c| c / distance);
-        Ok(CentreGeometry { direction, distance, tangent, turned, steeper, longer: stretched - self.sum * steeper })
+        Ok(CentreGeometry {
+            direction,
+            distance,
+            tangent,
+            rotation,
+            pressure_angle_change,
+            lengthening: stretched - self.sum * pressure_angle_change,
+        })
     }
 
     /// The line of action for this position of the centres.
     #[inline(always)]
     pub(super) fn line(&self, sigma: f64, centre_geometry: &CentreGeometry) -> LineOfAction {
-        let CentreGeometry { direction: [y, z], distance, tangent, turned, steeper, longer } = *centre_geometry;
+        let CentreGeometry { direction: [y, z], distance, tangent, rotation, pressure_angle_change, lengthening } =
+            *centre_geometry;
         let (cos_alpha, sin_alpha) = (self.sum / distance, tangent / distance);
         LineOfAction {
-            deflection: -sigma * self.sum * turned - longer,
+            deflection: -sigma * self.sum * rotation - lengthening,
             normal: [sin_alpha * y - sigma * cos_alpha * z, sin_alpha * z + sigma * cos_alpha * y],
             tangent_direction: [cos_alpha * y + sigma * sin_alpha * z, cos_alpha * z - sigma * sin_alpha * y],
             tangent,
-            turned,
-            steeper,
+            rotation,
+            pressure_angle_change,
         }
     }
 
@@ -243,8 +261,8 @@ impl Involute {
 
     /// Position s = r_a[σ(ϑ_a − γ) + α] of pair 0, m, at the driver angle ϑ_a (spin angle, plus twist if included).
     #[inline(always)]
-    pub fn position(&self, sigma: f64, turned: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
-        self.base_radius[0] * (sigma * (turned - centres_angle) + pressure_angle)
+    pub fn position(&self, sigma: f64, driver_angle: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
+        self.base_radius[0] * (sigma * (driver_angle - centres_angle) + pressure_angle)
     }
 
     /// Operating pressure angle α₀ at rest, rad.

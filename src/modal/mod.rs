@@ -22,5 +22,5 @@ pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};
 pub use real::RealModes;
-pub use state_space::{Form, LANES, MAX_CONDITION, ModalStateSpace};
+pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

@@ -66,9 +66,9 @@ impl RealModes {
             let shapes = symmetric_pencil(&block(&stiffness), &block(&mass), &null_in_part)?.vectors;
             let mut vectors = DMatrix::zeros(model.len(), part.len());
             vectors.rows_range_mut(part).copy_from(&shapes);
-            Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.unmeshed_elastic_form(shape)))
+            Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.elastic_form_without_meshes(shape)))
         };
-        model.numbering.parts().map(modes_of_part).collect()
+        model.numbering.uncoupled_parts().map(modes_of_part).collect()
     }
 
     /// Sorts modes, of which the first `known` are rigid-body modes, by frequency; `elastic_form` gives φᵀKφ.

@@ -25,7 +25,7 @@ pub const MAX_CONDITION: f64 = 1e8;
 
 /// The matrix A of ż = A z.
 #[derive(Clone, Debug)]
-pub enum Form {
+pub enum StateMatrix {
     /// Block-diagonal: one 2 × 2 block per slot.
     Pairs(Vec<ModePair>),
     /// Dense, 2·slots × 2·slots.
@@ -36,7 +36,7 @@ pub enum Form {
 #[derive(Clone, Debug)]
 pub struct ModalStateSpace {
     /// The matrix A.
-    pub form: Form,
+    pub matrix: StateMatrix,
     /// Entries a, b, c, d of the blocks [[a, b], [c, d]] of A, one per slot, 1/s; empty if A is dense.
     pub blocks: [Vec<f64>; 4],
     /// Number of slots with padding; z has twice as many entries.
@@ -46,7 +46,7 @@ pub struct ModalStateSpace {
     /// Spectral radius, the largest |λ|, rad/s; for a dense A its Frobenius norm, which is an upper bound.
     pub radius: f64,
     /// Whether A contains the mean stiffness and damping of the meshes.
-    pub meshed: bool,
+    pub includes_meshes: bool,
     /// Slots of each uncoupled part.
     pub parts: Vec<Range<usize>>,
     /// Q of q = Q z, n × 2·slots.
@@ -63,18 +63,18 @@ impl ModalStateSpace {
     /// Model of the complete system, with the mean mesh stiffness at rest.
     pub(super) fn new(real: &RealModes, order: &FirstOrder) -> Result<Self, DecompositionError> {
         let pairs = Pairs::new(real, order)?;
-        let (form, right, left, condition) = match pairs {
+        let (matrix, right, left, condition) = match pairs {
             Some(Pairs { pairs, right, left, condition }) if condition <= MAX_CONDITION => {
-                (Form::Pairs(pairs), right, left, condition)
+                (StateMatrix::Pairs(pairs), right, left, condition)
             }
             other => {
                 let size = 2 * real.frequencies.len();
                 let condition = other.map_or(f64::INFINITY, |pairs| pairs.condition);
                 let identity = DMatrix::identity(size, size);
-                (Form::Dense(order.full_matrix()), identity.clone(), identity, condition)
+                (StateMatrix::Dense(order.full_matrix()), identity.clone(), identity, condition)
             }
         };
-        Ok(Self::assemble(true, condition, vec![(form, Maps::new(real, order, &right, &left))]))
+        Ok(Self::assemble(true, condition, vec![(matrix, Maps::new(real, order, &right, &left))]))
     }
 
     /// Model at `speed` of the reference shaft, rad/s, without meshes: the bending and the torsion of every shaft are
@@ -84,7 +84,7 @@ impl ModalStateSpace {
         if model.scene.modal_damping > 0.0 {
             return Ok(None);
         }
-        let damping = model.unmeshed_damping_matrix() + model.gyroscopic_matrix() * speed;
+        let damping = model.damping_matrix_without_meshes() + model.gyroscopic_matrix() * speed;
         let skew_part = model.skew_part_matrix();
         let (mut largest, mut parts) = (1.0_f64, Vec::new());
         for real in RealModes::without_meshes(model)? {
@@ -92,7 +92,7 @@ impl ModalStateSpace {
             match Pairs::new(&real, &order)? {
                 Some(Pairs { pairs, right, left, condition }) if condition <= MAX_CONDITION => {
                     largest = largest.max(condition);
-                    parts.push((Form::Pairs(pairs), Maps::new(&real, &order, &right, &left)));
+                    parts.push((StateMatrix::Pairs(pairs), Maps::new(&real, &order, &right, &left)));
                 }
                 _ => return Ok(None),
             }
@@ -102,7 +102,7 @@ impl ModalStateSpace {
 
     /// The model reduced to the pairs in `slots`; `None` if A is dense.
     pub fn select_pairs(&self, slots: &[usize]) -> Option<Self> {
-        let Form::Pairs(pairs) = &self.form else {
+        let StateMatrix::Pairs(pairs) = &self.matrix else {
             return None;
         };
         let entries: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
@@ -113,7 +113,7 @@ impl ModalStateSpace {
             self.from_displacement.select_rows(&entries).transpose(),
             self.from_velocity.select_rows(&entries).transpose(),
         ]);
-        Some(Self::assemble(self.meshed, self.condition, vec![(Form::Pairs(pairs), maps)]))
+        Some(Self::assemble(self.includes_meshes, self.condition, vec![(StateMatrix::Pairs(pairs), maps)]))
     }
 
     /// Entries that this reduced model keeps of a state, row or column of the complete model, in its own order;
@@ -133,7 +133,7 @@ impl ModalStateSpace {
     /// decreases as its static displacement |b|/|λ|², divided by |λ|. For each load the measures are normalized to a
     /// sum of one; the largest value over all loads counts. Rigid-body pairs are always selected first.
     pub fn most_excited(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
-        let Form::Pairs(pairs) = &self.form else {
+        let StateMatrix::Pairs(pairs) = &self.matrix else {
             return Vec::new();
         };
         let rigid = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
@@ -157,7 +157,7 @@ impl ModalStateSpace {
     }
 
     /// Combines uncoupled parts and pads their slots; a dense part is the only one.
-    fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Maps)>) -> Self {
+    fn assemble(includes_meshes: bool, condition: f64, given: Vec<(StateMatrix, Maps)>) -> Self {
         let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
         for (_, maps) in &given {
             let begin = parts.last().map_or(0, |before| before.end);
@@ -168,27 +168,27 @@ impl ModalStateSpace {
         let mut padded = Maps(std::array::from_fn(|_| DMatrix::zeros(rows, 2 * slots)));
         let mut pairs = Vec::with_capacity(slots);
         let mut dense = None;
-        for ((form, maps), part) in given.into_iter().zip(&parts) {
+        for ((matrix, maps), part) in given.into_iter().zip(&parts) {
             let used = maps.slots();
             let place = |entry: usize| part.start + if entry < used { entry } else { slots + entry - used };
             padded.insert(&maps, place);
-            match form {
-                Form::Dense(matrix) => dense = Some(pad(&matrix, 2 * slots, place)),
-                Form::Pairs(own) => {
+            match matrix {
+                StateMatrix::Dense(matrix) => dense = Some(pad(&matrix, 2 * slots, place)),
+                StateMatrix::Pairs(own) => {
                     pairs.extend(own);
                     pairs.resize(part.end, ModePair::Real([0.0; 2]));
                 }
             }
         }
-        let form = dense.map_or(Form::Pairs(pairs), Form::Dense);
+        let matrix = dense.map_or(StateMatrix::Pairs(pairs), StateMatrix::Dense);
         let Maps([displacement, velocity, from_displacement, from_velocity]) = padded;
         Self {
-            blocks: blocks(&form),
-            radius: radius(&form),
-            form,
+            blocks: blocks(&matrix),
+            radius: radius(&matrix),
+            matrix,
             slots,
             condition,
-            meshed,
+            includes_meshes,
             parts,
             displacement,
             velocity,
@@ -229,7 +229,7 @@ impl ModalStateSpace {
     /// `force` gives its values at the shaft angles ϑ = 0 and ϑ = π/2 as entries (index, value). `None` if A is dense,
     /// or if a mode is in undamped resonance.
     pub fn synchronous(&self, spin: f64, force: &[Vec<(usize, f64)>; 2]) -> Option<DVector<Complex64>> {
-        let Form::Pairs(pairs) = &self.form else {
+        let StateMatrix::Pairs(pairs) = &self.matrix else {
             return None;
         };
         // The force is Re((b_c − i b_s) e^{iϑ}).
@@ -282,8 +282,8 @@ impl ModalStateSpace {
     /// `out = A z`.
     pub fn multiply(&self, z: &[f64], out: &mut [f64]) {
         let (x, y) = z.split_at(self.slots);
-        match &self.form {
-            Form::Pairs(_) => {
+        match &self.matrix {
+            StateMatrix::Pairs(_) => {
                 let (out_x, out_y) = out.split_at_mut(self.slots);
                 let [a, b, c, d] = &self.blocks;
                 for slot in 0..self.slots {
@@ -291,7 +291,7 @@ impl ModalStateSpace {
                     out_y[slot] = c[slot] * x[slot] + d[slot] * y[slot];
                 }
             }
-            Form::Dense(matrix) => {
+            StateMatrix::Dense(matrix) => {
                 out.fill(0.0);
                 for (column, z) in matrix.column_iter().zip(z) {
                     for (out, entry) in out.iter_mut().zip(column.iter()) {
@@ -306,15 +306,15 @@ impl ModalStateSpace {
     /// its eigenvalues are unknown.
     pub fn resonance_distance(&self, spin: f64) -> f64 {
         let at = Complex64::new(0.0, spin.abs());
-        match &self.form {
-            Form::Pairs(pairs) => {
+        match &self.matrix {
+            StateMatrix::Pairs(pairs) => {
                 let oscillations = pairs.iter().filter_map(|pair| match pair {
                     ModePair::Oscillation(value) => Some((at - value).norm()),
                     _ => None,
                 });
                 oscillations.fold(f64::INFINITY, f64::min)
             }
-            Form::Dense(_) => 0.0,
+            StateMatrix::Dense(_) => 0.0,
         }
     }
 }
@@ -357,9 +357,9 @@ fn pad(matrix: &DMatrix<f64>, size: usize, place: impl Fn(usize) -> usize) -> DM
 }
 
 /// Entries a, b, c, d of the 2 × 2 blocks, one list each; empty for a dense matrix.
-fn blocks(form: &Form) -> [Vec<f64>; 4] {
+fn blocks(matrix: &StateMatrix) -> [Vec<f64>; 4] {
     let mut blocks: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
-    if let Form::Pairs(pairs) = form {
+    if let StateMatrix::Pairs(pairs) = matrix {
         for pair in pairs {
             for (list, entry) in blocks.iter_mut().zip(pair.block().as_flattened()) {
                 list.push(*entry);
@@ -370,9 +370,9 @@ fn blocks(form: &Form) -> [Vec<f64>; 4] {
 }
 
 /// Largest |λ|, rad/s, or an upper bound of it.
-fn radius(form: &Form) -> f64 {
-    match form {
-        Form::Pairs(pairs) => pairs.iter().map(ModePair::largest).fold(0.0, f64::max),
-        Form::Dense(matrix) => matrix.norm(),
+fn radius(matrix: &StateMatrix) -> f64 {
+    match matrix {
+        StateMatrix::Pairs(pairs) => pairs.iter().map(ModePair::largest).fold(0.0, f64::max),
+        StateMatrix::Dense(matrix) => matrix.norm(),
     }
 }

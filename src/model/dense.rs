@@ -70,11 +70,11 @@ impl Model {
 
     /// Damping matrix of shafts, bearings and connections, without modal damping, which `CachedModel` adds.
     pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.connection_matrix(speed, |coefficients| coefficients.damping) + self.unmeshed_damping_matrix()
+        self.connection_matrix(speed, |coefficients| coefficients.damping) + self.damping_matrix_without_meshes()
     }
 
     /// Damping matrix of shafts and bearings, without modal damping.
-    pub fn unmeshed_damping_matrix(&self) -> DMatrix<f64> {
+    pub fn damping_matrix_without_meshes(&self) -> DMatrix<f64> {
         let mut matrix = self.zeros();
         for shaft in &self.shafts {
             add_bending(&mut matrix, shaft.bending.as_ref(), |chain| chain.damping.as_ref());

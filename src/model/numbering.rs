@@ -131,7 +131,7 @@ impl Numbering {
 
     /// Internal index ranges of the parts that only meshes couple: the bending of every shaft, then the torsion of
     /// every shaft.
-    pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+    pub fn uncoupled_parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let part = |start: usize, per_node: usize, nodes: usize| start..start + per_node * nodes;
         let bending = move |block: &Block| block.lateral.map(|start| part(start, 4, block.nodes));
         let twist = move |block: &Block| block.torsion.map(|start| part(start, 1, block.nodes));

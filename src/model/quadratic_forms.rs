@@ -43,11 +43,11 @@ impl Model {
         let meshes = self.meshes.iter().enumerate();
         let mesh_forms = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
         let springs = self.springs.iter().map(|spring| spring.stiffness * spring.scalar(q).powi(2));
-        self.unmeshed_elastic_form(q) + mesh_forms.sum::<f64>() + springs.sum::<f64>()
+        self.elastic_form_without_meshes(q) + mesh_forms.sum::<f64>() + springs.sum::<f64>()
     }
 
     /// qᵀKq of shafts and the symmetric part of the bearing stiffness, J.
-    pub fn unmeshed_elastic_form(&self, q: &[f64]) -> f64 {
+    pub fn elastic_form_without_meshes(&self, q: &[f64]) -> f64 {
         self.shaft_form(q) + self.sum_over_supports(q, |support| &support.symmetric_part)
     }
 

@@ -65,7 +65,7 @@ impl<'m> EquationOfMotion<'m> {
         let mut sum = 0.0;
         for (index, mesh) in self.model.meshes.iter().enumerate() {
             let contact =
-                mesh.contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index]);
+                mesh.contact(&self.pose(index, &self.phases(index, elapsed), q, v), &self.contact_modes[index]);
             sum += contact.map_err(|overlap| (index, overlap))?.energy;
         }
         Ok(sum)
@@ -87,17 +87,17 @@ impl<'m> EquationOfMotion<'m> {
         let mut unbent = std::mem::take(&mut self.scratch);
         self.unbend(elapsed, q, &mut unbent);
         for (index, shaft) in model.shafts.iter().enumerate() {
-            let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
+            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
                 let mut force = vec![0.0; 4 * chain.nodes];
                 chain.subtract_elastic::<2>(&unbent[chain.start..], &mut force);
                 for (value, pair) in bow.iter().zip(force.chunks_exact(2)) {
-                    let free = value * turn;
+                    let free = value * phasor;
                     drive += spin * (pair[1] * free.re - pair[0] * free.im);
                 }
             }
             for excitation in &shaft.excitations {
-                let force = excitation.unbalance_amplitude(spin, rate) * turn;
+                let force = excitation.unbalance_amplitude(spin, rate) * phasor;
                 unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
             }
         }
@@ -117,7 +117,7 @@ impl<'m> EquationOfMotion<'m> {
         for connection in self.connections() {
             match connection {
                 Connection::Mesh(index, mesh, _) => {
-                    let pose = self.turning(index, elapsed);
+                    let pose = self.phases(index, elapsed);
                     let contact = mesh.contact(&self.pose(index, &pose, q, v), &self.contact_modes[index]);
                     let contact = contact.map_err(|overlap| (index, overlap))?;
                     teeth += contact.drive_power;
@@ -142,9 +142,9 @@ impl<'m> EquationOfMotion<'m> {
         unbent.copy_from_slice(q);
         for (index, shaft) in self.model.shafts.iter().enumerate() {
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
-                let turn = self.turn(index, elapsed);
+                let phasor = self.phasor(index, elapsed);
                 for (value, pair) in bow.iter().zip(unbent[chain.start..].chunks_exact_mut(2)) {
-                    let free = value * turn;
+                    let free = value * phasor;
                     pair[0] -= free.re;
                     pair[1] -= free.im;
                 }
@@ -157,8 +157,8 @@ impl<'m> EquationOfMotion<'m> {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn mesh_state(&self, mesh: usize, elapsed: f64, q: &[f64], v: &[f64]) -> Result<MeshState, Overlap> {
-        let turning = self.turning(mesh, elapsed);
-        self.model.meshes[mesh].state(&self.pose(mesh, &turning, q, v), &self.contact_modes[mesh])
+        let phases = self.phases(mesh, elapsed);
+        self.model.meshes[mesh].state(&self.pose(mesh, &phases, q, v), &self.contact_modes[mesh])
     }
 
     /// The model.

@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::shaft_rotation::{Changing, ShaftRotation};
+use super::shaft_rotation::{ShaftRotation, VariableSpeed};
 use crate::connection::{Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
@@ -48,7 +48,7 @@ pub struct EquationOfMotion<'m> {
     /// Speed of the reference shaft, rad/s, if it is constant.
     speed: f64,
     /// Speed of the reference shaft, if it is variable.
-    pub(super) changing: Option<Changing>,
+    pub(super) variable_speed: Option<VariableSpeed>,
     /// Phasor e^{iϑ} of each shaft at elapsed time zero.
     pub(super) at_origin: Vec<Complex64>,
     /// Angle of each shaft at elapsed time zero, rad.
@@ -83,16 +83,16 @@ impl<'m> EquationOfMotion<'m> {
         Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
     }
 
-    /// The motion with the rotation `course` of the reference shaft.
+    /// Creates the motion with the `rotation` of the reference shaft.
     pub fn along(
         cached: &'m CachedModel,
         geometry: Geometry,
-        course: &ShaftRotation,
+        rotation: &ShaftRotation,
         equilibrium: DVector<f64>,
     ) -> Result<Self, DecompositionError> {
-        let (model, speed) = (&cached.model, course.fastest);
+        let (model, speed) = (&cached.model, rotation.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
-        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
+        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
         let excited = |(index, shaft): (usize, &ShaftModel)| RotatingForces {
             shaft: index,
             spin: spins[index],
@@ -108,7 +108,7 @@ impl<'m> EquationOfMotion<'m> {
         };
         let excited = model.shafts.iter().enumerate().map(excited);
         let rotating_forces: Vec<_> =
-            excited.filter(|excited| course.is_constant() && !excited.forces.is_empty()).collect();
+            excited.filter(|excited| rotation.is_constant() && !excited.forces.is_empty()).collect();
         let modal_damping = match model.scene.modal_damping {
             0.0 => None,
             _ => {
@@ -120,14 +120,14 @@ impl<'m> EquationOfMotion<'m> {
             let [stiffness, damping] = bearing.at(speed);
             Support::new(bearing.index, stiffness, damping)
         });
-        let angles: Vec<f64> = at_origin.iter().map(|turn| turn.arg()).collect();
+        let angles: Vec<f64> = at_origin.iter().map(|phasor| phasor.arg()).collect();
         Ok(Self {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
             speed,
-            changing: course.changing(),
+            variable_speed: rotation.variable_speed(),
             angles,
             at_origin,
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
@@ -155,7 +155,7 @@ impl<'m> EquationOfMotion<'m> {
     /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh.
     #[inline(always)]
     pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
-        let phases = mesh.map_or_else(Default::default, |mesh| self.turning(mesh, elapsed));
+        let phases = mesh.map_or_else(Default::default, |mesh| self.phases(mesh, elapsed));
         Instant { phases, contact_mode: *self.contact_mode(mesh) }
     }
 
@@ -173,10 +173,10 @@ impl<'m> EquationOfMotion<'m> {
     /// Speed of the reference shaft, rad/s, and its acceleration, rad/s².
     #[inline]
     pub(super) fn reference_speed(&self, elapsed: f64) -> (f64, f64) {
-        match &self.changing {
+        match &self.variable_speed {
             None => (self.speed, 0.0),
-            Some(changing) => {
-                let now = changing.at(elapsed);
+            Some(variable_speed) => {
+                let now = variable_speed.at(elapsed);
                 (now.speed, now.acceleration)
             }
         }
@@ -193,17 +193,17 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Phasor e^{iϑ} of a shaft.
-    pub fn turn(&self, shaft: usize, elapsed: f64) -> Complex64 {
-        self.at_origin[shaft] * Complex64::from_polar(1.0, self.turned(shaft, elapsed).0)
+    pub fn phasor(&self, shaft: usize, elapsed: f64) -> Complex64 {
+        self.at_origin[shaft] * Complex64::from_polar(1.0, self.angle_and_spin(shaft, elapsed).0)
     }
 
     /// Angle of a shaft since elapsed time zero, rad, and its spin, rad/s.
     #[inline(always)]
-    fn turned(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
-        match &self.changing {
+    fn angle_and_spin(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
+        match &self.variable_speed {
             None => (self.spins[shaft] * elapsed, self.spins[shaft]),
-            Some(changing) => {
-                let (ratio, now) = (self.model.shafts[shaft].ratio, changing.at(elapsed));
+            Some(variable_speed) => {
+                let (ratio, now) = (self.model.shafts[shaft].ratio, variable_speed.at(elapsed));
                 (ratio * now.angle, ratio * now.speed)
             }
         }
@@ -211,10 +211,10 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Spin of a shaft, rad/s, and its acceleration, rad/s².
     pub(super) fn spin_at(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
-        match &self.changing {
+        match &self.variable_speed {
             None => (self.spins[shaft], 0.0),
-            Some(changing) => {
-                let (ratio, now) = (self.model.shafts[shaft].ratio, changing.at(elapsed));
+            Some(variable_speed) => {
+                let (ratio, now) = (self.model.shafts[shaft].ratio, variable_speed.at(elapsed));
                 (ratio * now.speed, ratio * now.acceleration)
             }
         }
@@ -232,9 +232,9 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Whether the contact modes of a final state are valid for this motion: none, or one code for each mesh and the
     /// piece of the speed profile.
-    pub fn accepts_laws(&self, contact_modes: &[i64]) -> bool {
+    pub fn accepts_contact_modes(&self, contact_modes: &[i64]) -> bool {
         let meshes = self.contact_modes.len() * ContactMode::CODE;
-        let whole = meshes + usize::from(self.changing.is_some());
+        let whole = meshes + usize::from(self.variable_speed.is_some());
         contact_modes.is_empty()
             || contact_modes.len() == whole
                 && contact_modes[..meshes].chunks_exact(ContactMode::CODE).all(ContactMode::is_code)
@@ -249,7 +249,7 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
-    pub fn fastest_swing(&self) -> f64 {
+    pub fn highest_mesh_frequency(&self) -> f64 {
         let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.stiffest * self.mobility(mesh);
         self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
     }
@@ -266,12 +266,12 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Whether the flanks of a mesh may separate.
-    pub fn parts(&self) -> bool {
+    pub fn flanks_can_separate(&self) -> bool {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some())
     }
 
     /// Whether the flanks of a mesh with varying stiffness may separate.
-    pub fn parts_and_varies(&self) -> bool {
+    pub fn varying_flanks_can_separate(&self) -> bool {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some() && !mesh.teeth.is_constant())
     }
 
@@ -281,7 +281,7 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Rotating force of a shaft at ϑ = 0 and at ϑ = π/2, the factors of cos ϑ and sin ϑ, as entries (index, force).
-    pub fn turning_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
+    pub fn rotating_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
         let forces =
             self.rotating_forces.iter().filter(|excited| excited.shaft == shaft).flat_map(|excited| &excited.forces);
         let (mut cosine, mut sine) = (Vec::new(), Vec::new());
@@ -294,16 +294,16 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Angles and spins of the two shafts of a mesh.
     #[inline(always)]
-    pub fn turning(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
+    pub fn phases(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
         self.model.meshes[mesh].shafts.map(|shaft| {
-            let (turned, spin) = self.turned(shaft, elapsed);
-            ShaftPhase { angle: self.angles[shaft] + turned, spin }
+            let (angle, spin) = self.angle_and_spin(shaft, elapsed);
+            ShaftPhase { angle: self.angles[shaft] + angle, spin }
         })
     }
 
     /// Pose of a mesh.
     #[inline(always)]
-    pub(super) fn pose<'a>(&self, mesh: usize, turning: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
-        self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], turning, q, v)
+    pub(super) fn pose<'a>(&self, mesh: usize, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
+        self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], phases, q, v)
     }
 }

@@ -13,13 +13,13 @@ use crate::model::ShaftModel;
 
 impl EquationOfMotion<'_> {
     /// Adds the rotating forces of shafts with a variable speed.
-    fn add_changing(&self, elapsed: f64, force: &mut [f64]) {
+    fn add_rotating_forces(&self, elapsed: f64, force: &mut [f64]) {
         for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
-            let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
+            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
             for excitation in &shaft.excitations {
-                let turned = excitation.amplitude(spin, rate) * turn;
-                force[excitation.index] += turned.re;
-                force[excitation.index + 1] += turned.im;
+                let rotated = excitation.amplitude(spin, rate) * phasor;
+                force[excitation.index] += rotated.re;
+                force[excitation.index + 1] += rotated.im;
             }
         }
     }
@@ -28,14 +28,14 @@ impl EquationOfMotion<'_> {
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
         force.copy_from_slice(self.model.constant_load.as_slice());
-        if self.changing.is_some() {
-            self.add_changing(elapsed, force);
+        if self.variable_speed.is_some() {
+            self.add_rotating_forces(elapsed, force);
         }
         for excited in &self.rotating_forces {
-            let turn = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
+            let phasor = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
             for RotatingForce { index, amplitude } in &excited.forces {
-                force[*index] += amplitude.re * turn.re - amplitude.im * turn.im;
-                force[*index + 1] += amplitude.re * turn.im + amplitude.im * turn.re;
+                force[*index] += amplitude.re * phasor.re - amplitude.im * phasor.im;
+                force[*index + 1] += amplitude.re * phasor.im + amplitude.im * phasor.re;
             }
         }
         for support in &self.model.supports {
@@ -47,7 +47,7 @@ impl EquationOfMotion<'_> {
             match connection {
                 Connection::Mesh(index, mesh, _) => {
                     let contact = mesh
-                        .contact(&self.pose(index, &self.turning(index, elapsed), q, v), &self.contact_modes[index])
+                        .contact(&self.pose(index, &self.phases(index, elapsed), q, v), &self.contact_modes[index])
                         .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?;
                     mesh.apply(&contact, force);
                 }
@@ -116,7 +116,7 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
         let (rate, acceleration) = derivative.split_at_mut(n);
         rate.copy_from_slice(v);
         self.loads(elapsed, q, v, acceleration)?;
-        let speed = self.changing.as_ref().map(|changing| changing.at(elapsed).speed);
+        let speed = self.variable_speed.as_ref().map(|variable_speed| variable_speed.at(elapsed).speed);
         for (shaft, spin) in self.model.shafts.iter().zip(&self.spins) {
             let spin = speed.map_or(*spin, |speed| shaft.ratio * speed);
             accelerate(shaft, spin, q, v, acceleration);
@@ -125,7 +125,7 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
     }
 
     fn switching(&self) -> Option<&[usize]> {
-        (self.changing.is_some() || !self.switching.is_empty()).then_some(&self.switching)
+        (self.variable_speed.is_some() || !self.switching.is_empty()).then_some(&self.switching)
     }
 
     fn contact_modes_at(&mut self, elapsed: f64, y: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
@@ -133,14 +133,14 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
         contact_modes.clear();
         for (index, mesh) in self.model.meshes.iter().enumerate() {
             let contact_mode = if mesh.switches() {
-                mesh.contact_mode(&self.pose(index, &self.turning(index, elapsed), q, v))
+                mesh.contact_mode(&self.pose(index, &self.phases(index, elapsed), q, v))
                     .map_err(|overlap| Halt::Overlap { mesh: index, overlap })?
             } else {
                 ContactMode::ALWAYS
             };
             contact_modes.extend(contact_mode.code());
         }
-        contact_modes.extend(self.changing.as_ref().map(|changing| changing.piece_at(elapsed)));
+        contact_modes.extend(self.variable_speed.as_ref().map(|variable_speed| variable_speed.piece_at(elapsed)));
         Ok(())
     }
 
@@ -148,8 +148,8 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
         for (contact_mode, code) in self.contact_modes.iter_mut().zip(contact_modes.chunks_exact(ContactMode::CODE)) {
             *contact_mode = ContactMode::from_code(code);
         }
-        if let (Some(changing), Some(piece)) = (&mut self.changing, contact_modes.last()) {
-            changing.hold(*piece);
+        if let (Some(variable_speed), Some(piece)) = (&mut self.variable_speed, contact_modes.last()) {
+            variable_speed.set_piece(*piece);
         }
     }
 

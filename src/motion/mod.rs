@@ -9,6 +9,6 @@ mod speed;
 
 pub use energy::{Energies, SOURCES};
 pub use equation::EquationOfMotion;
-pub use phase::{DoubleDouble, phase};
+pub use phase::{DoubleDouble, phasor};
 pub use shaft_rotation::{Anchor, ShaftRotation};
 pub use speed::{Profile, Speed};

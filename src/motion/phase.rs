@@ -47,7 +47,7 @@ impl DoubleDouble {
     }
 
     /// Phasor e^{iϑ} of this angle ϑ, rad.
-    pub fn turn(self) -> Complex64 {
+    pub fn phasor(self) -> Complex64 {
         Complex64::from_polar(1.0, self.high) * Complex64::from_polar(1.0, self.low)
     }
 }
@@ -60,11 +60,11 @@ impl From<f64> for DoubleDouble {
 
 /// Phasor e^{iΩt}. The product Ωt includes its rounding error. Without it, the angle error at Ωt = 1e8 rad would be
 /// 1e-8 rad.
-pub fn phase(spin: f64, time: f64) -> Complex64 {
+pub fn phasor(spin: f64, time: f64) -> Complex64 {
     if !(spin * time).is_finite() {
         return Complex64::new(f64::NAN, f64::NAN);
     }
-    DoubleDouble::product(spin, time).turn()
+    DoubleDouble::product(spin, time).phasor()
 }
 
 /// The upper and the lower half of the digits of a number (Veltkamp).

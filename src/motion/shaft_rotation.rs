@@ -2,8 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::phase;
-use super::phase::DoubleDouble;
+use super::phase::{DoubleDouble, phasor};
 use super::speed::{Profile, Speed};
 
 /// A known angle of the reference shaft; by default it is 0 at the time 0.
@@ -41,25 +40,25 @@ impl ShaftRotation {
 
     /// Angle of the reference shaft at a time.
     pub fn angle(&self, time: f64) -> DoubleDouble {
-        self.anchor.angle.plus(self.speed.turned(self.anchor.time, time))
+        self.anchor.angle.plus(self.speed.angle_between(self.anchor.time, time))
     }
 
     /// Phasor e^{iϑ} of a shaft with the speed ratio r_s at elapsed time zero.
     pub fn phasor_at_origin(&self, ratio: f64) -> Complex64 {
         match &self.speed {
             Speed::Constant(speed) => {
-                let known = self.anchor.angle.times(ratio.into()).turn();
-                known * phase(ratio * speed, self.origin - self.anchor.time)
+                let known = self.anchor.angle.times(ratio.into()).phasor();
+                known * phasor(ratio * speed, self.origin - self.anchor.time)
             }
-            Speed::Changing(_) => self.angle(self.origin).times(ratio.into()).turn(),
+            Speed::Changing(_) => self.angle(self.origin).times(ratio.into()).phasor(),
         }
     }
 
     /// The speed over elapsed time; none if it is constant.
-    pub(super) fn changing(&self) -> Option<Changing> {
+    pub(super) fn variable_speed(&self) -> Option<VariableSpeed> {
         match &self.speed {
             Speed::Constant(_) => None,
-            Speed::Changing(profile) => Some(Changing::new(profile, self.origin)),
+            Speed::Changing(profile) => Some(VariableSpeed::new(profile, self.origin)),
         }
     }
 }
@@ -67,14 +66,14 @@ impl ShaftRotation {
 /// A variable speed as a function of elapsed time. The current piece is fixed within a step, so that no step crosses a
 /// kink and an evaluation needs no search.
 #[derive(Clone, Debug)]
-pub(super) struct Changing {
-    stretches: Vec<Stretch>,
-    holds: usize,
+pub(super) struct VariableSpeed {
+    pieces: Vec<SpeedPiece>,
+    current: usize,
 }
 
 /// A cubic polynomial of Ω in the elapsed time since the start of the piece.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct SpeedPiece {
     start: f64,
     /// Duration, s.
     length: f64,
@@ -94,28 +93,28 @@ pub(super) struct Instant {
     pub acceleration: f64,
 }
 
-impl Changing {
+impl VariableSpeed {
     fn new(profile: &Profile, origin: f64) -> Self {
-        let stretches = profile.pieces().filter(|(_, end)| *end > origin).map(|(piece, end)| {
+        let pieces = profile.pieces().filter(|(_, end)| *end > origin).map(|(piece, end)| {
             let begin = piece.begin.max(origin);
-            Stretch {
+            SpeedPiece {
                 start: begin - origin,
                 length: end - begin,
-                angle: profile.turned(origin, begin).high,
+                angle: profile.angle_between(origin, begin).high,
                 cubic: piece.moved_to(begin),
             }
         });
-        Self { stretches: stretches.collect(), holds: 0 }
+        Self { pieces: pieces.collect(), current: 0 }
     }
 
     /// Index of the piece at an elapsed time.
     pub fn piece_at(&self, elapsed: f64) -> i64 {
-        self.stretches.partition_point(|stretch| stretch.start <= elapsed).saturating_sub(1) as i64
+        self.pieces.partition_point(|piece| piece.start <= elapsed).saturating_sub(1) as i64
     }
 
     /// Sets the piece for the following steps.
-    pub fn hold(&mut self, piece: i64) {
-        self.holds = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
+    pub fn set_piece(&mut self, piece: i64) {
+        self.current = usize::try_from(piece).unwrap_or(0).min(self.pieces.len() - 1);
     }
 
     /// The reference shaft at an instant of the current piece. A trial step may end after the piece. There Ω̇ is
@@ -123,12 +122,12 @@ impl Changing {
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
     pub fn at(&self, elapsed: f64) -> Instant {
-        let stretch = &self.stretches[self.holds];
-        let since = elapsed - stretch.start;
-        let ([a, b, c, d], t) = (stretch.cubic, since.min(stretch.length));
+        let piece = &self.pieces[self.current];
+        let since = elapsed - piece.start;
+        let ([a, b, c, d], t) = (piece.cubic, since.min(piece.length));
         let beyond = since - t;
         let (speed, acceleration) = (a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d)));
-        let angle = stretch.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));
+        let angle = piece.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));
         Instant {
             angle: angle + beyond * (speed + acceleration * beyond / 2.0),
             speed: speed + acceleration * beyond,

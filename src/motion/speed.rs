@@ -64,10 +64,10 @@ impl Speed {
     }
 
     /// The angle ∫Ω dt between two times, rad.
-    pub fn turned(&self, from: f64, to: f64) -> DoubleDouble {
+    pub fn angle_between(&self, from: f64, to: f64) -> DoubleDouble {
         match self {
             Self::Constant(speed) => DoubleDouble::from(*speed).times(DoubleDouble::sum(to, -from)),
-            Self::Changing(profile) => profile.turned(from, to),
+            Self::Changing(profile) => profile.angle_between(from, to),
         }
     }
 
@@ -133,7 +133,7 @@ impl Profile {
     }
 
     /// Times between the pieces, and the coefficients of each.
-    pub fn parts(&self) -> (&[f64], impl Iterator<Item = &[f64; 4]>) {
+    pub fn breaks_and_polynomials(&self) -> (&[f64], impl Iterator<Item = &[f64; 4]>) {
         (&self.breaks, self.pieces[1..self.breaks.len()].iter().map(|piece| &piece.cubic))
     }
 
@@ -150,12 +150,12 @@ impl Profile {
         &self.pieces[self.breaks.partition_point(|begin| *begin <= time)]
     }
 
-    pub(super) fn turned(&self, from: f64, to: f64) -> DoubleDouble {
+    pub(super) fn angle_between(&self, from: f64, to: f64) -> DoubleDouble {
         if from > to {
-            return self.turned(to, from).times(DoubleDouble::from(-1.0));
+            return self.angle_between(to, from).times(DoubleDouble::from(-1.0));
         }
         let within = self.pieces().filter(|(piece, end)| piece.begin < to && *end > from);
-        let angle = |(piece, end): (&Piece, f64)| piece.turned(from.max(piece.begin), to.min(end));
+        let angle = |(piece, end): (&Piece, f64)| piece.angle_between(from.max(piece.begin), to.min(end));
         within.map(angle).fold(DoubleDouble::default(), DoubleDouble::plus)
     }
 
@@ -220,7 +220,7 @@ impl Piece {
     }
 
     /// Angle ∫Ω dt between two times, rad.
-    fn turned(&self, from: f64, to: f64) -> DoubleDouble {
+    fn angle_between(&self, from: f64, to: f64) -> DoubleDouble {
         let [a, b, c, d] = self.cubic;
         let since = |time: f64| {
             let t = DoubleDouble::sum(time, -self.about);

@@ -38,7 +38,7 @@ impl From<&Speed> for SpeedEntries {
         match speed {
             Speed::Constant(speed) => Self::Constant(*speed),
             Speed::Changing(profile) => {
-                let (breaks, pieces) = profile.parts();
+                let (breaks, pieces) = profile.breaks_and_polynomials();
                 let pieces: Vec<_> = pieces.collect();
                 let row = |power: usize| pieces.iter().map(|piece| piece[power]).collect();
                 Self::Changing { breaks: breaks.to_vec(), coefficients: (0..4).rev().map(row).collect() }

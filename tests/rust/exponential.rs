@@ -8,7 +8,7 @@ use gearbow::exponential::{
 };
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
-use gearbow::modal::{CachedModel, Form, ModalStateSpace};
+use gearbow::modal::{CachedModel, ModalStateSpace, StateMatrix};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::{Coefficient, Stiffness, StiffnessKind, StiffnessModel};
 use nalgebra::{DMatrix, DVector};
@@ -102,9 +102,9 @@ proptest! {
             return Ok(());
         };
         let stiffness = model.shaft_stiffness_matrix() + model.support_stiffness_matrix();
-        moves_by(&linear, &cached, (stiffness, model.unmeshed_damping_matrix()), speed, seed)?;
+        moves_by(&linear, &cached, (stiffness, model.damping_matrix_without_meshes()), speed, seed)?;
         // Bending of one shaft affects neither the other shafts nor its own twist.
-        let parts: Vec<_> = model.numbering.parts().collect();
+        let parts: Vec<_> = model.numbering.uncoupled_parts().collect();
         prop_assert_eq!(linear.parts.len(), parts.len());
         for (own, dofs) in linear.parts.iter().zip(parts) {
             let rows = [linear.row(&[(dofs.start, 1.0)], false), linear.row(&[(dofs.start, 1.0)], true)];
@@ -171,9 +171,9 @@ fn field<'m>(
     let reference = equilibrium(cached, geometry, SPEED).unwrap();
     let motion = motion(cached, geometry, SPEED, 0.0);
     let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Both).unwrap();
-    if !linear.meshed {
+    if !linear.includes_meshes {
         for shaft in motion.sources() {
-            let amplitude = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
+            let amplitude = linear.synchronous(motion.spin(shaft), &motion.rotating_forces(shaft));
             amplitudes.set_column(shaft, &amplitude.unwrap());
         }
     }
@@ -190,7 +190,7 @@ fn dense(linear: &ModalStateSpace) -> ModalStateSpace {
         (matrix[(slots + slot, slot)], matrix[(slots + slot, slots + slot)]) = (c[slot], d[slot]);
     }
     let mut same = linear.clone();
-    same.form = Form::Dense(matrix);
+    same.matrix = StateMatrix::Dense(matrix);
     same
 }
 

@@ -34,7 +34,7 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
         geometry: Geometry::Frozen,
         reference: reference.as_slice(),
         contained: true,
-        highest_swing: motion.fastest_swing(),
+        highest_frequency: motion.highest_mesh_frequency(),
         mobility: motion.mobility(0),
     };
     let connection = cached.model.connections(100.0).next().unwrap();
@@ -76,7 +76,7 @@ proptest! {
         // within it.
         let lifts = |t: &f64| [*t, -t].into_iter().any(|t| force(t) <= 0.0 || clear(t) <= 0.0);
         let lifts = (0..2000).map(|i| f64::from(i) * TAU / omega / 2000.0).find(lifts);
-        prop_assert!((hold.swing / omega - 1.0).abs() < 1e-12 || hold.time == f64::INFINITY);
+        prop_assert!((hold.frequency / omega - 1.0).abs() < 1e-12 || hold.time == f64::INFINITY);
         if let Some(lifts) = lifts {
             prop_assert!(hold.time <= lifts, "{} {lifts}", hold.time);
             // The bound is also useful: it is at least one third of the exact time, less one step of the search.
@@ -91,7 +91,7 @@ proptest! {
 fn separated_or_double_contact_has_no_guaranteed_interval() {
     let cached = cached();
     let (mut motion, interface) = pressed(&cached, false);
-    for flank in [Flank::Apart, Flank::Both] {
+    for flank in [Flank::Separated, Flank::Both] {
         let contact_mode = ContactMode { flank, ..ContactMode::ALWAYS };
         motion.set_contact_modes(&contact_mode.code());
         let contact = Contact { force: CARRIED, stiffness: STIFFNESS, ..Contact::default() };

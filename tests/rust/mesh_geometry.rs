@@ -2,9 +2,8 @@
 
 use std::f64::consts::PI;
 
-use gearbow::mesh::stiffness::ContactPath;
 use gearbow::mesh::{
-    Centres, ContactMode, Flank, GearMesh, Geometry, Involute, LineOfAction, MeshPose, Overlap, ShaftPhase,
+    Centres, ContactMode, ContactPath, Flank, GearMesh, Geometry, Involute, LineOfAction, MeshPose, Overlap, ShaftPhase,
 };
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;

@@ -54,7 +54,7 @@ impl ShaftRotation {
         self.spin.signum()
     }
 
-    fn turning(&self, after: f64) -> [ShaftPhase; 2] {
+    fn phases(&self, after: f64) -> [ShaftPhase; 2] {
         let ratio = -TEETH[0] / TEETH[1];
         let spins = [self.spin, self.spin * ratio];
         spins.map(|spin| ShaftPhase { angle: self.angle * spin / self.spin + spin * after, spin })
@@ -63,19 +63,19 @@ impl ShaftRotation {
     /// The contact mode at this time, with the flank replaced by `flank`.
     fn contact_mode(&self, gear_mesh: &GearMesh, flank: Flank) -> ContactMode {
         let (q, v) = (self.q.as_slice(), self.v.as_slice());
-        let turning = self.turning(0.0);
-        ContactMode { flank, ..gear_mesh.contact_mode(&self.pose(gear_mesh, &turning, q, v)).unwrap() }
+        let phases = self.phases(0.0);
+        ContactMode { flank, ..gear_mesh.contact_mode(&self.pose(gear_mesh, &phases, q, v)).unwrap() }
     }
 
     fn contact(&self, gear_mesh: &GearMesh, contact_mode: &ContactMode, after: f64) -> Contact {
         let q = self.q + self.v * after;
         gear_mesh
-            .contact(&self.pose(gear_mesh, &self.turning(after), q.as_slice(), self.v.as_slice()), contact_mode)
+            .contact(&self.pose(gear_mesh, &self.phases(after), q.as_slice(), self.v.as_slice()), contact_mode)
             .unwrap()
     }
 
-    fn pose<'a>(&self, gear_mesh: &GearMesh, turning: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
-        gear_mesh.pose(self.geometry, self.sigma(), turning, q, v)
+    fn pose<'a>(&self, gear_mesh: &GearMesh, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
+        gear_mesh.pose(self.geometry, self.sigma(), phases, q, v)
     }
 }
 
@@ -95,25 +95,25 @@ fn courses() -> impl Strategy<Value = ShaftRotation> {
         })
 }
 
-const FLANKS: [Flank; 4] = [Flank::Drive, Flank::Back, Flank::Apart, Flank::Both];
+const FLANKS: [Flank; 4] = [Flank::Drive, Flank::Back, Flank::Separated, Flank::Both];
 
 proptest! {
     #![proptest_config(crate::common::cases(300))]
 
     #[test]
     fn energy_is_accounted_for(
-        course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, run_out in 0..2_usize,
+        rotation in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, run_out in 0..2_usize,
         flank in 0..FLANKS.len(),
     ) {
         let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[run_out], DAMPING);
-        let contact_mode = course.contact_mode(&gear_mesh, FLANKS[flank]);
-        let contact = course.contact(&gear_mesh, &contact_mode, 0.0);
+        let contact_mode = rotation.contact_mode(&gear_mesh, FLANKS[flank]);
+        let contact = rotation.contact(&gear_mesh, &contact_mode, 0.0);
         let mut forces = [0.0; 6];
         gear_mesh.apply(&contact, &mut forces);
-        let delivered: f64 = forces.iter().zip(&course.v).map(|(force, rate)| force * rate).sum();
+        let delivered: f64 = forces.iter().zip(&rotation.v).map(|(force, rate)| force * rate).sum();
         // This step moves the teeth by 1e-6 m, which is small compared with the 3e-3 m of a smooth engagement.
         let step = 1e-7;
-        let [before, after] = [-step, step].map(|after| course.contact(&gear_mesh, &contact_mode, after));
+        let [before, after] = [-step, step].map(|after| rotation.contact(&gear_mesh, &contact_mode, after));
         let change = (after.energy - before.energy) / (2.0 * step);
         // At a kink of the energy slope, for example where a relieved pair just touches, the difference has this error.
         let bends = ((after.energy + before.energy) / 2.0 - contact.energy).abs() / step;
@@ -124,20 +124,20 @@ proptest! {
 
     #[test]
     fn the_stiffness_is_the_slope_of_the_force(
-        course in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
+        rotation in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
     ) {
         // The twist of the driven gear does not move the engagement. Without run-out it changes only the deflection.
         let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
-        let contact_mode = course.contact_mode(&gear_mesh, FLANKS[flank]);
-        let contact = course.contact(&gear_mesh, &contact_mode, 0.0);
+        let contact_mode = rotation.contact_mode(&gear_mesh, FLANKS[flank]);
+        let contact = rotation.contact(&gear_mesh, &contact_mode, 0.0);
         let turned = |by: f64| {
-            let mut turned = course.clone();
+            let mut turned = rotation.clone();
             turned.q[5] += by;
             turned.contact(&gear_mesh, &contact_mode, 0.0).force
         };
         let by = 1e-9;
         let [low, high] = [turned(-by), turned(by)];
-        let slope = (high - low) / (2.0 * by) / (course.sigma() * gear_mesh.involute.base_radius[1]);
+        let slope = (high - low) / (2.0 * by) / (rotation.sigma() * gear_mesh.involute.base_radius[1]);
         // Forces of 2e4 N are accurate to 4e-12 N, and the deflection changes by 7e-11 m. The force has a kink where a
         // pair just touches.
         let bends = ((high + low) / 2.0 - contact.force).abs() / by;
@@ -146,23 +146,23 @@ proptest! {
 
     #[test]
     fn damping_acts_along_the_line_of_action_of_every_flank_that_presses(
-        course in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
+        rotation in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
     ) {
         let [with, without] =
             [DAMPING, 0.0].map(|damping| gear_mesh(STIFFNESSES[stiffness], "", RUN_OUTS[0], damping));
-        let contact_mode = course.contact_mode(&with, FLANKS[flank]);
-        let [damped, elastic] = [&with, &without].map(|gear_mesh| course.contact(gear_mesh, &contact_mode, 0.0));
+        let contact_mode = rotation.contact_mode(&with, FLANKS[flank]);
+        let [damped, elastic] = [&with, &without].map(|gear_mesh| rotation.contact(gear_mesh, &contact_mode, 0.0));
         let mut forces = [0.0; 6];
         with.apply(&damped, &mut forces);
         let mut springs = [0.0; 6];
         without.apply(&elastic, &mut springs);
-        let taken: f64 = forces.iter().zip(springs).zip(&course.v).map(|((force, spring), v)| (spring - force) * v).sum();
+        let taken: f64 = forces.iter().zip(springs).zip(&rotation.v).map(|((force, spring), v)| (spring - force) * v).sum();
         prop_assert!((taken - damped.damping_power).abs() <= 1e-9 * (taken.abs() + elastic.energy * 1e3));
         let mut rate_squared = 0.0;
         for (presses, back) in [(contact_mode.flank.drives(), false), (contact_mode.flank.holds_back(), true)] {
             if presses {
                 let alone = ContactMode { flank: if back { Flank::Back } else { Flank::Drive }, ..contact_mode };
-                rate_squared += course.contact(&with, &alone, 0.0).damping_power / DAMPING;
+                rate_squared += rotation.contact(&with, &alone, 0.0).damping_power / DAMPING;
             }
         }
         prop_assert!((damped.damping_power - DAMPING * rate_squared).abs() <= 1e-12 * damped.damping_power);

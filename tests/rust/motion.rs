@@ -4,7 +4,7 @@ use crate::common::{Noise, cached, everything, free_train, largest, motion, poin
 use gearbow::integrate::FirstOrderSystem as _;
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::CachedModel;
-use gearbow::motion::{EquationOfMotion, phase};
+use gearbow::motion::{EquationOfMotion, phasor};
 use gearbow::scene::Node;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -103,8 +103,8 @@ fn live_differs_from_frozen_by_the_force_of_the_meshes() {
         let mut force = vec![0.0; n];
         for (index, mesh) in model.meshes.iter().enumerate() {
             let sigma = model.sigma(index, speed);
-            let turning = [ShaftPhase::default(); 2];
-            let contact = mesh.contact(&mesh.pose(geometry, sigma, &turning, q, v), &ContactMode::ALWAYS).unwrap();
+            let phases = [ShaftPhase::default(); 2];
+            let contact = mesh.contact(&mesh.pose(geometry, sigma, &phases, q, v), &ContactMode::ALWAYS).unwrap();
             mesh.apply(&contact, &mut force);
         }
         forces.push(DVector::from_vec(force));
@@ -181,10 +181,10 @@ fn the_shaft_angle_keeps_its_accuracy_in_long_runs() {
         }
     }
     // Four rotations, each accurate to one ulp.
-    assert!((phase(spin, time) - expected).norm() < 1e-15);
+    assert!((phasor(spin, time) - expected).norm() < 1e-15);
     assert!((Complex64::from_polar(1.0, spin * time) - expected).norm() > 1e-8, "the test sees the difference");
-    assert!((phase(-spin, time) - expected.conj()).norm() < 1e-15);
-    assert!(phase(1e300, 1e300).re.is_nan());
+    assert!((phasor(-spin, time) - expected.conj()).norm() < 1e-15);
+    assert!(phasor(1e300, 1e300).re.is_nan());
 }
 
 #[test]

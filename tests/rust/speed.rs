@@ -29,17 +29,17 @@ fn shaft_rotation(profile: Profile, origin: f64, end: f64) -> ShaftRotation {
 fn the_angle_is_the_exact_integral() {
     // 12 + 6t + 3t² − 4t³ for 1 s, then 17 + 2τ for 2 s; all integrals are integers.
     let speed = Speed::Changing(profile(&[0.0, 1.0, 3.0], 12.0, &[[6.0, 3.0, -4.0], [2.0, 0.0, 0.0]]));
-    assert_eq!(speed.turned(0.0, 1.0).high, 15.0);
-    assert_eq!(speed.turned(0.0, 3.0).high, 15.0 + 38.0);
-    assert_eq!(speed.turned(3.0, 0.0).high, -53.0);
-    assert_eq!(speed.turned(-2.0, 0.0).high, 24.0, "constant before the first break");
-    assert_eq!(speed.turned(3.0, 7.0).high, 84.0, "constant after the last break");
+    assert_eq!(speed.angle_between(0.0, 1.0).high, 15.0);
+    assert_eq!(speed.angle_between(0.0, 3.0).high, 15.0 + 38.0);
+    assert_eq!(speed.angle_between(3.0, 0.0).high, -53.0);
+    assert_eq!(speed.angle_between(-2.0, 0.0).high, 24.0, "constant before the first break");
+    assert_eq!(speed.angle_between(3.0, 7.0).high, 84.0, "constant after the last break");
     assert_eq!((speed.at(-1.0), speed.at(0.5), speed.at(2.0), speed.at(9.0)), (12.0, 15.25, 19.0, 21.0));
     // 1/3 rad/s for one year: about 1e7 rad, where one ulp is 2e-9 rad.
     let (third, year) = (1.0 / 3.0, 31_557_600.0);
     let slow = Speed::Changing(profile(&[0.0, 1.0], third, &[[0.0; 3]]));
-    assert_eq!(slow.turned(0.0, year + 0.5), DoubleDouble::product(third, year + 0.5));
-    assert!(slow.turned(0.0, year + 0.5).low != 0.0);
+    assert_eq!(slow.angle_between(0.0, year + 0.5), DoubleDouble::product(third, year + 0.5));
+    assert!(slow.angle_between(0.0, year + 0.5).low != 0.0);
 }
 
 #[test]
@@ -61,13 +61,13 @@ fn the_shaft_angle_does_not_depend_on_the_origin_of_time() {
             motion.contact_modes_at(elapsed, &y, &mut contact_modes).unwrap();
             motion.set_contact_modes(&contact_modes);
             for (index, shaft) in cached.model.shafts.iter().enumerate() {
-                let expected = Complex64::from_polar(1.0, shaft.ratio * speed.turned(0.0, time).high);
+                let expected = Complex64::from_polar(1.0, shaft.ratio * speed.angle_between(0.0, time).high);
                 // Round-off of angles up to 400 rad.
-                assert!((motion.turn(index, elapsed) - expected).norm() < 1e-12, "{index} at {time} from {origin}");
+                assert!((motion.phasor(index, elapsed) - expected).norm() < 1e-12, "{index} at {time} from {origin}");
             }
-            let turning = motion.turning(0, elapsed);
-            assert!((turning[0].spin - speed.at(time)).abs() < 1e-12 * speed.at(time));
-            assert!((Complex64::from_polar(1.0, turning[0].angle) - motion.turn(0, elapsed)).norm() < 1e-12);
+            let phases = motion.phases(0, elapsed);
+            assert!((phases[0].spin - speed.at(time)).abs() < 1e-12 * speed.at(time));
+            assert!((Complex64::from_polar(1.0, phases[0].angle) - motion.phasor(0, elapsed)).norm() < 1e-12);
         }
     }
 }
@@ -91,7 +91,7 @@ fn derivative_uses_the_current_spin_angle_and_angular_acceleration() {
         motion.contact_modes_at(time - origin, &y, &mut contact_modes).unwrap();
         motion.set_contact_modes(&contact_modes);
         motion.derivative(time - origin, &y, &mut derivative).unwrap();
-        let (now, angle) = (speed.at(time), speed.turned(0.0, time).high);
+        let (now, angle) = (speed.at(time), speed.angle_between(0.0, time).high);
         let acceleration = match time {
             t if t < 0.25 => 800.0 - 1800.0 * t + 1200.0 * t * t,
             t if t < 1.0 => 300.0 - 300.0 * (t - 0.25) * (t - 0.25),

@@ -3,10 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::common::COORDINATES;
-use gearbow::mesh::stiffness::{
-    CONTACT_COMPLIANCE, ContactPath, PeriodicCurve, Stiffness, Tooth, ToothPair, UniformCurve, iso6336,
-};
-use gearbow::mesh::{Contact, ContactMode, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
+use gearbow::mesh::stiffness::{CONTACT_COMPLIANCE, PeriodicCurve, Stiffness, Tooth, ToothPair, UniformCurve, iso6336};
+use gearbow::mesh::{Contact, ContactMode, ContactPath, Flank, GearMesh, Geometry, MeshPose, ShaftPhase};
 use gearbow::scene::{Engagement, Gear, Relief, Scene};
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -519,14 +517,16 @@ fn only_pairs_of_the_loaded_flank_are_counted() {
     const PARTS: usize = 2000;
     let gear_mesh = gear_mesh(r#"backlash = 1e-5, stiffness = { model = "square", pair = 2e8, engagement = 0.1 }"#);
     let ratio = gear_mesh.involute.centres([0.0; 2]).unwrap().contact_ratio;
-    for (flank, expected) in [(Flank::Drive, ratio), (Flank::Back, ratio), (Flank::Both, ratio), (Flank::Apart, 0.0)] {
+    for (flank, expected) in
+        [(Flank::Drive, ratio), (Flank::Back, ratio), (Flank::Both, ratio), (Flank::Separated, 0.0)]
+    {
         let mut sum = 0.0;
         for i in 0..PARTS {
             let turning = at_part((i as f64 + 0.5) / PARTS as f64);
             let contact_mode = contact_mode(&gear_mesh, &turning, &AT_REST, flank);
             let pose = frozen(&gear_mesh, 1.0, &turning, &AT_REST, &AT_REST);
             let state = gear_mesh.state(&pose, &contact_mode).unwrap();
-            if flank != Flank::Apart {
+            if flank != Flank::Separated {
                 let path = gear_mesh.engagement(&pose, flank == Flank::Back).unwrap();
                 let [low, high] = [path.low, path.high].map(|end| (end - path.position) / path.pitch);
                 let between = (-20..20).filter(|j| low <= f64::from(*j) && f64::from(*j) <= high).count();
@@ -548,13 +548,13 @@ fn contact_lasts_while_the_force_is_compressive() {
     let moved = |value: f64| [0.0, 0.0, 0.0, 0.0, 0.0, value / radius];
     for (deflection, rate, expected) in [
         (1e-5, 0.0, Flank::Drive),
-        (-1e-5, 0.0, Flank::Apart),
+        (-1e-5, 0.0, Flank::Separated),
         (-5e-5, 0.0, Flank::Back),
         // While the flank opens, the damping force exceeds the spring force.
-        (1e-6, -1.0, Flank::Apart),
-        (-4.1e-5, 1.0, Flank::Apart),
+        (1e-6, -1.0, Flank::Separated),
+        (-4.1e-5, 1.0, Flank::Separated),
         // A closing flank is in contact only after its deflection becomes positive.
-        (-1e-6, 1.0, Flank::Apart),
+        (-1e-6, 1.0, Flank::Separated),
     ] {
         let (q, v) = (moved(deflection), moved(rate));
         let contact_mode = gear_mesh.contact_mode(&frozen(&gear_mesh, 1.0, &turning, &q, &v)).unwrap();

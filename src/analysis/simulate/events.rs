@@ -160,7 +160,7 @@ impl EventRecorder {
                 let kind = match flank {
                     Flank::Drive => EventKind::Contact,
                     Flank::Back => EventKind::BackContact,
-                    Flank::Apart => EventKind::Separation,
+                    Flank::Separated => EventKind::Separation,
                     Flank::Both => EventKind::Tight,
                 };
                 self.push(elapsed, mesh, kind);
@@ -175,7 +175,7 @@ impl EventRecorder {
         };
         for (index, mesh) in motion.model().meshes.iter().enumerate().filter(|(_, mesh)| mesh.is_time_varying()) {
             // The integrator reports overlapping base circles.
-            if let Ok(centres) = mesh.centres(&motion.turning(index, step.end()), &mesh.relative(q)) {
+            if let Ok(centres) = mesh.centres(&motion.phases(index, step.end()), &mesh.relative(q)) {
                 self.check(motion, index, step.end(), &centres);
             }
         }

@@ -11,7 +11,7 @@ use crate::exponential::{
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::mesh::GearMesh;
-use crate::modal::{CachedModel, Form, MAX_CONDITION, ModalStateSpace};
+use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
 use crate::model::Model;
 use crate::scene::SceneError;
 
@@ -91,7 +91,7 @@ fn time_grid(
     linear: &ModalStateSpace,
     nonlinear_loads: &NonlinearLoads<'_>,
 ) -> Result<TimeGrid, AnalysisError> {
-    let mesh_frequency = nonlinear_loads.motion.fastest_swing();
+    let mesh_frequency = nonlinear_loads.motion.highest_mesh_frequency();
     let longest = match options.step {
         Some(step) => step,
         None => {
@@ -107,7 +107,7 @@ fn time_grid(
             let mut most = TAU / (STEPS_PER_CYCLE * fastest);
             if options.is_explicit() {
                 most *= EXPLICIT_FRACTION;
-                if nonlinear_loads.motion.parts() {
+                if nonlinear_loads.motion.flanks_can_separate() {
                     most = most.min(TAU / (STEPS_PER_MESH_PERIOD * mesh_frequency));
                 }
             }
@@ -126,7 +126,7 @@ fn time_grid(
     let tolerance = if options.step.is_some() { FIXED_EVENT_TOLERANCE } else { options.tolerance() };
     let fine = mesh_frequency / (2.0 * tolerance).cbrt();
     let event = (longest * (linear.radius / MAX_EVENT_ROTATION).max(fine)).log2().ceil().clamp(least, most) as usize;
-    let is_dense = matches!(linear.form, Form::Dense(_));
+    let is_dense = matches!(linear.matrix, StateMatrix::Dense(_));
     let further = if is_dense { FURTHER_HALVINGS_DENSE } else { FURTHER_HALVINGS };
     Ok(TimeGrid { longest, finest: event + further, event })
 }

@@ -27,7 +27,7 @@ const MAX_REMAINING_ROTATION: f64 = 1e12;
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     /// Rotation of the reference shaft. Elapsed time counts from its origin.
-    pub course: ShaftRotation,
+    pub rotation: ShaftRotation,
     /// Displacements of the equilibrium, from which deviations are measured.
     pub equilibrium: DVector<f64>,
     /// Smallest energy norm that a tolerance is relative to.
@@ -56,7 +56,7 @@ pub(super) fn start(
     let found = equilibrium(cached, options.geometry, fastest);
     let absolute =
         ShaftRotation { speed: options.speed.clone(), anchor: Anchor::default(), origin: options.start, fastest };
-    let (displacement, state, course) = match &options.initial {
+    let (displacement, state, rotation) = match &options.initial {
         // A run from rest needs no equilibrium. Without one, tolerances are relative to the motion itself.
         Initial::Rest => (found.unwrap_or_else(|_| zero()), rest(), absolute),
         Initial::Continue(last) => {
@@ -69,24 +69,24 @@ pub(super) fn start(
         }
         Initial::Synchronous => synchronous(cached, options, found?, absolute)?,
     };
-    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &course, zero())?;
+    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero())?;
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
     let floor = FLOOR_FRACTION * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
     let continues =
         matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));
     let Some(checkpoint) = &options.checkpoint else {
-        return Ok(Start { course, equilibrium: displacement, floor, state, resumes: continues });
+        return Ok(Start { rotation, equilibrium: displacement, floor, state, resumes: continues });
     };
     if checkpoint.state.y.len() != 2 * n || checkpoint.recorder_state.margins.len() != model.meshes.len() {
         return Err(SceneError::new("checkpoint", "is of a run of another system").into());
     }
-    Ok(Start { course, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
+    Ok(Start { rotation, equilibrium: displacement, floor, state: checkpoint.state.clone(), resumes: true })
 }
 
 /// Refuses to continue a run if σ of a mesh changes, because the opposite flank would then be in contact.
 fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), SceneError> {
-    let (model, before) = (&cached.model, last.course(last.origin).fastest);
+    let (model, before) = (&cached.model, last.rotation(last.origin).fastest);
     let changes = |mesh: &usize| model.sigma(*mesh, before) != model.sigma(*mesh, fastest);
     let Some(mesh) = (0..model.meshes.len()).find(changes) else {
         return Ok(());
@@ -120,15 +120,15 @@ fn continued(
     }
     let (speed, fastest) = (options.speed.clone(), options.fastest());
     check_flanks(cached, last, fastest)?;
-    let course = |origin: f64, anchor: Anchor| ShaftRotation { speed, anchor, origin, fastest };
+    let rotation = |origin: f64, anchor: Anchor| ShaftRotation { speed, anchor, origin, fastest };
     if options.speed != last.speed {
-        let anchor = Anchor { time: last.time, angle: last.course(last.origin).angle(last.time) };
-        Ok((displacement, State::new(complete(cached, last, watch)?), course(last.time, anchor)))
+        let anchor = Anchor { time: last.time, angle: last.rotation(last.origin).angle(last.time) };
+        Ok((displacement, State::new(complete(cached, last, watch)?), rotation(last.time, anchor)))
     } else if options.resumes(last) {
-        Ok((displacement, last.state.clone(), course(last.origin, last.anchor)))
+        Ok((displacement, last.state.clone(), rotation(last.origin, last.anchor)))
     } else {
         let at = last.origin + last.state.elapsed;
-        Ok((displacement, State::new(last.state.y.clone()), course(at, last.anchor)))
+        Ok((displacement, State::new(last.state.y.clone()), rotation(at, last.anchor)))
     }
 }
 
@@ -150,15 +150,15 @@ fn synchronous(
     cached: &CachedModel,
     options: &Options,
     found: DVector<f64>,
-    course: ShaftRotation,
+    rotation: ShaftRotation,
 ) -> Result<Beginning, AnalysisError> {
     let speed = options.speed.at(options.start);
     let amplitudes = with_flanks(cached, speed, options.fastest())?;
     check_size(cached, &amplitudes)?;
-    let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| course.phasor_at_origin(shaft.ratio)).collect();
+    let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);
     let y = [(equilibrium_at_start(cached, options, &found)? + q).as_slice(), v.as_slice()].concat();
-    Ok((found, State::new(y), course))
+    Ok((found, State::new(y), rotation))
 }
 
 /// Refuses a synchronous motion larger than the shafts are long: its unbalance is in a wrong unit, or the speed is a
@@ -193,14 +193,14 @@ fn complete(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bo
     let rest = (last.time - last.origin) - last.state.elapsed;
     let mut state = State::new(last.state.y.clone());
     if rest > 0.0 {
-        let course = last.course(last.origin + last.state.elapsed);
-        let steps = (rest * Spectrum::new(cached, course.fastest)?.radius()).ceil().max(1.0);
+        let rotation = last.rotation(last.origin + last.state.elapsed);
+        let steps = (rest * Spectrum::new(cached, rotation.fastest)?.radius()).ceil().max(1.0);
         let control = StepControl::Fixed(rest / steps);
-        let mut motion = EquationOfMotion::along(cached, last.geometry, &course, DVector::zeros(n))?;
+        let mut motion = EquationOfMotion::along(cached, last.geometry, &rotation, DVector::zeros(n))?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
         run(&mut motion, &mut method, &control, &mut state, end, &mut Heartbeat(watch), &mut Statistics::new())
-            .map_err(|halted| explain(cached, &halted, course.origin))?;
+            .map_err(|halted| explain(cached, &halted, rotation.origin))?;
     }
     Ok(state.y)
 }

@@ -90,9 +90,9 @@ pub fn simulate(
     let cached = at_speed.as_deref().unwrap_or(cached);
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
-    let origin = start.course.origin;
-    let motion = EquationOfMotion::along(cached, options.geometry, &start.course, start.equilibrium.clone())?;
-    if !motion.accepts_laws(&start.state.contact_modes) {
+    let origin = start.rotation.origin;
+    let motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone())?;
+    if !motion.accepts_contact_modes(&start.state.contact_modes) {
         let contact_modes = start.state.contact_modes.len();
         let message = format!(
             "are {contact_modes} numbers that this system cannot have left; give the final state of its own run"
@@ -119,7 +119,7 @@ pub fn simulate(
     let response = Response {
         record,
         recorder_state,
-        last: options.last(&start.course, reached, state),
+        last: options.last(&start.rotation, reached, state),
         limited_by: limited_by(options, &statistics),
         statistics,
         spectrum,

@@ -45,7 +45,7 @@ impl<'m> ModalSetup<'m> {
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
         let linear = match options.method {
-            Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
+            Method::Exponential if options.modes.is_none() && motion.varying_flanks_can_separate() => {
                 cached.linear_without_meshes(speed)?
             }
             _ => None,
@@ -53,7 +53,7 @@ impl<'m> ModalSetup<'m> {
         let linear = linear.map_or_else(|| cached.linear(speed), Ok)?;
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-            let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
+            let known = linear.synchronous(motion.spin(shaft), &motion.rotating_forces(shaft));
             let amplitude =
                 known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
@@ -83,7 +83,7 @@ fn keep_modes(
 ) -> Result<(Arc<ModalStateSpace>, InterfaceMaps), AnalysisError> {
     let constant: Vec<(usize, f64)> = cached.model.constant_load.iter().copied().enumerate().collect();
     let motion = &nonlinear_loads.motion;
-    let turning = motion.sources().flat_map(|shaft| motion.turning_forces(shaft));
+    let turning = motion.sources().flat_map(|shaft| motion.rotating_forces(shaft));
     let other = turning.chain([constant]).map(|load| linear.column(&load));
     let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
     let slots = linear.most_excited(&loads, count);

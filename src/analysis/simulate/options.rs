@@ -256,13 +256,13 @@ impl Options {
     }
 
     /// The state that a run with these options leaves at `time`.
-    pub(super) fn last(&self, course: &ShaftRotation, time: f64, state: State) -> Final {
+    pub(super) fn last(&self, rotation: &ShaftRotation, time: f64, state: State) -> Final {
         Final {
             method: self.method,
             time,
-            origin: course.origin,
+            origin: rotation.origin,
             speed: self.speed.clone(),
-            anchor: course.anchor,
+            anchor: rotation.anchor,
             geometry: self.geometry,
             setting: self.setting(),
             state,
@@ -277,7 +277,7 @@ impl Options {
 
 impl Final {
     /// Rotation of the reference shaft from the time `origin` on, s.
-    pub(super) fn course(&self, origin: f64) -> ShaftRotation {
+    pub(super) fn rotation(&self, origin: f64) -> ShaftRotation {
         let fastest = self.speed.fastest(origin, self.time);
         ShaftRotation { speed: self.speed.clone(), anchor: self.anchor, origin, fastest }
     }
