@@ -21,12 +21,13 @@ from gearbow._types import (
     SynchronousData,
 )
 
-__all__ = ["Model", "__version__", "check_final", "check_speed"]
+__all__ = ["Model", "__version__", "check_final", "check_speed", "connection_channels"]
 
 __version__: str
 
 def check_final(last: Mapping[str, Any], checkpoint: Plain | None = None) -> None: ...
 def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
+def connection_channels() -> dict[str, dict[str, str]]: ...
 
 @final
 class Model:

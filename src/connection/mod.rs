@@ -11,6 +11,7 @@
 //! | Which tangent? | `mean_tangent`, `tangent` of the variant; [`Interface::residual_tangent`] | Newton's method in the static equilibrium and in the exponential method |
 //! | Which contact mode, and how far is the next change? | [`Interface::contact_mode`], [`Interface::margins`], [`Interface::guaranteed_interval`] | events |
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
+//! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |
 //!
 //! A bearing with constant coefficients is linear: it is part of the matrices and is not a connection. At a constant
 //! speed a [`SpeedDependentBearing`] is also part of the matrices.
@@ -18,6 +19,7 @@
 //! The `match` over the variants has no wildcard. An analysis that does not handle a new variant does not compile.
 
 mod bearing;
+mod channel;
 mod instant;
 mod interface;
 mod mesh;
@@ -26,6 +28,7 @@ mod spring;
 use nalgebra::DMatrix;
 
 pub use bearing::SpeedDependentBearing;
+pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions};
 pub use interface::{Interface, SpringInterface};
 pub use mesh::MeshInterface;
@@ -109,6 +112,16 @@ impl Connection<'_> {
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Spring(spring) => spring.bounds(),
+        }
+    }
+
+    /// What a run can record of the connection.
+    pub fn channels(&self) -> &'static [Channel] {
+        match self {
+            Self::Mesh(..) => &MESH_CHANNELS,
+            Self::Bearing(_) => &BEARING_CHANNELS,
+            // A scene cannot contain a spring.
+            Self::Spring(_) => &[],
         }
     }
 

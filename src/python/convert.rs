@@ -8,7 +8,7 @@ use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::analysis::simulate::MESH_FIELDS;
+use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS};
 use crate::model::{Model, Numbering};
 
 /// Converts an (n, n) matrix from the coordinate order of the core to that of Python.
@@ -49,16 +49,30 @@ pub fn mesh_names(model: &Model, meshes: impl Iterator<Item = usize>) -> Vec<(&s
     meshes.map(|mesh| model.gear_names(mesh).into()).collect()
 }
 
+/// Units of the quantities that a run can record, by kind of connection ("mesh", "bearing") and name.
+#[pyfunction]
+pub fn connection_channels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let units = |channels: &[Channel]| {
+        let dict = PyDict::new(py);
+        channels.iter().try_for_each(|channel| dict.set_item(channel.name, channel.unit))?;
+        PyResult::Ok(dict)
+    };
+    let dict = PyDict::new(py);
+    dict.set_item("mesh", units(&MESH_CHANNELS)?)?;
+    dict.set_item("bearing", units(&BEARING_CHANNELS)?)?;
+    Ok(dict)
+}
+
 /// Converts the recorded quantities of meshes to arrays of shape (times, meshes), or (meshes,) if `flat`, by name.
 pub fn mesh_fields<'py>(
     py: Python<'py>,
-    fields: [Vec<f64>; 8],
+    fields: [Vec<f64>; MESH_CHANNELS.len()],
     times: usize,
     meshes: usize,
     flat: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (name, values) in MESH_FIELDS.iter().zip(fields) {
+    for (Channel { name, .. }, values) in MESH_CHANNELS.iter().zip(fields) {
         if flat {
             dict.set_item(name, values.into_pyarray(py))?;
         } else {

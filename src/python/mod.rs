@@ -19,6 +19,8 @@ use pyo3::pymodule;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use super::convert::connection_channels;
+    #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]
     use super::speed::check_speed;

@@ -13,8 +13,9 @@ use super::handle::PyModel;
 use super::options::{RecordEntry, RunOptions, read_initial};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{frequency, simulate, speed};
-use crate::analysis::simulate::{Method, Options, fields, round_below, sample_step};
+use crate::analysis::simulate::{Method, Options, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
+use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
 use crate::scene::{EntryPath, Node, SceneDescription, nearest};
 
@@ -189,13 +190,13 @@ impl PyModel {
             warn(py, text)?;
         }
         let rest = vec![0.0; model.len()];
-        let mut series: [Vec<f64>; 8] = Default::default();
+        let mut series: [Vec<f64>; MESH_CHANNELS.len()] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
             let state = mesh.state_at_rest(geometry, model.sigma(index, speed), q).map_err(|overlap| {
                 let [driver, driven] = model.gear_names(index);
                 AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
             })?;
-            for (values, value) in series.iter_mut().zip(fields(&state)) {
+            for (values, value) in series.iter_mut().zip(mesh_values(&state)) {
                 values.push(value);
             }
         }

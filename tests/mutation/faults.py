@@ -147,14 +147,9 @@ FAULTS: list[Fault] = [
     *_faults(
         "orders/channel.py",
         "signals",
-        (
-            '_POINT = {"v": "m", "w": "m", "twist": "rad"}',
-            '_POINT = {"w": "m", "v": "m", "twist": "rad"}',
-        ),
-        ('"twist": "rad"}', '"twist": "°"}'),
-        ('_BEARING = {"y": "N", "z": "N"}', '_BEARING = {"z": "N", "y": "N"}'),
-        ('"stiffness": "N/m",', '"stiffness": "N",'),
-        ('"deflection": "m",', '"deflection": "µm",'),
+        ("force[:, component]", "force[:, 0]"),
+        ("recording.displacement(at)[:, component]", "recording.displacement(at)[:, 0]"),
+        ('{"force": MESH["force"], **MESH}', "MESH"),
         (
             'return Channel("energy", "J", recording.energy)',
             'return Channel("energy", "J", recording.energy - recording.energy[0])',
@@ -207,6 +202,12 @@ FAULTS: list[Fault] = [
         ("panel.set_xlim(0.0, highest)", "panel.set_xlim(0.0, 2.0 * highest)"),
     ),
     *_faults(
+        "recording/channels.py",
+        "signals",
+        ('{"v": "m", "w": "m", "twist": "rad"}', '{"w": "m", "v": "m", "twist": "rad"}'),
+        ('"twist": "rad"}', '"twist": "°"}'),
+    ),
+    *_faults(
         "recording/tables.py",
         "units_of_files",
         (
@@ -216,9 +217,7 @@ FAULTS: list[Fault] = [
         ('"twist": ("rad", ("time", "point"))', '"twist": ("deg", ("time", "point"))'),
         ('"bearing_force": ("N", ', '"bearing_force": ("kN", '),
         ('f"energy_{name}": ("J", ', 'f"energy_{name}": ("W", '),
-        ('"mesh_stiffness": ("N/m", ', '"mesh_stiffness": ("N", '),
-        ('"mesh_centre_line_angle": ("rad", ', '"mesh_centre_line_angle": ("°", '),
-        ('"mesh_contact_ratio": ("1", ', '"mesh_contact_ratio": ("%", '),
+        ('f"mesh_{name}": (unit, ', 'f"mesh_{name}": ("1", '),
         ('{"units": unit}', "{}"),
         ('np.array(["y", "z"])', 'np.array(["z", "y"])'),
         ('data["time"], {"units": "s"}', 'data["time"], {"units": "ms"}'),

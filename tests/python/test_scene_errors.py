@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gearbow as gb
-from reference.planted_faults import KINDS, SCENE, build, numbers, spoil, written
+from reference.invalid_scenes import KINDS, SCENE, build, numbers, with_value, written
 
 COUNTS = ("elements", "teeth", "number")
 
@@ -42,13 +42,15 @@ def stem(path: tuple[str | int, ...]) -> str:
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf], ids=["nan", "inf", "-inf"])
 @pytest.mark.parametrize("path", numbers(SCENE), ids=written)
 def test_a_number_that_is_not_finite(path: tuple[str | int, ...], bad: float):
-    text = refused(spoil(list(path), bad), stem(path))
+    text = refused(with_value(list(path), bad), stem(path))
     if path[-1] not in COUNTS:
         assert str(bad).strip("-") in text.lower()
 
 
 def test_the_text_of_the_interface():
-    text = refused(spoil(["shafts", 1, "bow", 1, "amplitude"], math.nan), "shafts[1].bow.amplitude")
+    text = refused(
+        with_value(["shafts", 1, "bow", 1, "amplitude"], math.nan), "shafts[1].bow.amplitude"
+    )
     assert text == "shafts[1].bow.amplitude: must be finite, got nan"
 
 
@@ -86,12 +88,12 @@ NOT_NEGATIVE = [
 @pytest.mark.parametrize("bad", [0, -1])
 def test_a_size_that_is_not_positive(path: tuple[str | int, ...], bad: int):
     kind = int if path[-1] in COUNTS else float
-    refused(spoil(list(path), kind(bad)), written(path))
+    refused(with_value(list(path), kind(bad)), written(path))
 
 
 @pytest.mark.parametrize("path", NOT_NEGATIVE, ids=written)
 def test_a_size_that_is_negative(path: tuple[str | int, ...]):
-    refused(spoil(list(path), -1e-3), written(path))
+    refused(with_value(list(path), -1e-3), written(path))
 
 
 @pytest.mark.parametrize(
@@ -152,7 +154,7 @@ def test_a_size_that_is_negative(path: tuple[str | int, ...]):
     ids=lambda x: written(x) if isinstance(x, tuple) and x and x[0] in SCENE else None,
 )
 def test_what_cannot_be(path: tuple[str | int, ...], value: Any, where: str):
-    scene = spoil(list(path), value)
+    scene = with_value(list(path), value)
     if path[-1] == "segments" and value:
         scene["shafts"][0]["segments"] = value  # beside a length
     refused(scene, where)
@@ -268,7 +270,7 @@ def test_any_number_anywhere_is_taken_or_refused_in_words(path, value):
     """There is no other exception and no crash; accepted scenes can be assembled."""
     count = path[-1] in COUNTS and abs(value) < 50
     try:
-        system = build(spoil(list(path), int(value) if count else value))
+        system = build(with_value(list(path), int(value) if count else value))
     except gb.SceneError as error:
         assert re.match(r"(shafts|gears|disks|meshes|bearings|torques|gravity|modal)", str(error))  # noqa: PT017
         return

@@ -29,7 +29,7 @@ def described(**changes) -> dict:
     return pair().description | changes
 
 
-def spoilt(key: str, index: int, **changes) -> dict:
+def scene_with(key: str, index: int, **changes) -> dict:
     given = pair().description
     given[key][index] |= changes
     return given
@@ -78,7 +78,7 @@ def spoilt(key: str, index: int, **changes) -> dict:
         ),
         (lambda: pair().balance(["pinoin"], 1.0), r'^planes\[0\]: .*; did you mean "pinion"\?'),
         (
-            lambda: gb.RotorSystem.from_dict(spoilt("shafts", 0, lenght=1.0)),
+            lambda: gb.RotorSystem.from_dict(scene_with("shafts", 0, lenght=1.0)),
             r'^shafts\[0\].*lenght.*; did you mean "length"\?',
         ),
         (
@@ -87,7 +87,7 @@ def spoilt(key: str, index: int, **changes) -> dict:
         ),
         (
             lambda: gb.RotorSystem.from_dict(
-                spoilt("meshes", 0, stiffness={"model": "square", "pairs": 2e8})
+                scene_with("meshes", 0, stiffness={"model": "square", "pairs": 2e8})
             ),
             r'^meshes\[0\].stiffness.*pairs.*; did you mean "pair"\?',
         ),

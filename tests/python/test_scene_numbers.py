@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.planted_faults import SCENE, build, numbers, spoil, written
+from reference.invalid_scenes import SCENE, build, numbers, with_value, written
 
 #: Values that are not real numbers, although Python or NumPy would convert most of them.
 WRONG = {
@@ -84,7 +84,7 @@ def test_a_field_that_is_no_number(path: tuple[str | int, ...], value: object):
         return
     start = written(path[:1])
     with pytest.raises(gb.SceneError) as caught:
-        build(spoil(list(path), value))
+        build(with_value(list(path), value))
     text = str(caught.value)
     # Constructors of bows and models know the field, but not the part.
     assert text.startswith((start, "bow.", str(path[-2:][0]))), text
@@ -315,7 +315,7 @@ def test_a_whole_number_may_be_written_as_a_float(elements):
 )
 def test_teeth_that_are_no_whole_number(value, text):
     with pytest.raises(gb.SceneError, match=rf"^gears\[0\].teeth: {text}"):
-        build(spoil(["gears", 0, "teeth"], value))
+        build(with_value(["gears", 0, "teeth"], value))
 
 
 def test_files_read_whole_numbers_alike(tmp_path):

@@ -5,22 +5,13 @@ from dataclasses import dataclass
 from gearbow._types import Array, Record
 from gearbow.description.places import place, place_label
 from gearbow.errors import ChannelError
+from gearbow.recording.channels import BEARING, MESH, POINT
 from gearbow.recording.recording import Recording
 
 __all__ = ["Channel", "channel"]
 
-_POINT = {"v": "m", "w": "m", "twist": "rad"}
-_BEARING = {"y": "N", "z": "N"}
-_MESH = {
-    "force": "N",
-    "deflection": "m",
-    "stiffness": "N/m",
-    "pressure_angle": "rad",
-    "centre_distance": "m",
-    "centre_line_angle": "rad",
-    "contact_ratio": "1",
-    "pairs_in_contact": "1",
-}
+#: Components of the force on a bearing.
+_BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,18 +61,20 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
     if isinstance(of, tuple) and len(of) == 3:
         name, component = _chosen(of, quantity, _BEARING)
         force = recording.bearing_force(of[1], of[2])
-        return Channel(f"bearing {of[1]} at {of[2]:g} m {name}", "N", force[:, component])
+        return Channel(
+            f"bearing {of[1]} at {of[2]:g} m {name}", _BEARING[name], force[:, component]
+        )
     if of == "energy":
         _chosen(of, quantity, {"energy": "J"})
         return Channel("energy", "J", recording.energy)
     if isinstance(of, tuple) and isinstance(of[1], str):
-        name, _ = _chosen(of, quantity, _MESH)
+        name, _ = _chosen(of, quantity, {"force": MESH["force"], **MESH})
         values: Array = getattr(recording.mesh(of[0], of[1]), name)
-        return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", _MESH[name], values)
-    name, component = _chosen(of, quantity, _POINT)
+        return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", MESH[name], values)
+    name, component = _chosen(of, quantity, POINT)
     at = of if isinstance(of, str) else (of[0], float(of[1]))
     motion = recording.twist(at) if name == "twist" else recording.displacement(at)[:, component]
-    return Channel(f"{place_label(at)} {name}", _POINT[name], motion)
+    return Channel(f"{place_label(at)} {name}", POINT[name], motion)
 
 
 def _chosen(of: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow.description.speed import plain_speed
+from gearbow.recording.channels import BEARING, MESH
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.record import RunRecord
 
@@ -28,14 +29,7 @@ CHANNELS = {
     "bearing_force": ("N", ("time", "bearing", "axis")),
     "energy": ("J", ("time",)),
     **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
-    "mesh_deflection": ("m", ("time", "mesh")),
-    "mesh_force": ("N", ("time", "mesh")),
-    "mesh_stiffness": ("N/m", ("time", "mesh")),
-    "mesh_pressure_angle": ("rad", ("time", "mesh")),
-    "mesh_centre_distance": ("m", ("time", "mesh")),
-    "mesh_centre_line_angle": ("rad", ("time", "mesh")),
-    "mesh_contact_ratio": ("1", ("time", "mesh")),
-    "mesh_pairs_in_contact": ("1", ("time", "mesh")),
+    **{f"mesh_{name}": (unit, ("time", "mesh")) for name, unit in MESH.items()},
 }
 
 
@@ -111,12 +105,10 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
-            columns[f"{'/'.join(pair)} {field} [{CHANNELS[f'mesh_{field}'][0]}]"] = values[:, i]
+            columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
     for i, (shaft, position) in enumerate(data["bearings"]):
-        for axis, direction in enumerate("yz"):
-            columns[f"{shaft}@{position:g} force_{direction} [N]"] = data["bearing_force"][
-                :, i, axis
-            ]
+        for axis, (field, unit) in enumerate(BEARING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._types import Array
+from gearbow.recording.channels import MESH, POINT
 from gearbow.study.case import Case, system
 from gearbow.study.settings import Settings
 
@@ -21,17 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["UNITS", "Measured", "measure"]
 
 #: Unit of each recorded quantity.
-UNITS = {
-    "v": "m",
-    "w": "m",
-    "radius": "m",
-    "contact_ratio": "1",
-    "pressure_angle": "rad",
-    "centre_distance": "m",
-    "centre_line_angle": "rad",
-    "line_of_action": "rad",
-    "force": "N",
-}
+UNITS = {**POINT, "radius": "m", **MESH, "line_of_action": "rad"}
 
 
 @dataclass(frozen=True, eq=False)

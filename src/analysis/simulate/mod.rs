@@ -16,7 +16,7 @@ pub use checkpoint::{Checkpoint, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use options::{Final, Initial, Method, Options, StepSetting};
-pub use record::{MESH_FIELDS, Record, fields};
+pub use record::Record;
 pub use record_plan::{Point, RecordPlan, Request};
 
 use super::{AnalysisError, Spectrum};

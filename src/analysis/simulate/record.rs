@@ -3,21 +3,9 @@
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
+use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
-use crate::mesh::MeshState;
 use crate::motion::{Energies, EquationOfMotion};
-
-/// Recorded quantities of a mesh, in the order of [`Record::mesh`].
-pub const MESH_FIELDS: [&str; 8] = [
-    "deflection",
-    "force",
-    "stiffness",
-    "pressure_angle",
-    "centre_distance",
-    "centre_line_angle",
-    "contact_ratio",
-    "pairs_in_contact",
-];
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
 #[derive(Clone, Debug, Default)]
@@ -30,8 +18,8 @@ pub struct Record {
     pub twist: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
-    /// One vector for each quantity of [`MESH_FIELDS`].
-    pub mesh: [Vec<f64>; 8],
+    /// One vector for each quantity of [`MESH_CHANNELS`].
+    pub mesh: [Vec<f64>; MESH_CHANNELS.len()],
     /// Energies, J, and works of [`SOURCES`](crate::motion::SOURCES) since the start, J; empty where not asked for.
     pub energy: Vec<(Energies, [f64; 6])>,
     /// Contact events and warnings of the meshes.
@@ -141,7 +129,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
             self.events.check(&self.motion, *mesh, elapsed, &state.centres);
-            for (series, value) in self.record.mesh.iter_mut().zip(fields(state)) {
+            for (series, value) in self.record.mesh.iter_mut().zip(mesh_values(state)) {
                 series.push(value);
             }
         }
@@ -175,18 +163,4 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.record.events = self.events.list;
         (self.record, recorder_state)
     }
-}
-
-/// The quantities of a mesh in the order of [`MESH_FIELDS`].
-pub fn fields(state: &MeshState) -> [f64; 8] {
-    [
-        state.deflection,
-        state.force,
-        state.stiffness,
-        state.centres.pressure_angle,
-        state.centres.distance,
-        state.centres.angle,
-        state.centres.contact_ratio,
-        state.pairs_in_contact,
-    ]
 }

@@ -1,4 +1,4 @@
-"""A scene with all kinds of numbers, as plain keywords, in which tests can falsify any number."""
+"""A scene with all kinds of numbers, as plain keywords, and the same scene with one invalid value."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def build(scene: dict[str, Any]) -> gb.RotorSystem:
     return gb.RotorSystem(**scene)
 
 
-def spoil(path: list[str | int], value: Any) -> dict[str, Any]:
+def with_value(path: list[str | int], value: Any) -> dict[str, Any]:
     """Give the scene with one value replaced."""
     scene = copy.deepcopy(SCENE)
     at: Any = scene

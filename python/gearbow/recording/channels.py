@@ -1,0 +1,17 @@
+"""Units of the recorded quantities, by kind of item.
+
+The core lists what a run can record of a mesh or a bearing (`Connection::channels`).
+"""
+
+from gearbow._core import connection_channels
+
+__all__ = ["BEARING", "MESH", "POINT"]
+
+_CONNECTION = connection_channels()
+
+#: Quantities of a node.
+POINT = {"v": "m", "w": "m", "twist": "rad"}
+#: Quantities of a mesh: the fields of `MeshResponse`.
+MESH = _CONNECTION["mesh"]
+#: Quantities of the bearings at a node: the components of their force.
+BEARING = _CONNECTION["bearing"]
