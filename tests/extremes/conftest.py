@@ -1,4 +1,7 @@
-"""Shared fixture of the tests at extreme parameters. It checks a guarantee and records its margin."""
+"""Shared fixture of the tests at extreme parameters.
+
+It checks a guarantee and records its margin.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Run the tests of this folder and print their guarantees and margins as the tables of docs/limits.md."""
+"""Run the tests of this folder and print their guarantees and margins as the tables of
+docs/limits.md.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ class Limits:
 
 
 def below(value: float) -> str:
-    """Round an error up to a power of ten, above 0.05 to tenths: the output does not depend on the machine."""
+    """Round an error up to a power of ten, above 0.05 to tenths: the output does not depend on the
+    machine.
+    """
     if value > 0.05:
         return f"{math.ceil(10 * value) / 10:g}"
     return f"1e{math.ceil(math.log10(value)):d}" if value > 0 else "0"

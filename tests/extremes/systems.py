@@ -28,7 +28,9 @@ def rotor(
     elements: int = 6,
     **system: Any,
 ) -> gb.RotorSystem:
-    """Return a uniform shaft on two equal bearings; `segments` are (length [m], number of elements)."""
+    """Return a uniform shaft on two equal bearings; `segments` are (length [m], number of
+    elements).
+    """
     segments = (
         [(length / 2, elements - elements // 2), (length / 2, elements // 2)]
         if segments is None
@@ -52,7 +54,9 @@ def train(
     first: float = 0.0,
     **mesh: Any,
 ) -> gb.RotorSystem:
-    """Return two shafts, each with a gear at mid-length; `first` is the length [m] of an optional short first element."""
+    """Return two shafts, each with a gear at mid-length; `first` is the length [m] of an optional
+    short first element.
+    """
     names = ("a", "b")
     lengths = [(first, 1), (0.25 - first, elements // 2), (0.25, elements // 2)]
     segments = [gb.Segment(x, 0.05, elements=n) for x, n in lengths if x > 0]

@@ -47,7 +47,8 @@ def test_short_element_does_not_change_runs(hold: Hold):
 
     plain = run(0.0)
     worst = max(apart(run(short), plain) for short in (1e-3, 1e-4, 1e-5))
-    # The torsional frequency of a short element is ten times its bending frequency. The warning states an upper bound of the error.
+    # The torsional frequency of a short element is ten times its bending frequency. The warning
+    # states an upper bound of the error.
     with pytest.warns(gb.AccuracyWarning, match=r"may reach 8e-3; .* shortest element"):
         beyond = apart(run(1e-6), plain)
     assert worst < beyond < 8e-3
@@ -109,7 +110,8 @@ def test_static_sag_is_independent_of_element_count(hold: Hold):
 
 
 def test_bowed_shaft_with_one_element():
-    # The coarsest model has one element. Its first frequency is inaccurate, but runs and modes are finite.
+    # The coarsest model has one element. Its first frequency is inaccurate, but runs and modes are
+    # finite.
     system = gb.RotorSystem(
         shafts=[
             gb.Shaft(

@@ -1,4 +1,6 @@
-"""Extreme meshes: contact ratios at integers and below one, unloaded and impacting flanks, stiffness and tooth ratios."""
+"""Extreme meshes: contact ratios at integers and below one, unloaded and impacting flanks,
+stiffness and tooth ratios.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +81,8 @@ def test_unequal_tooth_numbers(hold: Hold):
     worst = 0.0
     for teeth in ((3, 1200), (1200, 3), (17, 400), (400, 400)):
         with warnings.catch_warnings():
-            # so few teeth are undercut, and so many on the other gear reach beyond their base circle
+            # so few teeth are undercut, and so many on the other gear reach beyond their base
+            # circle
             warnings.simplefilter("ignore", gb.SceneWarning)
             static = train(teeth=teeth, torque=1e-3).static()
         base = 3e-3 * teeth[0] / 2 * np.cos(np.radians(20.0))
@@ -135,7 +138,8 @@ def rattling(method: str, backlash: float, duration: float, rtol: float) -> gb.R
 def test_two_methods_agree_on_flank_impacts(hold: Hold, backlash: float):
     runs = [rattling(method, backlash, 3e-3, 1e-9) for method in ("exponential", "rk45")]
     assert len(runs[0].events) > 3
-    # With 1 nm backlash both flanks make contact within less time than a step resolves: the order may differ.
+    # With 1 nm backlash both flanks make contact within less time than a step resolves: the order
+    # may differ.
     if backlash != 1e-9:
         assert [event.kind for event in runs[0].events] == [event.kind for event in runs[1].events]
         times = [np.array([event.time for event in run.events]) for run in runs]

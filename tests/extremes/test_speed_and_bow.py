@@ -1,4 +1,6 @@
-"""Extreme speeds and bows: zero, reversed, supercritical and undamped critical speeds; bows from 1 nm to 0.1 m."""
+"""Extreme speeds and bows: zero, reversed, supercritical and undamped critical speeds; bows from 1
+nm to 0.1 m.
+"""
 
 from __future__ import annotations
 
@@ -154,7 +156,8 @@ def test_train_response_is_proportional_to_a_small_bow(hold: Hold):
 
 
 def test_bow_with_alternating_measured_values(hold: Hold):
-    # Measured values of alternating sign give the spline its shortest wavelength. A slowly rotating shaft follows it.
+    # Measured values of alternating sign give the spline its shortest wavelength. A slowly rotating
+    # shaft follows it.
     places = np.linspace(0.0, 1.0, 21)
     heights = np.where(np.arange(21) % 2, 1e-4, -1e-4)
     bow = gb.Bow.points(places, heights)

@@ -94,7 +94,8 @@ def test_equilibrium_of_cross_coupled_bearings(name: str):
     matrices = system.matrices()
     down = np.array([-GRAVITY if kind == "w" else 0.0 for _, _, kind in matrices.dofs])
     exact = np.linalg.solve(matrices.stiffness, matrices.mass @ down)
-    # The stiffness ratio of the elements to the softest bearing direction limits the number of digits.
+    # The stiffness ratio of the elements to the softest bearing direction limits the number of
+    # digits.
     assert apart(system.static().displacement(MIDDLE), exact[at(system, MIDDLE)]) < 1e-6
 
 
@@ -154,8 +155,8 @@ def test_growing_motion_warns_and_then_fails():
 
 
 def test_critical_damping_and_repeated_modes(hold: Hold):
-    # From light damping to nearly rigid dampers the lowest modes become critically damped one after another, in pairs
-    # for the two planes.
+    # From light damping to nearly rigid dampers the lowest modes become critically damped one after
+    # another, in pairs for the two planes.
     worst, conditions = 0.0, []
     for damping in np.geomspace(1e3, 1e5, 25):
         system = rotor((1e6, 1.2e6), damping, elements=3, gravity=GRAVITY)

@@ -12,7 +12,8 @@ METHODS = ["exponential", "rk45", "rk4"]
 
 
 def test_errors_do_not_accumulate_over_many_steps(hold: Hold):
-    # An undamped rotor oscillates under gravity. An independent modal solution by LAPACK gives the exact motion.
+    # An undamped rotor oscillates under gravity. An independent modal solution by LAPACK gives the
+    # exact motion.
     system = rotor(1e8, elements=2, gravity=GRAVITY)
     m = system.matrices()
     duration = 20.0
@@ -25,7 +26,8 @@ def test_errors_do_not_accumulate_over_many_steps(hold: Hold):
     shapes = inverse.T @ vectors
     down = np.array([-GRAVITY if kind == "w" else 0.0 for _, _, kind in m.dofs])
     load = shapes.T @ m.mass @ down
-    # The phase of the fastest excited mode has the uncertainty ω t × round-off, which sets the tolerance.
+    # The phase of the fastest excited mode has the uncertainty ω t × round-off, which sets the
+    # tolerance.
     exact = [
         (shapes @ (load / squares * (1 - np.cos(np.sqrt(squares) * t))))[at(system, MIDDLE)[1]]
         for t in times
@@ -40,7 +42,8 @@ def test_errors_do_not_accumulate_over_many_steps(hold: Hold):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_late_start_time_gives_the_same_motion(hold: Hold, method: str):
-    # The start time 2^20 s is a power of two: sums of times are exact. The bow phase contains the rotation until then.
+    # The start time 2^20 s is a power of two: sums of times are exact. The bow phase contains the
+    # rotation until then.
     begin, speed, step = 2.0**20, 128.0, 2.0**-22
     offsets = np.arange(9) * 2.0**-12
     options = {"step": step} if method == "rk4" else {"rtol": 1e-9}

@@ -17,7 +17,7 @@ from reference.elements import Section
 from reference.scenes import DENSITY, PAIR, E, G, GearAt, Geared, single_shaft
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 
-# A rotor of 10 kg on a shaft of 20 mm: critical at 76 rad/s, its fastest motion at 4.6e3 rad/s.
+# A rotor of 10 kg on a shaft of 20 mm: critical speed 76 rad/s, highest frequency 4.6e3 rad/s.
 LENGTH, DIAMETER, ELEMENTS = 1.0, 0.02, 2
 DISK = {"mass": 10.0, "diametral_inertia": 0.05, "polar_inertia": 0.1}
 UNBALANCE = 1e-3 + 2e-3j
@@ -62,7 +62,7 @@ def ramp(
     return at
 
 
-RAMP = (20.0, 140.0, 0.6, 0.05)  # through the critical, from 0.05 s to 0.65 s
+RAMP = (20.0, 140.0, 0.6, 0.05)  # the ramp passes the critical speed, from 0.05 s to 0.65 s
 END = 0.75
 KINKS = (0.05, 0.65)
 
@@ -83,7 +83,7 @@ def gap(found: gb.Response, exact: independent_solution.Motion, name: str = "whe
     return float(np.abs(found.displacement(name) - expected).max() / np.abs(expected).max())
 
 
-def test_run_up_through_the_critical_matches_the_independent_solution(
+def test_run_up_through_the_critical_speed_matches_the_independent_solution(
     solution: independent_solution.Motion,
 ):
     found = rotor().simulate(
@@ -111,7 +111,7 @@ def test_rk4_keeps_its_order_across_the_kinks(solution: independent_solution.Mot
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
 
 
-def test_the_peak_comes_later_and_lower_the_faster_one_passes():
+def test_a_faster_run_up_has_a_later_and_lower_peak():
     # general result for rotors that pass a critical speed (Lewis 1932)
     system = rotor(damping=200.0)
     peaks = []
@@ -141,7 +141,7 @@ GEARED = Geared(
         GearAt("g4", "output", 0.25, 50, unbalance=3e-2),
     ],
 )
-SWIFT = (100.0, 900.0, 3e-3, 1e-3)  # 2.7e5 rad/s²: its force is as large as that of the speed
+SWIFT = (100.0, 900.0, 3e-3, 1e-3)  # 2.7e5 rad/s²: its force equals that of the speed
 
 
 @pytest.mark.parametrize("how", [{"rtol": 1e-9}, {"method": "rk4", "step": 1.25e-7}], ids=str)
@@ -185,7 +185,7 @@ def test_teeth_that_turn_at_a_changing_speed(method: str):
         0.015, run, method=method, record=["meshes", "energy"], output_step=1e-5
     )
     pairs = found.mesh("g1", "g2").pairs_in_contact
-    # ends of contact per unit of time over teeth per turn: the speed; 25 teeth, counted over 5 ms
+    # speed = number of contact ends per time / teeth per revolution; 25 teeth, counted over 5 ms
     late = found.time > 0.01
     arrivals = np.count_nonzero(np.diff(pairs[late]) > 0)
     assert arrivals == pytest.approx(300.0 * 0.005 * 25 / (2 * np.pi), abs=1.0)
@@ -212,7 +212,7 @@ class TestProfiles:
             error = np.abs(found.displacement(gear) - expected).max()
             assert error < 1e-12 * np.abs(expected).max()
 
-    def test_late_in_a_long_time_too(self):
+    def test_the_angle_is_accurate_after_a_long_time(self):
         # an angle of 1e8 rad loses 1e-8 rad to round-off unless it is reduced early
         system = GEARED.package()
         options: dict[str, Any] = {"start": 1e6, "method": "rk4", "initial": "rest"}
@@ -220,7 +220,7 @@ class TestProfiles:
         constant = system.simulate(2e-3, 100.0, times=times, **options)
         flat = gb.SpeedProfile.table([0.5, 4.0], [100.0, 100.0])
         found = system.simulate(2e-3, flat, times=times, **options)
-        # the second shaft turns by exactly half of that
+        # the second shaft rotates by exactly half of this angle
         expected = constant.displacement("g2")
         assert np.abs(found.displacement("g2") - expected).max() < 1e-11 * np.abs(expected).max()
 
@@ -263,8 +263,9 @@ class TestProfiles:
         assert run(9.0) == pytest.approx(scalar(3.0), rel=1e-12)
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
-    def test_a_kink_of_a_function_is_that_of_a_table(self, method: str):
-        # intervals of 1e-13 s about the kink; a step of 1e-6 s must not pass the end of one
+    def test_a_kink_of_a_function_is_located(self, method: str):
+        # the function has intervals of 1e-13 s at the kink; a step of 1e-6 s must end at each of
+        # them
         system = GEARED.package()
         options: dict[str, Any] = {"times": np.linspace(0.0, 1e-3, 11), "method": method}
         sharp = gb.SpeedProfile.function(lambda t: 100 + 2e5 * abs(t - 4.1e-4), 1e-3)
@@ -273,10 +274,11 @@ class TestProfiles:
         found, expected = (
             system.simulate(1e-3, run, **options).displacement("g1") for run in (sharp, exact)
         )
-        # the tolerance of rk45 is 1e-6, the default step of rk4 no better, and steps are not the same
+        # rk45 has a tolerance of 1e-6, the default step of rk4 a similar error, and the steps
+        # differ
         assert np.abs(found - expected).max() < 1e-5 * np.ptp(expected)
 
-    def test_all_ways_to_say_the_same(self):
+    def test_all_forms_of_the_same_profile(self):
         system = rotor()
         options: dict[str, Any] = {"times": np.linspace(0.0, 0.1, 11), "rtol": 1e-9}
         ways = [
@@ -293,7 +295,7 @@ class TestProfiles:
             error = np.abs(run.displacement("wheel") - expected).max()
             assert error < 1e-7 * np.abs(expected).max()
 
-    def test_a_response_knows_its_speed(self, tmp_path):
+    def test_a_response_contains_its_speed(self, tmp_path):
         system, run = rotor(), profile()
         found = system.simulate(0.1, run, output_step=0.01, record=["wheel"])
         assert found.speed is run
@@ -345,11 +347,11 @@ class TestProfiles:
         ],
         ids=lambda value: "function" if callable(value) else str(value),
     )
-    def test_what_cannot_be_is_named(self, speed, text):
+    def test_the_error_names_the_invalid_value(self, speed, text):
         with pytest.raises(gb.SceneError, match=text):
             rotor().simulate(2e-3, speed)
 
-    def test_parts_that_cannot_be_are_named(self):
+    def test_the_error_names_the_invalid_part(self):
         with pytest.raises(
             gb.SceneError, match=r"^speed: must not jump, goes from 1 to 2 rad/s at 1 s"
         ):
@@ -363,7 +365,7 @@ class TestProfiles:
         with pytest.raises(gb.SceneError, match=r"^speed.duration: must be positive, got -1"):
             gb.SpeedProfile.function(np.cos, -1)
 
-    def test_a_step_is_held_against_the_largest_speed(self):
+    def test_the_stability_limit_uses_the_largest_speed(self):
         # 2.8 divided by the sum of the frequency and twice the spin
         system = rotor(damping=0.0)
         omega = system.simulate(0.0, 1.0).statistics.omega_max
@@ -377,7 +379,7 @@ class TestContinuation:
     """Continue a response."""
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
-    def test_the_same_profile_goes_on_to_the_last_bit(self, method: str):
+    def test_the_same_profile_continues_bitwise(self, method: str):
         system, run = GEARED.package(), gb.SpeedProfile.ramp(100.0, 300.0, 2e-3, begin=1e-3)
         whole = system.simulate(4e-3, run, method=method)
         part: Any = "synchronous"
@@ -385,8 +387,9 @@ class TestContinuation:
             part = system.simulate(1e-3, run, method=method, initial=part)
         assert part.final["state"].tobytes() == whole.final["state"].tobytes()
 
-    def test_flanks_stay_what_they_were_down_to_rest(self):
-        # backwards to zero, and on at zero: the sign of the speed is gone, the flanks that press are not
+    def test_the_loaded_flanks_are_kept_down_to_rest(self):
+        # a negative speed decreases to zero and stays zero: its sign is lost, the loaded flanks
+        # must not change
         scene = replace(PAIR, sigma=-1.0, torque=-250.0, bows={"input": HalfSine(1e-4)}).package()
         mesh = gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05, backlash=1e-4)
         system = scene.replace(meshes=[mesh])
@@ -402,7 +405,7 @@ class TestContinuation:
         assert up.mesh("g1", "g2").force.min() > 0.0
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
-    def test_another_speed_begins_where_the_shafts_stand(self, method: str):
+    def test_another_speed_continues_at_the_shaft_angles(self, method: str):
         jump = 3.317e-3
 
         def turning(t: float) -> tuple[float, float, float]:
@@ -429,7 +432,7 @@ class TestContinuation:
             # the first run interpolates, the second one steps to this time
             assert np.abs(a[-1] - b[0]).max() < 1e-9 * scale
 
-    def test_a_jump_and_a_ramp_of_no_time_are_the_same(self):
+    def test_a_jump_equals_a_ramp_of_zero_duration(self):
         # from constant speed to a profile and back: the angle is continuous
         system = rotor()
         options: dict[str, Any] = {"record": ["wheel"], "rtol": 1e-10, "output_step": 1e-3}
@@ -444,7 +447,7 @@ class TestContinuation:
             error = np.abs(part.displacement("wheel") - expected[rows]).max()
             assert error < 1e-7 * np.abs(expected).max()  # each run has its own steps
 
-    def test_there_and_back_again_keeps_the_angle(self):
+    def test_a_change_of_speed_and_back_keeps_the_angle(self):
         # no time passes at the other speed
         system = GEARED.package()
         options: dict[str, Any] = {"record": ["gears"], "rtol": 1e-9, "output_step": 1e-4}
@@ -457,13 +460,13 @@ class TestContinuation:
         assert error < 1e-7 * np.ptp(expected)
 
     @pytest.mark.parametrize("anchor", [[0.0, 1.0], [0.0, 1.0, np.nan], "none"])
-    def test_a_known_angle_that_is_none_is_refused(self, anchor):
+    def test_an_invalid_known_angle_is_refused(self, anchor):
         system = rotor()
         final = system.simulate(1e-3, 100.0).final
         with pytest.raises(gb.SceneError, match=r"^initial.anchor: must be a time and an angle"):
             system.simulate(1e-3, 100.0, initial={**final, "anchor": anchor})
 
-    def test_the_other_way_round_is_refused(self):
+    def test_a_change_of_the_sense_of_rotation_is_refused(self):
         system = GEARED.package()
         first = system.simulate(1e-3, 100.0)
         with pytest.raises(

@@ -52,7 +52,9 @@ class EnoughError(Exception):
 
 
 class Pause:
-    """Takes longer at first than a run waits before it asks again: it then asks after a few steps on any machine."""
+    """Delay the first check longer than the check interval, so that the next check follows after a
+    few steps.
+    """
 
     left = 6
 
@@ -90,11 +92,11 @@ def writings(monkeypatch):
     return count
 
 
-# --- the same bits -------------------------------------------------------------------------------
+# --- equal bits -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_a_run_that_is_stopped_everywhere_is_the_whole(name, tmp_path, writings):
+def test_a_run_that_is_interrupted_often_equals_the_whole_run(name, tmp_path, writings):
     system, path = RUNS[name][0].package(), tmp_path / "run.npz"
     whole = system.simulate(**asked(name))
     # the run is interrupted at every interrupt check, first within one call,
@@ -132,7 +134,7 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
     assert again.expected_error == first.expected_error
 
 
-# --- killed processes ------------------------------------------------------------------------------
+# --- killed processes -----------------------------------------------------------------------------
 
 KILLED = """
 import os, pathlib, signal, sys
@@ -142,7 +144,7 @@ count, replace = [], pathlib.Path.replace
 
 def twice(self, target):
     count.append(target)
-    if len(count) == 3:  # all is written, under its other name
+    if len(count) == 3:  # the file is complete under its temporary name
         os.kill(os.getpid(), signal.SIGKILL)
     return replace(self, target)
 
@@ -153,7 +155,7 @@ RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-def test_a_process_that_is_killed_while_it_writes_leaves_the_file_before(tmp_path):
+def test_a_process_that_is_killed_while_writing_leaves_the_previous_file(tmp_path):
     path = tmp_path / "run.npz"
     folder = Path(__file__).parent
     ended = subprocess.run([sys.executable, "-c", KILLED, path], cwd=folder, check=False)
@@ -188,7 +190,7 @@ def test_ctrl_c_leaves_the_newest_state(tmp_path):
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 
 
-def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkeypatch):
+def test_ctrl_c_while_the_file_is_written_leaves_the_previous_file(tmp_path, monkeypatch):
     path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     with pytest.raises(EnoughError):
@@ -210,7 +212,7 @@ def test_ctrl_c_while_the_file_is_written_leaves_the_one_before(tmp_path, monkey
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 
 
-def test_a_run_that_cannot_go_on_says_so_again(tmp_path):
+def test_a_run_that_cannot_continue_repeats_its_error(tmp_path):
     bow = gb.Bow.half_sine(8e-3)
     system = RUNS["smooth"][0].package()
     shafts = [gb.Shaft(**{**vars(shaft), "bow": bow}) for shaft in system.shafts]
@@ -225,7 +227,7 @@ def test_a_run_that_cannot_go_on_says_so_again(tmp_path):
     assert texts[0] == texts[1]
 
 
-# --- refused -----------------------------------------------------------------------------------------
+# --- refused --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -263,7 +265,7 @@ def test_the_file_of_another_system_is_refused(tmp_path):
         other.simulate(**options, checkpoint=path)
 
 
-def test_a_file_that_is_no_checkpoint_is_left_alone(tmp_path):
+def test_a_file_that_is_no_checkpoint_is_not_changed(tmp_path):
     system, options = short()
     path = tmp_path / "run.npz"
     system.simulate(**options).save(path)

@@ -10,7 +10,8 @@ from reference import closed_forms
 from reference.elements import Section
 from reference.scenes import single_shaft
 
-# midspan amplitude over bow amplitude; L 1 m, d 0.05 m, E 207e9, nu 0.3, rho 7800 (validation table V4)
+# midspan amplitude over bow amplitude; L 1 m, d 0.05 m, E 207e9, nu 0.3, rho 7800 (validation table
+# V4)
 SPEEDS = (200.0, 400.0, 550.0, 700.0, 1200.0)
 TABLE = {
     True: (1.110278, 1.659201, 4.018446, -4.613847, -0.388232),
@@ -100,7 +101,8 @@ class TestJeffcott:
             bearings=[gb.Bearing("s", position=0.5, stiffness=0.0, damping=damping)],
         )
 
-    # the shaft adds half of its 2e-3 kg to 200 kg: 5e-6 of mass, times the resonance factor 1/(2 zeta) = 10
+    # the shaft adds half of its 2e-3 kg to 200 kg: 5e-6 of mass, times the resonance factor 1/(2
+    # zeta) = 10
     TOLERANCE = 1e-4
 
     @pytest.mark.parametrize("ratio", [0.01, 0.3, 0.8, 0.95, 1.0, 1.05, 1.3, 2.0, 5.0])
@@ -119,7 +121,8 @@ class TestJeffcott:
     def test_phase_turns_by_half_a_turn_through_the_critical(self):
         system = self.rotor(0j)
         phases = [np.angle(forward(system, "disk", r * self.critical)) for r in (0.01, 1.0, 20.0)]
-        # 2 zeta r / (1 - r^2): 1e-3 rad below, a right angle at the critical, 5e-3 rad from pi far above
+        # 2 zeta r / (1 - r^2): 1e-3 rad below, a right angle at the critical, 5e-3 rad from pi far
+        # above
         assert phases[0] == pytest.approx(0, abs=2e-3)
         assert phases[1] == pytest.approx(-np.pi / 2, abs=1e-3)
         assert abs(phases[2]) == pytest.approx(np.pi, abs=6e-3)
@@ -208,7 +211,8 @@ TWO_PLANES = {
 )
 @pytest.mark.parametrize("phase", [0.0, 0.9, -2.5])
 def test_slow_roll_shows_the_shape(make, curve, phase):
-    # on end supports, where every one of these bows is zero, a slow shaft lies on its stress-free line
+    # on end supports, where every one of these bows is zero, a slow shaft lies on its stress-free
+    # line
     system = single_shaft(make(phase), shear=False, support=1e10)
     for x in np.linspace(0, 1, 9)[1:-1]:
         expected = BOW * np.exp(1j * phase) * curve(x)

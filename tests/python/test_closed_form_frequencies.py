@@ -19,8 +19,8 @@ def solid(diameter: float, bore: float = 0.0, shear: bool = True) -> Section:
 
 
 def tolerance(section: Section, number: int) -> float:
-    # the elements' own error to leading order, a third more for the next order, and 3e-6 for the second
-    # order of the supports' flexibility
+    # the elements' own error to leading order, a third more for the next order, and 3e-6 for the
+    # second order of the supports' flexibility
     return 1.35 * closed_forms.element_error(section, 1.0, number, ELEMENTS) + 3e-6
 
 
@@ -51,7 +51,8 @@ def test_first_frequency_of_the_table():
 
 
 def test_shear_coefficient_of_a_hollow_shaft_is_seen():
-    # a thin tube has kappa 0.53, a solid shaft 0.886: 10 % in this frequency, far above any tolerance here
+    # a thin tube has kappa 0.53, a solid shaft 0.886: 10 % in this frequency, far above any
+    # tolerance here
     tube = Section(0.2, 207e9, 207e9 / 2.6, 7800.0, 0.18)
     assert tube.kappa == pytest.approx(0.5338, abs=1e-3)
     system = single_shaft(diameter=0.2, inner_diameter=0.18, elements=ELEMENTS, support=SUPPORT)
@@ -113,7 +114,9 @@ def test_torsion_converges_with_order_two():
 def rigid_train(
     teeth: list[tuple[int, int]], inertias: list[float], stiffnesses: list[float], **options: object
 ) -> gb.RotorSystem:
-    """Shafts in a chain, stiff enough to be rigid (a twist of 1e-5 of the mesh's), without bearings."""
+    """Shafts in a chain, stiff enough to be rigid (a twist of 1e-5 of the mesh's), without
+    bearings.
+    """
     stiff = gb.Material(youngs_modulus=1e17, density=7850.0, poisson_ratio=0.3)
     count = len(inertias)
     own = [7850.0 * np.pi / 32 * 0.05**4 * 0.3] * count

@@ -59,7 +59,8 @@ def test_all_methods_report_the_same_first_events(seed: int):
     drawn = scene(seed)
     found = {}
     for name, options in METHODS.items():
-        # Coarse fixed steps blur the motion within some steps: only the first events are compared, over a time in
+        # Coarse fixed steps blur the motion within some steps: only the first events are compared,
+        # over a time in
         run = drawn.run(times=np.array([0.0, 5e-5]), **options)
         found[name] = [
             (e.driver, e.kind) for e in run.events if e.kind in CONTACT and e.time < 4e-5

@@ -21,7 +21,9 @@ FILES = [
 def names_of_files(text: str) -> list[str]:
     """Give the paths in code spans, such as `src/lib.rs`, `step.rs` or `src/mesh/`."""
     spans = re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S))
-    return [span for span in spans if re.fullmatch(r"[\w.\-/]+(?:\.(?:rs|py|pyi|md|toml|cff)|/)", span)]
+    return [
+        span for span in spans if re.fullmatch(r"[\w.\-/]+(?:\.(?:rs|py|pyi|md|toml|cff)|/)", span)
+    ]
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda file: file.name)

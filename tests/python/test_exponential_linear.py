@@ -39,7 +39,9 @@ SCENES = {
 
 
 def linear(scene: Geared, speed: float) -> LinearTrain:
-    """The independent assembly in the coordinates that the package has; a mesh carries on one flank for each sense."""
+    """Return the independent assembly in the coordinates of the package; the loaded flank follows
+    the sense of rotation.
+    """
     train = replace(scene, sigma=-1.0 if speed < 0.0 else 1.0).reference()
     places = {dof: i for i, dof in enumerate(train.dofs())}
     keep = np.array([places[tuple(dof)] for dof in scene.package().dofs])
@@ -86,7 +88,8 @@ def test_a_linear_motion_is_exact_whatever_the_step(name: str, speed: float):
             record=["nodes"],
             **options,
         )
-        # eps (omega_max / omega)^2, as frequencies of two assemblies agree, times a few swings
+        # eps (omega_max / omega)^2, the agreement of frequencies of two assemblies, times a few
+        # oscillations
         assert gap(system, found, q) < 2e-10, options
 
 
@@ -104,7 +107,7 @@ def test_a_synchronous_start_stays_synchronous(step: float | None):
 # --- rigid-body motion ---------------------------------------------------------------------------
 
 
-def test_a_shaft_that_flies_freely_falls():
+def test_a_free_shaft_falls():
     system = single_shaft(support=None, gravity=[3.0, -9.81])
     times = np.array([0.0, 0.013, 0.5, 20.0])
     found = system.simulate(20.0, 100.0, initial="rest", times=times, record=["nodes"])
@@ -115,7 +118,7 @@ def test_a_shaft_that_flies_freely_falls():
 
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
-def test_a_torque_that_nothing_balances_accelerates_the_train(geometry: str):
+def test_an_unbalanced_torque_accelerates_the_train(geometry: str):
     scene = replace(PAIR, torque=0.0, options={"motion": "torsion"})
     package = scene.package()
     system = gb.RotorSystem(
@@ -138,7 +141,7 @@ def test_a_torque_that_nothing_balances_accelerates_the_train(geometry: str):
     assert rolled == pytest.approx(40.0 / inertia * times**2 / 2, rel=1e-11)
 
 
-# --- critical speeds -----------------------------------------------------------------------------------------
+# --- critical speeds ------------------------------------------------------------------------------
 
 
 def critical(system: gb.RotorSystem, number: int) -> float:
@@ -152,15 +155,15 @@ def critical(system: gb.RotorSystem, number: int) -> float:
 
 @pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("off", [0.0, 1e-7, -5e-6, 2e-5])
-def test_an_undamped_critical_speed_is_run_through(number: int, off: float):
+def test_a_run_at_an_undamped_critical_speed(number: int, off: float):
     system = UNDAMPED.package()
     speed = critical(system, number) * (1 + off)
     at_rest = np.zeros(len(system.dofs))
     times = np.linspace(0.0, 40 * 2 * np.pi / speed, 41)
     q, _ = linear(UNDAMPED, speed).motion(times, at_rest, at_rest)
     found = system.simulate(times[-1], speed, initial="rest", times=times, record=["nodes"])
-    # turning loads are polynomials over a 64th of a turn: (2 pi / 64)^6 / 1e4; and where bow and unbalance are carried by
-    # the linear answer it is 1 / off times the motion
+    # rotating loads are polynomials over 1/64 revolution: (2 pi / 64)^6 / 1e4; where the
+    # synchronous motion contains bow and unbalance, the error is 1 / off times the motion
     assert gap(system, found, q) < 1e-8
     size = np.abs(found.displacement("g")).max(axis=1)
     if off == 0.0:
@@ -175,7 +178,7 @@ def test_there_is_no_synchronous_motion_at_an_undamped_critical_speed():
         system.simulate(1e-2, critical(system, 0), initial="synchronous")
 
 
-# --- instability ---------------------------------------------------------------------------------------------
+# --- instability ----------------------------------------------------------------------------------
 
 
 def test_cross_coupled_bearings_grow_at_the_rate_of_their_eigenvalue():
@@ -197,7 +200,7 @@ def test_cross_coupled_bearings_grow_at_the_rate_of_their_eigenvalue():
     assert rate == pytest.approx(growth, rel=1e-2)
 
 
-# --- damping -------------------------------------------------------------------------------------------------
+# --- damping --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -223,5 +226,6 @@ def test_modal_damping_is_that_of_the_matrices(speed: float, options: dict[str, 
         record=["nodes"],
         **options,
     )
-    # of tolerance and step; the damping matrix is a product of all modes, which costs a digit or two
+    # tolerance and step; the damping matrix is a product of all modes, which loses one or two
+    # digits
     assert gap(system, found, q) < 1e-8

@@ -42,7 +42,7 @@ def distance(found: gb.Response, exact: gb.Response) -> float:
     return max(worst, float(np.abs(a - b).max() / np.abs(b).max()))
 
 
-# --- subset of the modes -------------------------------------------------------------------------------------
+# --- subset of the modes --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
@@ -105,7 +105,7 @@ def test_a_bowed_shaft_from_rest_needs_a_few_modes():
     assert errors[0] > 2 * errors[1] > 10 * errors[2]
 
 
-# --- parallel modes ------------------------------------------------------------------------------------------
+# --- parallel modes -------------------------------------------------------------------------------
 
 # Only the rigid-body rotation is damped, and very weakly: it comes to rest after minutes.
 HARDLY = {"rayleigh": (1e-8, 0.0)}
@@ -121,7 +121,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 @pytest.mark.parametrize("name", CASES)
-def test_rolling_that_hardly_slows(name: str, geometry: str):
+def test_a_rigid_body_rotation_with_weak_damping(name: str, geometry: str):
     options = {} if name == "damped" else HARDLY
     scene = replace(with_mesh(BOWED, **CASES[name]), options=options)
     system = scene.package()
@@ -133,11 +133,11 @@ def test_rolling_that_hardly_slows(name: str, geometry: str):
     exact = system.simulate(2e-3, SPEED, method="rk45", rtol=1e-11, **run)
     found = system.simulate(2e-3, SPEED, rtol=1e-9, **run)
     assert found.statistics.condition < 10.0
-    # a hundred steps' worth of the tolerance, and what a contact makes of it
+    # tolerance of a hundred steps, amplified by contact changes
     assert distance(found, exact) < 3e-7
 
 
-def test_such_a_run_in_parts_is_the_whole_too():
+def test_such_a_run_in_parts_is_bitwise_equal():
     scene = replace(with_mesh(BOWED, stiffness=SHARP), options=HARDLY)
     system = scene.package()
     times = np.linspace(0.0, 2e-3, 21)
@@ -151,7 +151,9 @@ def test_such_a_run_in_parts_is_the_whole_too():
 
 
 def tilting() -> gb.RotorSystem:
-    """A shaft held by nothing, which turns so slowly that its tilting is not told from standing still."""
+    """Return a free shaft whose rotation is so slow that its tilting motion is hardly
+    distinguishable from rest.
+    """
     gear = gb.Gear("g", "s", 0.1, teeth=25, module=3e-3, face_width=0.02)
     return gb.RotorSystem(
         shafts=[gb.Shaft("s", length=0.3, outer_diameter=0.03, elements=3)],
@@ -160,7 +162,7 @@ def tilting() -> gb.RotorSystem:
     )
 
 
-def test_a_motion_that_no_modes_carry():
+def test_a_motion_without_modal_basis():
     system = tilting()
     run: dict[str, Any] = {"initial": "rest", "times": np.linspace(0.0, 2e-3, 21)}
     found = system.simulate(2e-3, 1e-3, **run)
@@ -191,14 +193,15 @@ def test_critical_damping_of_every_mode(ratio: float, speed: float, geometry: st
     }
     exact = system.simulate(5e-3, speed, method="rk45", rtol=1e-10, **run)
     found = system.simulate(5e-3, speed, rtol=1e-9, **run)
-    # modes that are parallel to the square root of round-off cost half the digits
+    # modes that are parallel up to the square root of round-off lose half of the digits
     assert distance(found, exact) < 1e-7
     if ratio == 1.0:
         assert found.statistics.condition > 1e5
 
 
 def test_a_critically_damped_bearing():
-    # a stiff shaft on one soft bearing in its middle: it bounces at 2e3 rad/s, and is held from doing so
+    # a stiff shaft on one soft bearing at its middle: vertical motion at 2e3 rad/s, critically
+    # damped
     bearing = {"stiffness": 4e6, "damping": 0.0}
     shaft = gb.Shaft("s", length=0.2, outer_diameter=0.08, elements=2, bow=gb.Bow.half_sine(1e-5))
 
@@ -206,7 +209,7 @@ def test_a_critically_damped_bearing():
         middle = gb.Bearing("s", position=0.1, stiffness=bearing["stiffness"], damping=damping)
         return gb.RotorSystem(shafts=[shaft], bearings=[middle], gravity=[0.0, -9.81])
 
-    # the damping at which the slow pair becomes real, to the last bits
+    # critical damping of the slow pair, to round-off
     low, high = 0.0, 1e5
     for _ in range(60):
         damping = (low + high) / 2

@@ -43,13 +43,14 @@ def distance(found: gb.Response, exact: gb.Response) -> float:
     return max(float(np.abs(a - b).max() / np.ptp(b)) for a, b in zip(*series, strict=True))
 
 
-# --- fixed steps ---------------------------------------------------------------------------------------------
+# --- fixed steps ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("options", "steps", "order"),
     [
-        # where the next order is a few percent, and round-off of the reference (1e-13) nothing
+        # with these steps the next order is a few percent, and the round-off 1e-13 of the
+        # reference is negligible
         ({"stages": 1}, (128, 256), 2),
         ({"stages": 2}, (256, 512), 4),
         ({"stages": 3}, (256, 512), 6),
@@ -78,7 +79,7 @@ def test_observed_order(name: str, options: dict[str, Any], steps: tuple[int, in
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
 
 
-def test_a_smaller_step_is_taken_where_it_was_asked_for():
+def test_the_requested_step_is_used():
     system = with_mesh(TORSION, stiffness=SMOOTH).package()
     found = system.simulate(1e-3, SPEED, step=1e-5, stages=2, initial="rest")
     assert found.statistics.step_max == pytest.approx(1e-5, rel=1e-12)
@@ -86,7 +87,7 @@ def test_a_smaller_step_is_taken_where_it_was_asked_for():
     assert found.statistics.steps in (100, 101)  # the last step may end after the run
 
 
-# --- the estimate --------------------------------------------------------------------------------------------
+# --- the estimate ---------------------------------------------------------------------------------
 
 SCENES: dict[str, tuple[Toothed, str]] = {
     "mean, live": (with_mesh(BOWED, stiffness=2e8), "live"),
@@ -124,10 +125,10 @@ def test_the_error_of_a_run_follows_the_tolerance(name: str):
         "times": np.linspace(0.0, 1.5e-3, 42),
     }
     exact = system.simulate(1.5e-3, SPEED, method="rk45", rtol=1e-11, **run)
-    # the tolerance is that of a step: some hundred steps add to a few of them. A flank that parts carries an error in its
-    # instant on, and ends of the ramp of an engagement fall within a step: 20 were seen, 100 of flanks that part and meet
-    # again. Corners of relief fall within a step too and are sharper: 160; rk45 leaves 300 of its tolerance there, so it is
-    # no independent reference below 1e-7.
+    # The tolerance applies to one step; some hundred steps add up to a few tolerances. A separation
+    # continues the error of its time, and ends of engagement ramps lie within steps: observed 20
+    # tolerances, and 100 with repeated separation. Kinks of tip relief within steps are sharper:
+    # 160. There, rk45 has an error of 300 tolerances, so it is no independent reference below 1e-7.
     kind, _, _ = name.partition(",")
     factor = {"relief": 300.0, "rattling": 200.0}.get(kind, 40.0)
     tightest = -7 if kind == "relief" else -9
@@ -154,5 +155,6 @@ def test_extreme_tolerances(rtol: float):
     run: dict[str, Any] = {"initial": "rest", "times": np.linspace(0.0, 1e-3, 21)}
     exact = system.simulate(1e-3, SPEED, method="rk45", rtol=1e-12, **run)
     found = system.simulate(1e-3, SPEED, rtol=rtol, **run)
-    # the reference is right to some of its own tolerance and to the last bits of the deflection at a contact
+    # errors of the reference: a few of its tolerances, and round-off of the deflection at a contact
+    # change
     assert distance(found, exact) < max(rtol, 1e-9)

@@ -58,12 +58,12 @@ def same_end(first: gb.Response, second: gb.Response) -> None:
         assert np.array_equal(value, second.final[key]), key
 
 
-# --- in parts ------------------------------------------------------------------------------------------------
+# --- in parts -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("count", [2, 7])
 @pytest.mark.parametrize("name", SCENES)
-def test_a_run_in_parts_is_the_whole_to_the_last_bit(name: str, count: int):
+def test_a_run_in_parts_is_bitwise_equal_to_the_whole_run(name: str, count: int):
     duration = 2.1e-3
     inner = np.sort(np.random.default_rng(count).uniform(0.0, duration, count - 1))
     stops = [0.0, *inner, duration]
@@ -80,7 +80,7 @@ def test_a_run_in_parts_is_the_whole_to_the_last_bit(name: str, count: int):
         rows.append(part.displacement("ga"))
         assert begin < end
     assert isinstance(part, gb.Response)
-    # the clock of the last part ends a last bit off the whole's; the state is that of its last step
+    # the end times of both runs differ by round-off; the state belongs to the last step
     assert np.array_equal(part.final["state"], whole.final["state"])
     assert np.array_equal(np.concatenate(rows), whole.displacement("ga"))
     assert tuple(events) == whole.events
@@ -89,7 +89,7 @@ def test_a_run_in_parts_is_the_whole_to_the_last_bit(name: str, count: int):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_what_is_looked_at_does_not_change_the_motion(name: str):
+def test_recording_does_not_change_the_motion(name: str):
     duration = 1.5e-3
     plain = run(name, duration, times=[duration])
     numbers = np.random.default_rng(3).uniform(0.0, duration, 60)
@@ -106,7 +106,7 @@ def test_what_is_looked_at_does_not_change_the_motion(name: str):
 
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, live", "rattling, live"])
-def test_a_row_does_not_depend_on_its_neighbours(name: str):
+def test_an_output_does_not_depend_on_other_outputs(name: str):
     duration = 1e-3
     times = np.sort(np.random.default_rng(5).uniform(0.0, duration, 80))
     together = run(name, duration, times=np.repeat(times, 2))
@@ -117,8 +117,8 @@ def test_a_row_does_not_depend_on_its_neighbours(name: str):
 
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen", "rattling, live"])
-def test_rows_are_smooth_where_steps_meet(name: str):
-    # two rows a 1e-9 s apart differ by velocity times that, whatever lies between them
+def test_outputs_are_continuous_across_steps(name: str):
+    # outputs 1e-9 s apart differ by the velocity times 1e-9 s, also across a step boundary
     duration = 4e-4
     times = np.linspace(1e-6, duration - 1e-6, 2001)
     pairs = np.stack([times - 5e-10, times + 5e-10], axis=1).ravel()
@@ -126,15 +126,15 @@ def test_rows_are_smooth_where_steps_meet(name: str):
     twist = found.twist("ga").reshape(-1, 2)
     slope = np.diff(twist, axis=1)[:, 0] / 1e-9
     across = np.gradient(found.twist("ga")[::2], pairs[::2])
-    # a jump of one tolerance of the motion between two rows would be a slope of 1e-9 range / 1e-9 s
+    # a jump of one tolerance between two outputs would be a slope of 1e-9 range / 1e-9 s
     assert np.abs(slope - across).max() < 0.02 * np.ptp(across)
 
 
-# --- continued -----------------------------------------------------------------------------------------------
+# --- continued ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen", "rattling, live"])
-def test_methods_take_over_from_each_other(name: str):
+def test_one_method_continues_the_run_of_another(name: str):
     tight = {"rtol": 1e-10}
     whole = run(name, 2e-3, times=np.linspace(0, 2e-3, 21), method="rk45", rtol=1e-11)
     first = run(name, 7e-4, method="rk45", **tight)
@@ -142,13 +142,13 @@ def test_methods_take_over_from_each_other(name: str):
     third = run(name, 6e-4, initial=second, method="rk45", times=[1.5e-3, 2e-3], **tight)
     assert second.statistics.steps < first.statistics.steps
     wanted = whole.twist("ga")[[15, 20]]
-    # contacts carry the errors of the instants before them on
+    # contact changes amplify earlier errors
     tolerance = 1e-6 if "rattling" in name else 1e-7
     assert third.twist("ga") == pytest.approx(wanted, abs=tolerance * np.ptp(whole.twist("ga")))
 
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, live", "rattling, live"])
-def test_a_state_without_its_memory_goes_on_to_tolerance(name: str):
+def test_a_state_without_step_history_continues_within_the_tolerance(name: str):
     rtol = 1e-8
     whole = run(name, 2e-3, times=np.linspace(0, 2e-3, 21), rtol=rtol)
     half = dict(run(name, 1e-3, rtol=rtol).final)
@@ -160,8 +160,10 @@ def test_a_state_without_its_memory_goes_on_to_tolerance(name: str):
 
 @pytest.mark.parametrize("stages", [(3, 4), (4, 3), (2, 3), (3, 1)])
 @pytest.mark.parametrize("name", ["smooth, live", "rattling, live"])
-def test_a_run_goes_on_with_other_stages(name: str, stages: tuple[int, int]):
-    """What the step before has left for a guess is of no use: nothing but the tolerance changes the motion."""
+def test_a_run_continues_with_another_number_of_stages(name: str, stages: tuple[int, int]):
+    """The loads of the previous step cannot be extrapolated: the motion changes by the tolerance
+    only.
+    """
     rtol = 1e-4 if 1 in stages else 1e-8
     first = run(name, 1e-3, rtol=rtol, stages=stages[0])
     rest = run(name, 1e-3, initial=first, times=[1.5e-3, 2e-3], rtol=rtol, stages=stages[1])
@@ -169,7 +171,7 @@ def test_a_run_goes_on_with_other_stages(name: str, stages: tuple[int, int]):
     assert rest.twist("ga") == pytest.approx(wanted[1:], abs=100 * rtol * np.ptp(wanted))
 
 
-def test_a_state_that_was_changed_goes_on_as_it_says():
+def test_a_changed_state_continues_from_its_values():
     half = dict(run("smooth, live", 1e-3).final)
     state = np.array(half["state"])
     state[: len(state) // 2] = 0.0
@@ -182,16 +184,17 @@ def test_a_state_that_was_changed_goes_on_as_it_says():
 
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
 @pytest.mark.parametrize("speed", [SPEED, 0.0, -SPEED])
-def test_every_beginning_at_every_sense_of_turning(speed: float, initial: str):
+def test_every_initial_state_at_both_senses_of_rotation(speed: float, initial: str):
     options = {"speed": speed, "initial": initial, "times": np.linspace(0.0, 1e-3, 21)}
     exact = run("smooth, live", 1e-3, method="rk45", rtol=1e-10, **options)
     found = run("smooth, live", 1e-3, rtol=1e-8, **options)
     scale = np.abs(exact.displacement("ga")).max()
-    # of a tolerance relative to the whole motion, of which the swing about a start is a small part
+    # the tolerance is relative to the whole motion, which is larger than the oscillation about the
+    # initial state
     assert found.displacement("ga") == pytest.approx(exact.displacement("ga"), abs=1e-6 * scale)
 
 
-# --- refused -------------------------------------------------------------------------------------------------
+# --- refused --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -217,15 +220,15 @@ def test_every_beginning_at_every_sense_of_turning(speed: float, initial: str):
     ],
     ids=str,
 )
-def test_an_option_that_cannot_be_is_named(options: dict[str, Any], text: str):
+def test_the_error_names_the_invalid_option(options: dict[str, Any], text: str):
     with pytest.raises(gb.SceneError, match=text):
         run("smooth, live", 1e-4, **options)
 
 
-# --- stopped and parallel runs -------------------------------------------------------------------------------
+# --- stopped and parallel runs --------------------------------------------------------------------
 
 
-def test_an_error_of_the_progress_keeps_what_was_computed():
+def test_an_error_in_the_progress_callback_keeps_the_results():
     class EnoughError(Exception):
         pass
 
@@ -267,7 +270,9 @@ def test_two_threads_give_the_same_bits(name: str):
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen"])
 def test_the_first_step_is_found_in_a_few_tries(name: str):
-    """From rest it is a small part of the longest, which halving it again and again takes long to find."""
+    """The first step from rest is a small fraction of the longest step; repeated halving would need
+    many attempts.
+    """
     tight = {"rtol": 1e-9, "times": [0.0]}
     shortest = run(name, 2e-5, **tight).statistics.step_min
     halvings = np.log2(run(name, 2e-2, rtol=0.5, times=[0.0]).statistics.step_max / shortest)

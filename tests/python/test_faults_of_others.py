@@ -19,18 +19,20 @@ DEMO = Geared(
 QUIET = replace(CHAIN, torque=0.0, modal_damping=None)
 
 
-# --- every shaft turns its own bow and unbalance -------------------------------------------------------------
+# --- bow and unbalance rotate with their own shaft ------------------------------------------------
 
 
 def whirl_at(response: gb.Response, name: str, spin: float) -> complex:
-    """The part of v + iw that turns at `spin`; the response covers whole turns, without its last time."""
+    """Return the part of v + iw that rotates at `spin`, over whole revolutions without the last
+    time.
+    """
     z = response.displacement(name)[:-1] @ np.array([1, 1j])
     return complex(np.mean(z * np.exp(-1j * spin * response.time[:-1])))
 
 
 @pytest.mark.parametrize("shaft", [0, 1, 2, 3])
 @pytest.mark.parametrize("cause", ["bow", "unbalance"])
-def test_bow_and_unbalance_turn_at_the_speed_of_their_own_shaft(shaft: int, cause: str):
+def test_bow_and_unbalance_rotate_at_the_speed_of_their_own_shaft(shaft: int, cause: str):
     name = CHAIN.shafts[shaft]
     phase, speed = 0.7, 400.0
     gear = next(g for g in CHAIN.gears if g.shaft == name)
@@ -48,7 +50,8 @@ def test_bow_and_unbalance_turn_at_the_speed_of_their_own_shaft(shaft: int, caus
     assert np.abs(others).max() == 0.0  # no other shaft is excited
     assert np.abs(amplitudes[shaft]).max() > 0
 
-    # eight turns of the first shaft are whole turns of all four; frozen geometry is the linear problem
+    # eight revolutions of the first shaft are whole revolutions of all four; frozen geometry is
+    # linear
     period = 8 * 2 * np.pi / speed
     response = system.simulate(
         period, speed, geometry="frozen", initial="synchronous", output_step=period / 512
@@ -61,10 +64,10 @@ def test_bow_and_unbalance_turn_at_the_speed_of_their_own_shaft(shaft: int, caus
         if ratio != own:
             assert part < 1e-4 * parts[own], ratio
     y, z = amplitudes[shaft]
-    # Q exp(i r speed t): the part that turns with the shaft is (Y + iZ) / 2
+    # Q exp(i r speed t): the part that rotates with the shaft is (Y + iZ) / 2
     assert abs(whirl_at(response, gear.name, own * speed) - (y + 1j * z) / 2) < 1e-4 * parts[own]
     if cause == "bow":
-        # slow against every frequency, (400 over 1700 rad/s)^2 = 6 %, and held by stiff bearings
+        # well below all natural frequencies, (400 / 1700)^2 = 6 %, on stiff bearings
         at = 1e-5 * np.exp(1j * phase) * np.sin(np.pi * gear.position / 0.5)
         assert whirl_at(response, gear.name, own * speed) == pytest.approx(at, rel=0.15)
 
@@ -79,11 +82,11 @@ def test_unbalance_is_a_force_of_the_square_of_its_own_spin():
         found = system.synchronous([300.0]).displacement(gear.name)[0, shaft]
         i = train.dof(gear.shaft, gear.position, 0)
         expected = train.synchronous(300.0)[shaft][i : i + 2]
-        # two assemblies and two solvers of a matrix of condition 1e7 or so
+        # two assemblies and solvers; condition number of about 1e7
         assert np.abs(found - expected).max() < 1e-7 * np.abs(expected).max()
 
 
-# --- speed ratios --------------------------------------------------------------------------------------------
+# --- speed ratios ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("reference", range(4))
@@ -130,7 +133,7 @@ def test_ratios_follow_meshes_whatever_their_order():
     assert idler.package().speed_ratios == pytest.approx([1.0, -2 / 3, 1 / 2], rel=1e-15)
 
 
-# --- one law for modes, static and time ----------------------------------------------------------------------
+# --- one law for modes, static and time -----------------------------------------------------------
 
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
@@ -141,7 +144,7 @@ def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
         gravity=(0.0, -9.81),
         bearing_damping=3e4,
         mesh_damping_ratio=0.3,
-        modal_damping=0.1,  # or shafts that bend about their gears would swing on
+        modal_damping=0.1,  # otherwise the bending of the shafts would decay slowly
     )
     system = scene.package()
     still = system.static(geometry=geometry)
@@ -209,7 +212,8 @@ def test_small_free_vibration_has_the_frequencies_of_the_modes(motion: str):
         return float(np.abs(left).max() / np.ptp(y))
 
     for y in series:
-        # released from rest: only cosines. The integrator leaves 1e-9 a step, the load's geometry 1e-8
+        # released from rest: only cosines. The error is 1e-9 per step, and 1e-8 from the geometry
+        # of the load
         assert misfit(omega, y) < 1e-5
         assert misfit(omega * 1.01, y) > 1e-3
 
@@ -230,12 +234,13 @@ def test_sign_of_mesh_force_in_time_and_in_bearings():
         assert np.sign(r.displacement("g1")[0]).tolist() == [-np.sign(torque)] * 2
         n = np.array([np.sin(np.radians(20)), np.cos(np.radians(20))])
         carried = sum(r.bearing_force("output", x)[0] for x in (0.0, 0.5))
-        # the shaft presses on its bearings with the tooth force; the line of action has turned by 1e-4
+        # the shaft presses on its bearings with the tooth force; the line of action has rotated by
+        # 1e-4 rad
         force = r.mesh("g1", "g2").force[0]
         assert carried == pytest.approx(force * n, rel=1e-3)
 
 
-# --- independent runs, initial states ----------------------------------------------------------------
+# --- independent runs, initial states -------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -244,7 +249,7 @@ def test_a_run_leaves_the_system_as_it_was(method: str):
     before = system.matrices()
     how = {"method": method, "output_step": 1e-4, "initial": "synchronous"}
     first = system.simulate(2e-3, 100.0, **how)
-    system.simulate(1e-3, -333.0, method=method, geometry="frozen")  # a different run in between
+    system.simulate(1e-3, -333.0, method=method, geometry="frozen")  # another run in between
     after = system.matrices()
     for name in ("mass", "stiffness", "damping", "gyroscopic"):
         assert np.array_equal(getattr(before, name), getattr(after, name)), name
@@ -274,11 +279,11 @@ def test_initial_state_is_honoured(method: str, geometry: str):
     synchronous = system.simulate(1e-4, speed, initial="synchronous", **how)
     for name in ("g1", "g2", "g3", "g4"):
         u = np.asarray(still.displacement(name))
-        # the state itself, or the equilibrium less its own picture in the modes: round-off of that
+        # round-off of the state, or of the difference between the equilibrium and its modal form
         rounding = 1e-12 if method == "exponential" else 0.0
         assert np.abs(rest.displacement(name)[0]).max() <= rounding * np.abs(u).max()
         assert abs(rest.twist(name)[0]) <= rounding * abs(float(still.twist(name)))
-        assert np.abs(rest.displacement(name)[1]).max() > 1e-9 * np.abs(u).max()  # then it moves
+        assert np.abs(rest.displacement(name)[1]).max() > 1e-9 * np.abs(u).max()  # in motion
         # at most the round-off of the modal transform and its inverse
         assert np.abs(static.displacement(name)[0] - u).max() < 1e-9 * np.abs(u).max()
         swing = turning.displacement(name)[0].real.sum(axis=0)  # every shaft is at angle 0
@@ -301,7 +306,7 @@ def test_rest_means_at_rest():
     for shaft, x in (("input", 0.25), ("middle", 0.125), ("output", 0.25)):
         i = train.dof(shaft, x, 0)
         exact = acceleration[i : i + 2] * t**2 / 2
-        # the next term is the meshes' damping over the gears' mass times t / 3: 3e-6
+        # the next term is (mesh damping / gear mass) t / 3 = 3e-6
         gap = np.abs(response.displacement((shaft, x))[0] - exact).max()
         assert gap < 1e-5 * np.abs(exact).max()
 
@@ -326,8 +331,8 @@ def test_a_run_in_two_parts_equals_one_run_bit_for_bit(method: str, initial: str
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_wherever_a_run_is_divided_its_end_is_the_same_bit_for_bit(method: str):
-    # a last bit of the clock that differs shows at one place in eight
+def test_a_run_divided_at_any_time_ends_bitwise_equal(method: str):
+    # a difference in the last bit of the time appears at one of eight places
     system, speed = DEMO.package(), 100.0
     for k in range(30):
         part = (1 + k * 0.0137) * 1e-3
@@ -348,22 +353,23 @@ def test_three_uneven_parts_at_given_times(method: str):
         rows.append(state.displacement("g3")[0])
     found = np.array(rows)
     exact = whole.displacement("g3")
-    # ends fall between steps: round-off in `end`, or a step that is cut (errors of a step at rtol 1e-6)
+    # ends lie between steps: round-off in `end`, or a shortened step (error of one step at rtol
+    # 1e-6)
     assert np.abs(found - exact).max() < 1e-5 * np.abs(exact).max()
 
 
-# --- load range ---------------------------------------------------------------------------------------
+# --- load range -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("geometry", "closeness"),
-    # frozen geometry is linear: round-off of a sum of steps for a fixed step and for what is exact where the motion is
-    # linear, the tolerance for a chosen step.
-    # Live geometry at 1 N m moves the centres by 3e-7 m of 0.11 m, which is a few 1e-6 of each answer.
+    # frozen geometry is linear: round-off for a fixed step and for the exponential method, which is
+    # exact for linear motion; the tolerance for an adaptive step. Live geometry at 1 N m moves the
+    # centres by 3e-7 m of 0.11 m, a few 1e-6 of each result.
     [("frozen", None), ("live", 1e-4)],
 )
-def test_a_load_of_a_nanonewtonmetre_gives_its_share(method, geometry, closeness):
+def test_the_response_is_proportional_to_a_load_of_a_nanonewtonmetre(method, geometry, closeness):
     closeness = closeness or {"exponential": 1e-9, "rk4": 1e-9, "rk45": 1e-5}[method]
     runs = []
     for torque in (1.0, 1e-9):
@@ -380,7 +386,7 @@ def test_a_load_of_a_nanonewtonmetre_gives_its_share(method, geometry, closeness
         assert np.abs(small * 1e9 - unit).max() < closeness * np.abs(unit).max()
 
 
-def test_a_bow_of_a_nanometre_gives_its_share():
+def test_the_response_is_proportional_to_a_bow_of_a_nanometre():
     at = [
         replace(DEMO, torque=0.0, bows={"middle": HalfSine(b)})
         .package()

@@ -147,7 +147,8 @@ class TestOrders:
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
         assert bar.get_ylabel() == "g1 w [m]"
         assert panel.get_xlim() == (0.0, 60.0)
-        # at 20 and 40 turns a second the input shaft is at 20 Hz and 40 Hz, the middle one at 8 Hz and 16 Hz
+        # at 20 and 40 turns a second the input shaft is at 20 Hz and 40 Hz, the middle one at 8 Hz
+        # and 16 Hz
         lines = [line.get_xydata() for line in panel.get_lines()]
         for ratio in (1.0, 0.4, 0.16):
             expected = np.column_stack([ratio * np.array([20.0, 40.0]), speeds])

@@ -62,7 +62,7 @@ def read(path: Path) -> Any:
     )
 
 
-# --- a full disk -----------------------------------------------------------------------------------
+# --- a full disk ----------------------------------------------------------------------------------
 
 LIMITED = """
 import pathlib, resource, sys
@@ -333,7 +333,7 @@ def test_writers_of_one_file_do_not_disturb_each_other(tmp_path, suffix):
     assert names(tmp_path) == [path.name]
 
 
-# --- the writer and the lock --------------------------------------------------------------------------
+# --- the writer and the lock ----------------------------------------------------------------------
 
 
 @posix

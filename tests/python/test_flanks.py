@@ -30,7 +30,7 @@ def mirrored(vector: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("torque", [60.0, -60.0])
 @pytest.mark.parametrize("backlash", [None, 2e-5])
 @pytest.mark.parametrize("speed", SPEEDS)
-def test_a_mirrored_train_answers_in_the_mirror(
+def test_a_mirrored_train_has_the_mirrored_response(
     speed: float, backlash: float | None, torque: float
 ):
     drawn = replace(TRAIN, torque=torque, backlash=backlash, speed=speed)
@@ -100,7 +100,7 @@ def test_the_sign_of_the_speed_matters_where_a_mesh_couples_bending_and_twist():
 @pytest.mark.parametrize("torque", [60.0, -60.0])
 # More than the reduction of backlash by the load of the middle gear: one flank is in contact.
 @pytest.mark.parametrize("backlash", [None, 1e-4])
-def test_at_rest_the_torque_says_which_flank_presses(backlash: float | None, torque: float):
+def test_at_rest_the_torque_decides_which_flank_is_loaded(backlash: float | None, torque: float):
     system = replace(TRAIN, torque=torque, backlash=backlash, gravity=(0.0, 0.0)).system()
     forces = [abs(torque) / (0.0015 * 20 * np.cos(np.radians(20.0)))] * 2
     for geometry in ("live", "frozen"):
@@ -117,7 +117,7 @@ def test_at_rest_the_torque_says_which_flank_presses(backlash: float | None, tor
     assert braked == pytest.approx(-forces[0], rel=1e-7)
 
 
-def test_torques_that_pass_no_mesh_or_are_out_of_balance():
+def test_torques_without_mesh_force_or_balance():
     parts = TRAIN.parts()
     # Without a torque, or with torques balanced on one shaft, flanks follow the speed ratios.
     on_one = [gb.Torque("g0", -60.0), gb.Torque(("s0", 0.0), 60.0)]

@@ -1,4 +1,6 @@
-"""Invalid response files: each is a `GearbowError` that names the file, before memory is allocated for it."""
+"""Invalid response files: each is a `GearbowError` that names the file, before memory is allocated
+for it.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,7 @@ def rewrite(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
     edit_netcdf(path, edit)
 
 
-# --- damaged ------------------------------------------------------------------------------------------
+# --- damaged --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -116,7 +118,7 @@ def test_other_content_is_refused(tmp_path, suffix):
     refused(path)
 
 
-# --- metadata -----------------------------------------------------------------------------------------
+# --- metadata -------------------------------------------------------------------------------------
 
 
 def entries(value: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -275,7 +277,7 @@ def test_metadata_that_are_no_valid_json_are_refused(tmp_path, suffix, text):
     refused(path)
 
 
-# --- arrays -------------------------------------------------------------------------------------------
+# --- arrays ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -350,7 +352,7 @@ def test_data_outside_the_file_are_refused(tmp_path):
         refused(path, "time: ")
 
 
-# --- memory -------------------------------------------------------------------------------------------
+# --- memory ---------------------------------------------------------------------------------------
 
 #: Load files in a process limited to 300 MB more; each must fail because of its declared size.
 LIMITED = """
@@ -499,7 +501,7 @@ def test_a_wrong_count_of_steps_does_not_stop_the_interpreter(count, method):
         assert further.time[-1] == 2e-3
 
 
-# --- checkpoints ----------------------------------------------------------------------------------------
+# --- checkpoints ----------------------------------------------------------------------------------
 
 
 def stopped(

@@ -34,7 +34,8 @@ def test_mass_and_stiffness_symmetric_gyroscopic_skew(build):
     matrices = build().matrices()
     for name in ("mass", "stiffness", "damping"):
         matrix = getattr(matrices, name)
-        # sums of the same products in another order: a few units in the last place of the largest entry
+        # sums of the same products in another order: a few units in the last place of the largest
+        # entry
         assert np.abs(matrix - matrix.T).max() <= 1e-15 * np.abs(matrix).max(), name
     g = matrices.gyroscopic
     assert np.abs(g + g.T).max() <= 1e-15 * np.abs(g).max()
@@ -89,15 +90,16 @@ def test_energy_at_the_start_is_that_of_the_bow():
 
 
 def test_works_of_an_exact_motion_are_exact():
-    # A rotating bowed shaft is released: the fastest phase changes by tens of radians per sample, by
-    # hundreds per step, and the bearings dissipate its energy.
+    # A rotating bowed shaft is released: the fastest phase changes by tens of radians per sample,
+    # by hundreds per step, and the bearings dissipate its energy.
     shaft = gb.Shaft("a", length=1.0, outer_diameter=0.05, elements=15, bow=gb.Bow.half_sine(1e-4))
     bearings = [gb.Bearing("a", x, stiffness=1e8, damping=500.0) for x in (0.0, 1.0)]
     system = gb.RotorSystem([shaft], bearings=bearings)
     response = system.simulate(0.05, 100.0, initial="rest", record=("energy",), output_step=1e-4)
     balance = response.energy_balance()
     assert response.statistics.step_max * response.statistics.omega_max > 100
-    # the rules agree to 1e-8 of all works over each of thousands of parts; the one that counts is far nearer
+    # the rules agree to 1e-8 of all works over each of thousands of parts; the one that counts is
+    # far nearer
     assert np.abs(balance.residual).max() <= 1e-9 * np.abs(balance.total).max()
 
 
@@ -105,8 +107,8 @@ def test_energy_drift_of_rk4_falls_with_the_fifth_power_of_the_step():
     system = FREE.package()
     h = first_step(system)
     drifts = [drift(system, method="rk4", step=h / 2**i) for i in range(3)]
-    # |R(i x)|^2 = 1 - x^6/72: the energy lost in a given time goes with the fifth power, 32; a tenth for
-    # the higher terms at x = 0.4
+    # |R(i x)|^2 = 1 - x^6/72: the energy lost in a given time goes with the fifth power, 32; a
+    # tenth for the higher terms at x = 0.4
     assert drifts[0] / drifts[1] > 28
     assert drifts[1] / drifts[2] > 28
     assert drifts[2] > 1e-14  # otherwise the ratio would be dominated by round-off
@@ -129,7 +131,8 @@ def test_energy_less_work_of_the_torque_is_kept():
 
 
 def test_geometry_that_moves_is_what_keeps_the_energy():
-    # a bow at which the centres move by millimetres, two thirds of the way to overlapping base circles
+    # a bow at which the centres move by millimetres, two thirds of the way to overlapping base
+    # circles
     large = replace(FREE, bows={"input": HalfSine(1.8e-3, 0.3)})
     system = large.package()
     assert drift(system, method="rk45", rtol=1e-11) < 1e-8
@@ -246,5 +249,6 @@ def test_gyroscopic_and_bow_forces_do_no_work_on_a_shaft_that_stands():
     )
     for name, bow in (("g1", 1e-3 * np.exp(0.3j)), ("g2", 6e-4 * np.exp(-1.0j))):
         u = response.displacement(name) @ np.array([1, 1j])
-        # the bow is zero at the bearings and the train rolls freely: the gear has the bow displacement
+        # the bow is zero at the bearings and the train rolls freely: the gear has the bow
+        # displacement
         assert np.abs(u - bow).max() < 1e-8 * abs(bow)

@@ -52,8 +52,8 @@ CALLS = {
     "tradeoff": "system.tradeoff(1.0, 100.0, budget=1e6)",
 }
 
-#: Longest response time to Ctrl-C, s. Only a clock shows that a call ended before its
-#: work was done. The work takes several times as long, and a reaction takes 0.3 s on an idle machine.
+#: Longest response time to Ctrl-C, s. Only a clock shows that a call ended before its work was
+#: done. The work takes several times as long, and a reaction takes 0.3 s on an idle machine.
 BOUND = 5.0
 
 

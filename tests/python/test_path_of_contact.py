@@ -167,6 +167,7 @@ def test_events_of_a_path_that_centres_shorten():
 
 
 def test_iso_6336_outside_its_range_is_an_error():
-    # three teeth with so much profile shift have a negative flexibility q' in the formula of the standard
+    # three teeth with so much profile shift have a negative flexibility q' in the formula of the
+    # standard
     with pytest.raises(gb.SceneError, match=r"^meshes\[0\]\.stiffness: ISO 6336-1 gives -"):
         pair((3, 3), gear={"profile_shift": 2.0, "tip_radius": 0.012}, centre_distance=0.0135)

@@ -127,5 +127,6 @@ def test_same_frequencies_as_the_independent_assembly(build, train, speed: float
     exact = own.eigenvalues(speed, lateral_only=lateral).imag
     found = 2 * np.pi * system.modes(speed=speed).frequencies_hz
     found = found[found > 1.0][:12]
-    # both solve a first-order pencil in floating point: eps times the ratio of its frequencies, squared
+    # both solve a first-order pencil in floating point: eps times the ratio of its frequencies,
+    # squared
     assert found == pytest.approx(exact[:12], rel=1e-7)

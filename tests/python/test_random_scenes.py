@@ -201,7 +201,7 @@ def drawn(draw: st.DrawFn) -> Drawn:
         elements=each(st.integers(1, 3)),
         # no gear is so close to a node that a short element makes a run long
         places=each(st.sampled_from([0.0, 0.25, 0.4, 0.6, 1.0])),
-        # a quarter of a turn, or a mirror, then puts a tooth where there was one
+        # rotation by 90 degrees and mirroring then map teeth to teeth
         teeth=each(st.integers(5, 15).map(lambda quarter: 4 * quarter)),
         shear=draw(st.booleans()),
         density=draw(part(2e3, 1e4)),
@@ -216,7 +216,7 @@ def drawn(draw: st.DrawFn) -> Drawn:
             draw(st.sampled_from([0.0, 0.03, 0.1])),
         ),
         backlash=draw(st.sampled_from([None, None, 2e-5])),
-        # with no torque at all, what presses is the flank that it is said to be, in the mirror too
+        # without torque the loaded flank is the assumed one, also in the mirrored scene
         torque=draw(st.sampled_from([-1.0, 1.0])) * draw(part(1.0, 200.0)),
         gravity=(draw(part(-10.0, 10.0)), draw(part(-10.0, 10.0))),
         rayleigh=draw(st.sampled_from([0.0, 1e-7])),
@@ -297,7 +297,9 @@ def motion(response: gb.Response, scene: Drawn) -> np.ndarray:
 
 
 def assert_near(found: np.ndarray, wanted: np.ndarray, part: float) -> None:
-    """To a part of the largest displacement and twist; below a micrometre (microradian) that of one."""
+    """To a part of the largest displacement and twist; below a micrometre (microradian) that of
+    one.
+    """
     for kind in (slice(0, 2), slice(2, 3)):
         scale = max(np.abs(wanted[..., kind]).max(), 1e-6)
         apart = np.abs(found[..., kind] - wanted[..., kind]).max()
@@ -338,8 +340,9 @@ def test_the_choice_of_axes_names_and_units_is_free(scene: Drawn):
 
 
 @scenes(40)
-def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Drawn):
-    # an element is exact between its nodes; the shapes of two contain those of the one that they make
+def test_a_shorter_element_keeps_the_equilibrium_and_lowers_frequencies(scene: Drawn):
+    # an element is statically exact between its nodes; the shapes of two elements contain those of
+    # one
     scene = replace(scene, mesh=("mean", scene.mesh[1], 0.0), backlash=None, rayleigh=0.0)
     scene = replace(scene, bearing=(*scene.bearing[:3], 0.0))
     coarse, fine = scene.system(), replace(scene, split=True).system()
@@ -355,13 +358,13 @@ def test_a_shorter_element_changes_no_equilibrium_and_stiffens_nothing(scene: Dr
     assert np.all(low[: high.size] <= high * (1 + 1e-7) + 1e-8 * high[-1])
 
 
-# --- energy ----------------------------------------------------------------------------------------
+# --- energy ---------------------------------------------------------------------------------------
 
 
 @scenes(40)
-def test_energy_is_neither_made_nor_lost(scene: Drawn):
-    # Some ten times what the default tolerances leave of the energy; of works over steps that are longer than
-    # what damping ends at once, none is lost.
+def test_energy_is_conserved(scene: Drawn):
+    # About ten times the energy error of the default tolerances. Works over steps that are longer
+    # than the decay time of a mode are integrated completely.
     for method in ("rk45", "exponential"):
         balance = scene.run(record=["energy"], method=method).energy_balance()
         # one nanojoule is the work of 1 N over 1 nm: smaller works count as zero
@@ -370,7 +373,7 @@ def test_energy_is_neither_made_nor_lost(scene: Drawn):
         assert np.diff(balance.damping).max() <= 1e-9 * scale
 
 
-# --- methods, and threads --------------------------------------------------------------------------
+# --- methods, and threads -------------------------------------------------------------------------
 
 
 @scenes(50)
@@ -382,7 +385,7 @@ def test_the_methods_agree(scene: Drawn):
 
 
 @scenes(25)
-def test_two_threads_give_the_bits_of_one(scene: Drawn):
+def test_two_threads_give_the_bits_of_one_thread(scene: Drawn):
     alone = scene.run()
     with ThreadPoolExecutor(2) as pool:
         for found in pool.map(lambda _: scene.run(), range(2)):

@@ -254,7 +254,7 @@ def test_numpy_numbers_and_arrays_are_taken():
     assert np.array_equal(plain.mass, taken.mass)
 
 
-# --- arbitrary numbers -------------------------------------------------------------------------------------
+# --- arbitrary numbers ----------------------------------------------------------------------------
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

@@ -111,7 +111,7 @@ def test_a_name_like_no_other_suggests_nothing():
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 
 
-# --- missing parts -------------------------------------------------------------------------------------------
+# --- missing parts --------------------------------------------------------------------------------
 
 BALANCE = r"^torques: no static equilibrium: .*, is 250 N m; add gb.Torque.balance\("
 
@@ -149,7 +149,7 @@ def test_a_missing_bearing_is_named_before_a_missing_balance():
         system.static()
 
 
-# --- no synchronous start --------------------------------------------------------------------------------------
+# --- no synchronous start -------------------------------------------------------------------------
 
 
 def rotor(unbalance: float) -> gb.RotorSystem:

@@ -74,7 +74,7 @@ def wrong(*without: str) -> Any:
     )
 
 
-# --- the fields of parts ---------------------------------------------------------------------------------------
+# --- the fields of parts --------------------------------------------------------------------------
 
 
 @wrong()
@@ -162,7 +162,7 @@ def test_teeth_with_what_is_no_number(make, value):
         pair(**make(value))
 
 
-# --- the arguments of functions --------------------------------------------------------------------------------
+# --- the arguments of functions -------------------------------------------------------------------
 
 ARGUMENTS = {
     "modes speed": (lambda s, _, x: s.modes(x), "speed"),
@@ -291,7 +291,7 @@ def test_a_call_that_cannot_be(call, text, system):
         call(system)
 
 
-# --- whole numbers ---------------------------------------------------------------------------------------------
+# --- whole numbers --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("elements", [8.0, np.float32(8.0), np.int8(8), Fraction(8)])

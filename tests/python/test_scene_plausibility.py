@@ -1,4 +1,6 @@
-"""Mistakes of units are warnings with the usual range and the probable cause; machines of all sizes pass."""
+"""Mistakes of units are warnings with the usual range and the probable cause; machines of all sizes
+pass.
+"""
 
 from __future__ import annotations
 
@@ -275,7 +277,7 @@ def test_the_warning_has_value_range_and_cause():
     )
 
 
-# --- speeds --------------------------------------------------------------------------------------------------
+# --- speeds ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -297,7 +299,7 @@ def test_teeth_that_are_too_fast(call):
             call(system, 1.01 * limit)
 
 
-# --- machines --------------------------------------------------------------------------------------------------
+# --- machines -------------------------------------------------------------------------------------
 
 
 def geared(size: float, module: float, teeth: tuple[int, int], **options: Any) -> gb.RotorSystem:

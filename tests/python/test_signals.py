@@ -12,7 +12,8 @@ from gearbow.orders.spectrum import amplitudes
 from reference.records import ENERGIES, KINEMATICS, MESH_UNITS, WORKS, of_series, response
 
 SPEED = 100.0  # rad/s
-#: Coefficients of the windows, sums of cosines (Heinzel, Rüdiger and Schilling, 2002; flat top of ISO 18431-2).
+#: Coefficients of the windows, sums of cosines (Heinzel, Rüdiger and Schilling, 2002; flat top of
+#: ISO 18431-2).
 COSINES = {
     "none": [1.0],
     "hann": [0.5, 0.5],

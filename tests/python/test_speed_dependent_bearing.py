@@ -24,7 +24,8 @@ UNBALANCE = 1e-3 + 2e-3j
 BOW = HalfSine(1e-4, 0.5)
 ENDS = (0.0, LENGTH)
 
-# A rotor of 10 kg whose bearings stiffen with the speed and couple the planes like a journal bearing.
+# A rotor of 10 kg whose bearings stiffen with the speed and couple the planes like a journal
+# bearing.
 SPEEDS = np.array([0.0, 40.0, 70.0, 110.0, 160.0])
 STIFFNESS = np.array(
     [
@@ -202,7 +203,8 @@ def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(
     found = rotor().simulate(END, profile(), method="rk45", rtol=1e-10, **options)
     # the independent solution is accurate to 1e-10
     assert np.abs(found.displacement("wheel") - exact).max() < 1e-8 * size
-    # the step crosses the knots, where the second derivative of the interpolation jumps: third order at worst
+    # the step crosses the knots, where the second derivative of the interpolation jumps: third
+    # order at worst
     errors = []
     for step in (2e-4, 1e-4):
         run = rotor().simulate(END, profile(), method="rk4", step=step, **options)

@@ -21,9 +21,10 @@ COUNTS = {
     "rattling, live": (9649, 1259, 68786, 367),
 }
 
-#: Relative tolerance. The eigenvectors differ by round-off between processors, because the linear algebra chooses its
-#: code by processor. A step whose estimated error is close to the tolerance may then be accepted or rejected, and
-#: contact losses amplify the difference. A change of the method by 2 % is found.
+#: Relative tolerance. The eigenvectors differ by round-off between processors, because the linear
+#: algebra chooses its code by processor. A step whose estimated error is close to the tolerance may
+#: then be accepted or rejected, and contact losses amplify the difference. A change of the method
+#: by 2 % is found.
 TOLERANCE = 0.02
 
 
@@ -35,6 +36,7 @@ def test_default_method_keeps_its_step_counts(name: str):
 
 
 def test_linear_motion_needs_the_same_steps_on_every_machine():
-    # Frozen geometry and constant stiffness: no step depends on an error estimate near the tolerance.
+    # Frozen geometry and constant stiffness: no step depends on an error estimate near the
+    # tolerance.
     found = run("mean, frozen", DURATION).statistics
     assert (found.steps, found.rejected, found.evaluations) == COUNTS["mean, frozen"][:3]

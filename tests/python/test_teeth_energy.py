@@ -19,11 +19,11 @@ K = 2e8
 def thrown(
     scene: Toothed, speed: float, rates: tuple[float, float], duration: float, **options: Any
 ) -> gb.Response:
-    """A torsional pair at rest on its shafts, its gears turning at `rates`."""
+    """Return a torsional gear pair in its rest position, with the initial gear velocities `rates`."""
     system = scene.package()
     n = len(system.dofs)
     y = np.zeros(2 * n)
-    y[:2] = -1e-5  # a gap of a third of a micrometre
+    y[:2] = -1e-5  # the gap is a third of a micrometre
     y[n:] = np.repeat(rates, 2)
     run = {k: v for k, v in options.items() if k in ("method", "step", "rtol")}
     more = {"output_step": duration / 2000} | options
@@ -34,17 +34,18 @@ def thrown(
 
 @pytest.mark.parametrize(("method", "setting"), [("rk45", 1e-9), ("rk4", 2e-6)])
 def test_hammering_never_gains_energy(method: str, setting: float):
-    """A gear that flies between the flanks of another: ten thousand impacts, undamped."""
+    """One gear bounces between both flanks of the other: ten thousand impacts without damping."""
     scene = Toothed(mesh={"stiffness": K, "backlash": 1e-5})
     options = {"rtol": setting} if method == "rk45" else {"step": setting}
     found = thrown(scene, 0.0, (50.0, 0.0), 1.75, method=method, **options)
     impacts = [event for event in found.events if event.kind.endswith("contact")]
     assert len(impacts) > 1e4
     energy = found.energy
-    # both methods lose: 1e-9 or (h omega)^6/144 = 2e-11 of each step; neither may gain more than round-off
+    # both methods dissipate 1e-9 or (h omega)^6/144 = 2e-11 per step; neither may gain more than
+    # round-off
     assert np.max(energy) < energy[0] * (1 + 1e-12)
     assert energy[-1] > energy[0] * (1 - 4e-5)
-    # and it strikes as hard on either flank to the end
+    # the impacts on both flanks remain equally strong
     force = found.mesh("ga", "gb").force
     assert force[-200:].max() == pytest.approx(-force[-200:].min(), rel=0.05)
 
@@ -55,7 +56,7 @@ def test_loss_of_energy_in_impacts_follows_the_tolerance(rtol: float):
         Toothed(mesh={"stiffness": K, "backlash": 1e-5}), 0.0, (50.0, 0.0), 0.1, rtol=rtol
     )
     lost = found.energy / found.energy[0] - 1
-    # 1200 impacts of some tens of steps each
+    # 1200 impacts of 20 to 50 steps each
     assert np.abs(lost).max() < 1e3 * rtol
 
 
@@ -69,7 +70,7 @@ def test_loss_of_energy_in_impacts_follows_the_tolerance(rtol: float):
     ids=lambda run: run["method"],
 )
 def test_switching_stiffness_does_work(run: dict[str, Any]):
-    """Between switches nothing works; at each the energy changes by half dk delta^2."""
+    """Energy is constant between stiffness switches; each switch changes it by dk delta^2 / 2."""
     speed, pair = 700.0, 1.5e8
     square = {"model": "square", "pair": pair, "engagement": "sharp"}
     scene = Toothed(mesh={"stiffness": square}, torque=0.0)
@@ -85,7 +86,8 @@ def test_switching_stiffness_does_work(run: dict[str, Any]):
     steps = np.diff(mesh.stiffness[:m])
     assert np.abs(steps) == pytest.approx(pair, rel=1e-9)
     change = steps * mesh.deflection[m:] ** 2 / 2
-    # the deflection at a switch is interpolated to h^6, the energy kept to 1e-13 or (h omega)^5 a step
+    # the interpolated deflection has an error of h^6; the energy error is 1e-13 or (h omega)^5 per
+    # step
     assert np.diff(energy[:m]) == pytest.approx(change, abs=2e-10 * energy.max())
     assert np.abs(change).max() > 0.1 * energy[0]
 
@@ -95,13 +97,15 @@ ROLLING = Toothed(coupled=True, bearing_damping=0.0, mesh={"stiffness": TEETH}, 
 
 
 def rolling(options: dict[str, Any], given: Toothed = ROLLING, **mesh: Any) -> np.ndarray:
-    """Energy of a train that rolls by its own twist, pairs passing and centres moving; undamped and driven by nothing."""
+    """Return the energy of an undamped train without loads that rotates freely, with moving tooth
+    pairs and centres.
+    """
     scene = replace(given, mesh=given.mesh | mesh)
     system = scene.package()
-    # shaft by shaft, bending (four to a node) before twist
+    # order of the core: shaft by shaft, bending (four per node) before twist
     n, nodes = len(system.dofs), len(system.dofs) // 10
     y = np.zeros(2 * n)
-    # a little off rolling: the mesh winds up
+    # the twists differ slightly from pure rolling, so that the mesh deflects
     speed = 300.0 * 25 / scene.teeth[0]
     other = -0.9867 * speed * scene.teeth[0] / scene.teeth[1]
     for first, rate in ((0, speed), (5 * nodes, other)):
@@ -115,7 +119,7 @@ def rolling(options: dict[str, Any], given: Toothed = ROLLING, **mesh: Any) -> n
         **options,
     )
     pairs = found.mesh("ga", "gb").pairs_in_contact
-    assert np.abs(np.diff(pairs)).sum() >= 3  # they come and go
+    assert np.abs(np.diff(pairs)).sum() >= 3  # tooth pairs enter and leave contact
     assert np.ptp(found.mesh("ga", "gb").pressure_angle) > 1e-5
     vibrating = found.energy_balance().meshes.max()
     return (found.energy - found.energy[0]) / vibrating
@@ -133,17 +137,18 @@ def rolling(options: dict[str, Any], given: Toothed = ROLLING, **mesh: Any) -> n
     ids=lambda model: model["model"],
 )
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_teeth_that_are_moved_by_the_twist_keep_the_energy(method: str, model: dict[str, Any]):
+def test_energy_is_constant_if_the_twist_moves_the_teeth(method: str, model: dict[str, Any]):
     options = {"method": method, "rtol": 1e-11}
     drift = np.abs(rolling(options, stiffness={**model, "phase": "twist"}))
-    # of the energy of the mesh; the kinetic energy that rolls along is some hundred times that
+    # relative to the mesh energy; the kinetic energy of the rotation is about a hundred times
+    # larger
     assert drift.max() < 1e-6
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
 @pytest.mark.parametrize("model", ["square", "parabolic", "potential_energy"])
 @pytest.mark.parametrize("teeth", [(12, 60), (60, 12)])
-def test_teeth_that_a_base_circle_limits_keep_the_energy(
+def test_energy_is_constant_if_a_base_circle_limits_the_path(
     method: str, model: str, teeth: tuple[int, int]
 ):
     given = replace(ROLLING, teeth=teeth)
@@ -156,17 +161,18 @@ def test_teeth_that_a_base_circle_limits_keep_the_energy(
     assert drift.max() < 1e-6  # as above
 
 
-def test_the_drift_falls_with_the_order_of_the_method():
+def test_energy_drift_decreases_with_the_order_of_the_method():
     coarse, fine = (np.abs(rolling({"method": "rk4", "step": h})).max() for h in (4e-6, 2e-6))
-    # what RK4 loses is of fifth order; the force has two derivatives
+    # the energy loss of RK4 is of fifth order; the force has two derivatives
     assert coarse / fine > 2**4
     assert coarse < 1e-3
     drift = [
         np.abs(rolling({"method": "rk45", "rtol": rtol})).max() for rtol in (1e-7, 1e-8, 1e-9)
-    ]  # between the longest step and round-off
+    ]  # between the longest stable step and round-off
     assert drift[0] / drift[1] > 5
     assert drift[1] / drift[2] > 5
-    # pairs enter with a third derivative that jumps, within a step: the exponential method falls more slowly
+    # the third derivative jumps within a step where a pair enters: the exponential method converges
+    # more slowly
     loose, tight = (np.abs(rolling({"rtol": rtol})).max() for rtol in (1e-5, 1e-9))
     assert loose / tight > 1e2
 
@@ -191,7 +197,7 @@ FORCED = {
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 @pytest.mark.parametrize("name", FORCED)
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_the_balance_accounts_for_every_work(method: str, name: str, geometry: str, run_out: Any):
+def test_the_energy_balance_contains_all_works(method: str, name: str, geometry: str, run_out: Any):
     scene = replace(
         ROLLING,
         torque=80.0,
@@ -212,12 +218,12 @@ def test_the_balance_accounts_for_every_work(method: str, name: str, geometry: s
     )
     balance = found.energy_balance()
     turned_over = np.abs(np.diff(balance.total)).sum()
-    # the works are integrals over the interpolated motion; corners of the law fall within a step of them
+    # the works are integrals over the interpolated motion; kinks of the force law lie within steps
     assert np.abs(balance.residual).max() < 1e-6 * turned_over
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_the_balance_accounts_for_the_work_of_a_sharp_switch(method: str):
+def test_the_energy_balance_contains_the_work_of_a_stiffness_switch(method: str):
     square = {"model": "square", "pair": 1.5e8, "engagement": "sharp"}
     scene = Toothed(mesh={"stiffness": square})
     found = thrown(scene, 700.0, (1.0, 0.0), 4e-3, method=method, rtol=1e-11)
@@ -229,7 +235,7 @@ def test_the_balance_accounts_for_the_work_of_a_sharp_switch(method: str):
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 def test_centres_that_close_by_more_than_the_backlash_press_both_flanks(geometry: str):
-    """Bent shafts in a tight mesh: nothing is lost where one flank takes over from the other."""
+    """Bowed shafts in a tight mesh: energy is constant where the contact moves to the other flank."""
     scene = replace(
         ROLLING,
         torque=80.0,
@@ -277,7 +283,7 @@ def test_force_of_a_tight_mesh_is_the_difference_of_its_flanks(closing: float):
     "given", [{"model": "square", "mean": K}, {"model": "fourier", "mean": K, "amplitudes": [5e7]}]
 )
 def test_a_damped_train_keeps_its_speed(given: dict[str, Any]):
-    """What damping takes is made good by what holds the speed, so that the twist does not run away."""
+    """The drive supplies the power that damping dissipates, so that the twist stays bounded."""
     scene = Toothed(mesh={"stiffness": given, "damping_ratio": 0.05}, torque=80.0)
     omega = np.sqrt(K / scene.effective_mass)
     run = scene.package().simulate(
@@ -288,7 +294,7 @@ def test_a_damped_train_keeps_its_speed(given: dict[str, Any]):
         output_step=1e-3,
     )
     balance = run.energy_balance()
-    # enough to slow the train, of 3e-3 kg m^2 at 480 rad/s, by a tenth of a radian a second
+    # enough to decelerate the train (3e-3 kg m^2, 480 rad/s) by 0.1 rad/s
     assert balance.damping[-1] < -0.1
     assert np.abs(np.diff(run.twist("ga"))).max() < 1e-3
     assert np.abs(run.twist("ga")[-50:].mean()) < 1e-3
@@ -297,7 +303,7 @@ def test_a_damped_train_keeps_its_speed(given: dict[str, Any]):
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
 @pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
 def test_a_tight_mesh_is_integrated_stably(method: str, rtol: float):
-    """Both flanks together are twice as stiff as one, and the longest stable step is that much shorter."""
+    """Two flanks are twice as stiff as one, so that the longest stable step is shorter."""
     scene = Toothed(mesh={"stiffness": K, "backlash": 1e-6}, gear={"run_out": (None, -2e-4)})
     system = scene.package()
     y = np.zeros(2 * len(system.dofs))
@@ -312,8 +318,9 @@ def test_a_tight_mesh_is_integrated_stably(method: str, rtol: float):
         output_step=1e-5,
     )
     force = run.mesh("ga", "gb").force
-    # free and undamped: Runge-Kutta may lose by its tolerance and never gains; collocation does neither by itself, and a
-    # thousand kinks that its nodes meet by chance leave 0.95 to 1.03 of the force, whatever the tolerance
+    # free and undamped: Runge-Kutta may dissipate energy within its tolerance and never gains any;
+    # collocation conserves energy, but a thousand kinks at random places within steps change the
+    # force to 0.95 to 1.03, at every tolerance
     kept = np.ptp(force[-100:]) / np.ptp(force[:100])
     assert kept < (1.04 if method == "exponential" else 1.01)
     if method == "exponential":
@@ -323,7 +330,9 @@ def test_a_tight_mesh_is_integrated_stably(method: str, rtol: float):
 @pytest.mark.parametrize("engagement", [0.3, "sharp"])
 @pytest.mark.parametrize("shape", ["linear", "parabolic"])
 def test_methods_agree_on_the_work_of_relieved_teeth(shape: str, engagement: Any):
-    """Relief begins within steps, and the power of prescribed teeth jumps there: the audit integrates in parts."""
+    """Tip relief begins within a step and the power of prescribed teeth jumps there: the audit
+    divides the step.
+    """
     teeth = {**TEETH, "phase": "prescribed", "engagement": engagement}
     relief = {"amount": 5e-6, "length": 2e-3, "shape": shape}
     scene = replace(
@@ -343,8 +352,9 @@ def test_methods_agree_on_the_work_of_relieved_teeth(shape: str, engagement: Any
         )
     )
     wanted = exact.energy_balance()
-    # A part of a step whose work two rules agree on to 1e-8 of all work counts as integrated, some hundred times. The
-    # three-point rule, which smooth steps use, is off by 6e-5 with linear relief.
+    # A part of a step is accepted if two quadrature rules agree to 1e-8 of the total work; about
+    # 100 parts add up. The three-point rule of smooth steps has an error of 6e-5 with linear
+    # relief.
     assert np.abs(wanted.residual).max() < 5e-8 * np.abs(np.diff(wanted.total)).sum()
     for found in others:
         apart = np.abs(found.energy_balance().teeth - wanted.teeth).max()

@@ -18,7 +18,7 @@ HARMONICS: dict[str, list[tuple[float, float]]] = {
 
 
 def settled(scene: Toothed, speed: float = SPEED, **more: Any) -> Any:
-    """After all transients: exp(-0.08 * 2e4 * 0.03) = 1e-21."""
+    """Run until the transients are exp(-0.08 * 2e4 * 0.03) = 1e-21."""
     times = 0.03 + np.linspace(0.0, 2 * np.pi / abs(speed), 400)
     options = {"times": times, "rtol": 1e-10} | more
     return scene.package().simulate(times[-1], speed, **options)
@@ -39,19 +39,19 @@ def test_harmonic_error_against_the_linear_response(given: dict[str, Any], speed
     rate = np.zeros_like(expected)
     for key, order in (("tooth", 25.0), ("driver", 1.0), ("driven", -0.5)):
         for n, (amplitude, phase) in enumerate(given.get(key, []), start=1):
-            # e = amplitude cos(n order angle + phase) of a shaft that may turn backwards
+            # e = amplitude cos(n order angle + phase) of a shaft that may rotate backwards
             omega = n * order * speed
             response = m * omega**2 * amplitude / (K - m * omega**2 + 1j * c * omega)
             turning = response * np.exp(1j * (omega * found.time + phase))
             expected, rate = expected + turning.real, rate + (1j * omega * turning).real
     mesh = found.mesh("ga", "gb")
     scale = np.ptp(expected)
-    # rtol 1e-10 of the motion, of which the vibration is a part
+    # rtol is 1e-10 of the whole motion, which is larger than the vibration
     assert mesh.deflection == pytest.approx(expected, abs=1e-6 * scale)
     assert mesh.force == pytest.approx(K * expected + c * rate, abs=1e-6 * K * scale)
 
 
-def test_a_table_is_the_curve_through_its_values():
+def test_a_table_is_interpolated_by_a_cubic():
     grid = np.arange(32) / 32
     table = 2e-6 * np.cos(2 * np.pi * grid + 0.4) + 5e-7 * np.cos(4 * np.pi * grid - 1.0)
     forces = []
@@ -64,7 +64,9 @@ def test_a_table_is_the_curve_through_its_values():
 
 @pytest.mark.parametrize("out", [(3e-5, 0.0), (0.0, 4e-5j), (2e-5 + 1e-5j, -3e-5)])
 def test_run_out_moves_the_centres(out: tuple[complex, complex]):
-    """Slowly turned, a base circle off its shaft is a centre that circles: geometry, and the twist that it forces."""
+    """At low speed, run-out moves the gear centre on a circle; compare the geometry and the
+    resulting twist.
+    """
     speed = 0.5
     scene = Toothed(mesh={"stiffness": K, "damping_ratio": 0.3}, gear={"run_out": out}, torque=60.0)
     times = np.linspace(0.02, 4 * np.pi / speed, 100)
@@ -79,7 +81,8 @@ def test_run_out_moves_the_centres(out: tuple[complex, complex]):
     assert mesh.contact_ratio == pytest.approx(
         [law.contact_ratio(d) for d in np.abs(centres)], rel=1e-12
     )
-    # the tooth force is that of the load, to the inertia of twice-a-second motions, so the deflection stays
+    # the tooth force equals the static one up to the small inertia force at 2 Hz, so the deflection
+    # is constant
     load = 60.0 / law.base_radius_a
     assert mesh.force == pytest.approx(load, rel=1e-3)
     rolled = law.base_radius_a * twist[0] + law.base_radius_b * twist[1]
@@ -92,9 +95,14 @@ def test_run_out_moves_the_centres(out: tuple[complex, complex]):
 @pytest.mark.parametrize(("shape", "exponent"), [("linear", 1), ("parabolic", 2)])
 @pytest.mark.parametrize("torque", [30.0, 150.0])
 def test_load_shared_by_relieved_pairs(shape: str, exponent: int, torque: float):
-    """Two equal pairs with reliefs r: k(d - r1) + k(d - r2) = F while both touch, k(d - r) = F while one does."""
+    """Two equal pairs with reliefs r: k(d - r1) + k(d - r2) = F with both in contact, k(d - r) = F
+    with one.
+    """
     pair, speed = 1.5e8, 0.4
-    amount, length = 3e-5, 3e-3  # more than the teeth deflect: pairs come and go without load
+    amount, length = (
+        3e-5,
+        3e-3,
+    )  # the relief exceeds the deflection, so that pairs enter and leave without load
     mesh = {
         "stiffness": {"model": "square", "pair": pair, "engagement": "sharp"},
         "tip_relief": {"amount": amount, "length": length, "shape": shape},
@@ -120,8 +128,9 @@ def test_load_shared_by_relieved_pairs(shape: str, exponent: int, torque: float)
         both = len(reliefs) == 2 and reliefs[1] < alone
         expected.append((load / pair + sum(reliefs)) / 2 if both else alone)
         touching.append(1 + both)
-    # slow, not static: the damper lags by 2 zeta / omega of the rate, 5e-6 s * 1e-4 m/s
+    # quasi-static: damping changes the deflection by 2 zeta / omega times the rate, 5e-6 s * 1e-4
+    # m/s
     assert found.deflection == pytest.approx(expected, abs=2e-3 * np.ptp(expected))
     assert found.force == pytest.approx(load, rel=2e-3)
-    # how many touch, but where one is about to
+    # number of pairs in contact, except where a change is near
     assert np.mean(np.round(found.stiffness / pair) == touching) > 0.95

@@ -1,4 +1,6 @@
-"""Motion with teeth against matrix exponentials and SciPy on the gradient of an energy."""
+"""Motion with tooth pairs, compared with matrix exponentials and with SciPy on the gradient of an
+energy.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ def with_ratio(scene: Toothed, contact_ratio: float) -> Toothed:
 
 def cycles(scene: Toothed, count: int, per_cycle: int) -> np.ndarray:
     period = 2 * np.pi / (SPEED * scene.teeth[0])
-    # off every switch, and not commensurable with any step
+    # no output time is a switching time or a multiple of a step
     return (np.arange(count * per_cycle) + 0.37) * period / per_cycle
 
 
@@ -190,9 +192,10 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
     if "cycle" not in teeth:
         teeth["pair"] = parabola(scene, PAIR, end)
     law = TeethLaw(scene.law(), **teeth)
-    # corners of the law (separation, relief), which the independent solution does not locate, cost it more
+    # the independent solution does not locate kinks of the force law (separation, relief), which
+    # increases its error
     cornered = "backlash" in mesh or "tip_relief" in mesh
-    # one or two mesh periods, of 60 teeth as of 25
+    # one or two mesh periods, for 60 teeth and for 25
     duration = (5e-4 if bowed or cornered else 1e-3) * min(1.0, 25 / scene.teeth[0])
     times = np.linspace(0.0, duration, 31)[1:]
     motion, force = integrate(scene, law, SPEED, times)
@@ -206,7 +209,7 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
         method=method,
         rtol=1e-12,
     )
-    # the tolerance of the independent solution of 1e-10 a step, over a few hundred steps
+    # the independent solution has a tolerance of 1e-10 per step, over a few hundred steps
     tolerance = 1e-6 if cornered else 1e-7
     for gear, shaft in (("ga", "a"), ("gb", "b")):
         at = system.dofs.index((shaft, scene.position, "twist"))

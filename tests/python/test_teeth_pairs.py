@@ -1,4 +1,6 @@
-"""Tooth pairs on the path of contact: number, duration and stiffness; clearance of opened centres."""
+"""Tooth pairs on the path of contact: number, duration, stiffness; clearance with a larger centre
+distance.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ def with_ratio(contact_ratio: float, **mesh: Any) -> Toothed:
 
 
 def over_cycles(scene: Toothed, count: int = CYCLES, **options: Any) -> gb.Response:
-    """At equal phases of the mesh, off the round ones: a count of samples is then exact to one part of the cycle."""
+    """Sample the mesh cycle at equal distances between the switching phases, so that counts are
+    exact to one sample.
+    """
     period = 2 * np.pi / (SPEED * scene.teeth[0])
     times = (np.arange(count * PER_CYCLE) + 0.5) * period / PER_CYCLE
     options = {"initial": "rest", "times": times} | options
@@ -38,7 +42,7 @@ def test_mean_number_of_pairs_is_the_contact_ratio(contact_ratio: float, method:
     # the ratios are whole numbers of 1/1000 of a cycle, so that the count is exact
     assert np.mean(mesh.pairs_in_contact) == pytest.approx(contact_ratio, abs=1e-6)
     assert np.mean(mesh.stiffness) == pytest.approx(MEAN, rel=1e-6)
-    # the pairs that stiffen the mesh are those that are counted, at every instant
+    # the stiffness at every instant is that of the counted pairs
     pair = MEAN / contact_ratio
     assert mesh.stiffness == pytest.approx(pair * mesh.pairs_in_contact, abs=1e-9 * MEAN)
     assert np.abs(np.diff(mesh.stiffness)).max() < pair * (1 + 1e-9)
@@ -49,9 +53,11 @@ def test_mean_number_of_pairs_is_the_contact_ratio(contact_ratio: float, method:
 def test_smooth_engagement_keeps_the_mean_and_never_jumps(contact_ratio: float, width: float):
     square = {"model": "square", "mean": MEAN, "engagement": width, "phase": "prescribed"}
     mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), count=1).mesh("ga", "gb")
-    # equal phases integrate a periodic curve of two derivatives: (1/1000)^3 of its third's jump, 60/width^3
+    # error of the mean of a periodic curve with two derivatives: (1/1000)^3 times the jump of its
+    # third, 60/width^3
     assert np.mean(mesh.stiffness) == pytest.approx(MEAN, rel=1e-6)
-    # the ramp 6x^5 - 15x^4 + 10x^3 rises by at most 15/8 over its width; two pairs never share an instant fully
+    # the ramp 6x^5 - 15x^4 + 10x^3 has a slope of at most 15/8 over its width; two pairs are never
+    # on their ramps at once
     rise = 2 * 15 / 8 / (width * PER_CYCLE) * MEAN / contact_ratio
     assert np.abs(np.diff(mesh.stiffness)).max() < rise
 
@@ -61,11 +67,11 @@ def test_mean_of_a_parabolic_pair():
     sharp = over_cycles(with_ratio(1.6, stiffness={**scene, "engagement": "sharp"})).mesh(
         "ga", "gb"
     )
-    # the midpoint rule between jumps that fall between two samples
+    # midpoint rule, with jumps between two samples
     assert np.mean(sharp.stiffness) == pytest.approx(MEAN, rel=1e-6)
-    pair = MEAN / 1.6 / (0.5 + 0.5 * 2 / 3)  # mean of a parabola that falls to half is 5/6
+    pair = MEAN / 1.6 / (0.5 + 0.5 * 2 / 3)  # the mean of a parabola that decreases to 1/2 is 5/6
     assert np.max(sharp.stiffness) < 2 * pair
-    # a single pair in the middle of the path, where the parabola is flat
+    # single contact in the middle of the path, where the parabola is flat
     single = sharp.stiffness[sharp.pairs_in_contact == 1]
     assert np.max(single) == pytest.approx(pair, rel=1e-5)
     smooth = over_cycles(
@@ -75,7 +81,7 @@ def test_mean_of_a_parabolic_pair():
 
 
 @pytest.mark.parametrize("opened", [0.0, 3e-4, 8e-4, -2e-4])
-def test_share_of_time_of_each_number_of_pairs_follows_opened_centres(opened: float):
+def test_share_of_time_of_each_number_of_pairs_follows_the_centre_distance(opened: float):
     scene = Toothed(mesh={"stiffness": {"model": "square", "pair": 1.2e8, "engagement": "sharp"}})
     law = scene.law()
     opened_scene = replace(
@@ -85,15 +91,15 @@ def test_share_of_time_of_each_number_of_pairs_follows_opened_centres(opened: fl
     ratio = law.contact_ratio(law.centre_distance + opened)
     assert mesh.contact_ratio == pytest.approx(ratio, abs=1e-12)
     assert 1 < ratio < 2
-    # one sample of the thousand of a cycle at either end of the share
+    # one of the thousand samples of a cycle at each end
     assert np.mean(mesh.pairs_in_contact == 2) == pytest.approx(ratio - 1, abs=1.01 / PER_CYCLE)
     assert np.mean(mesh.pairs_in_contact == 1) == pytest.approx(2 - ratio, abs=1.01 / PER_CYCLE)
     assert np.mean(mesh.stiffness) == pytest.approx(1.2e8 * ratio, rel=1.01 / PER_CYCLE)
 
 
 @pytest.mark.parametrize("opened", [0.0, 3e-4, 1e-3])
-def test_opened_centres_widen_the_clearance_of_both_flanks(opened: float):
-    """A base circle that stands off its shaft opens the centres; what the flanks then give way is read off the force."""
+def test_a_larger_centre_distance_widens_the_clearance_of_both_flanks(opened: float):
+    """Run-out increases the centre distance; the clearance of both flanks follows from the force."""
     backlash, turn = 1e-4, 0.02
     scene = Toothed(
         mesh={"stiffness": MEAN, "backlash": backlash}, gear={"run_out": (None, opened or None)}
@@ -105,14 +111,14 @@ def test_opened_centres_widen_the_clearance_of_both_flanks(opened: float):
     lost = []
     for sign in (1, -1):
         y = np.zeros(2 * len(system.dofs))
-        y[:2] = sign * turn  # both ends of the driver's shaft
+        y[:2] = sign * turn  # both ends of the shaft of the driver
         found = system.simulate(0.0, 0.0, initial=begin(system, 0.0, y), times=[0.0]).mesh(
             "ga", "gb"
         )
         assert found.centre_distance == pytest.approx(law.centre_distance + opened, rel=1e-14)
         assert np.sign(found.force) == [sign]
         lost.append(turn * law.base_radius_a - abs(found.force[0]) / MEAN)
-    # of deflections of 0.7 mm, to round-off
+    # round-off of deflections of 0.7 mm
     assert lost[0] == pytest.approx(wider / 2, abs=1e-16)
     assert sum(lost) == pytest.approx(backlash + wider, abs=1e-16)
 
@@ -120,7 +126,7 @@ def test_opened_centres_widen_the_clearance_of_both_flanks(opened: float):
 def test_iso_6336_is_the_default_stiffness():
     scene = Toothed(teeth=(25, 50), face_width=0.03)
     mesh = over_cycles(scene, count=1).mesh("ga", "gb")
-    # q' 0.0586086, c' 13.65 and c_gamma 20.64 N/(mm um), times 30 mm, of four digits each
+    # q' 0.0586086, c' 13.65 and c_gamma 20.64 N/(mm um), times 30 mm, each with four digits
     assert mesh.stiffness == pytest.approx(20.64e9 * 0.03, rel=3e-4)
     assert 0.8 / 0.0586086 == pytest.approx(13.65, abs=5e-3)
     exact = (
@@ -162,12 +168,12 @@ def test_potential_energy_against_an_independent_quadrature(
             pair_stiffness(teeth, module, bores, tangent, at) for at in places if low <= at <= high
         )
         errors.append(mesh.stiffness[i] / expected - 1)
-    # the package tabulates the pair and draws a cubic through it
+    # the package interpolates the stiffness of the pair by a cubic
     assert np.abs(errors).max() < 2e-9
 
 
 @pytest.mark.parametrize(("teeth", "module", "bores"), PAIRS)
-def test_pairs_that_share_their_blanks(
+def test_pairs_that_share_the_gear_bodies(
     teeth: tuple[int, int], module: float, bores: tuple[float, float]
 ):
     width = 0.02
@@ -193,17 +199,20 @@ def test_pairs_that_share_their_blanks(
             ]
         )
         alone = [1 / pair_stiffness(teeth, module, bores, tangent, at) for at in places] - blanks
-        # every pair yields by its own force, and by what all forces do to the blanks
+        # every pair deflects by its own force and by the deflection of the gear bodies under all
+        # forces
         yields = np.diag(alone) + np.sqrt(np.outer(blanks, blanks))
         expected = width * np.linalg.solve(yields, np.ones(len(places))).sum()
-        assert mesh.stiffness[i] == pytest.approx(expected, rel=1e-8)  # cubics through tables
+        assert mesh.stiffness[i] == pytest.approx(
+            expected, rel=1e-8
+        )  # interpolation error of the tables
     assert counts == {1, 2}
-    # everything linear takes the mean; a jump falls between two samples
+    # linear analyses use the mean stiffness; jumps lie between two samples
     mean = float(scene.package().static().mesh("ga", "gb").stiffness)
     assert mesh.stiffness.mean() == pytest.approx(mean, rel=2 / PER_CYCLE)
 
 
-def test_the_standard_lies_between_shared_and_separate_blanks():
+def test_the_standard_stiffness_lies_between_shared_and_separate_gear_bodies():
     scene = Toothed(face_width=0.03)
     # N/(mm um): the larger of two pairs in contact, for gears on shafts of 50 mm
     found = {}
@@ -216,7 +225,7 @@ def test_the_standard_lies_between_shared_and_separate_blanks():
     assert found["shared"] == pytest.approx(13.4, abs=0.1)
 
 
-def test_blanks_outside_the_fitted_range_warn():
+def test_gear_bodies_outside_the_fitted_range_warn():
     def build(bores: tuple[float, float]) -> None:
         gb.RotorSystem(
             shafts=[gb.Shaft(name, length=0.2, outer_diameter=0.03, elements=2) for name in "ab"],
@@ -235,7 +244,7 @@ def test_blanks_outside_the_fitted_range_warn():
         build((0.004, 0.05))
 
 
-def test_shared_blanks_and_tip_relief_exclude_each_other():
+def test_shared_gear_bodies_and_tip_relief_exclude_each_other():
     stiffness = {"model": "potential_energy", "foundation": "shared"}
     scene = Toothed(mesh={"stiffness": stiffness, "tip_relief": {"amount": 1e-5, "length": 2e-3}})
     with pytest.raises(gb.SceneError, match=r"^meshes\[0\]\.stiffness\.foundation: \"shared\""):
@@ -249,10 +258,11 @@ def test_potential_energy_has_the_published_shape():
     mesh = over_cycles(scene, count=1).mesh("ga", "gb")
     single = mesh.stiffness[mesh.pairs_in_contact == 1]
     double = mesh.stiffness[mesh.pairs_in_contact == 2]
-    # steel pairs: 10 to 20 N/(mm um) each, softest at the ends of the path; two share the load at both ends of it
+    # steel pairs: 10 to 20 N/(mm um) each, softest at the ends of the path, where two pairs share
+    # the load
     assert 10e9 * 0.02 < single.min() < single.max() < 20e9 * 0.02
     assert 1.3 * single.max() < double.min() < double.max() < 2 * single.max()
-    # equal gears: symmetric about the pitch point, and stiffest there while one pair carries
+    # equal gears: symmetric about the pitch point, and stiffest there in single contact
     assert single == pytest.approx(single[::-1], rel=1e-2)
     middle = np.argmax(single) / len(single)
     assert 0.4 < middle < 0.6

@@ -32,7 +32,9 @@ def pair(torque: float, stiffness: Any, contact_ratio: float = 2.0) -> gb.RotorS
 
 
 def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> np.ndarray:
-    """Root mean square of the deflection about its mean, and the least; each speed begun where the last one ended."""
+    """Return the RMS deflection about its mean and the smallest deflection; each speed continues
+    the run before it.
+    """
     last: Any = "static"
     found = []
     for speed in speeds:
@@ -62,7 +64,7 @@ def test_softening_jump_and_hysteresis_under_light_load_alone(stiffness: dict[st
         speeds = ratios * omega / TEETH
         curves[torque] = sweep(system, speeds), sweep(system, speeds[::-1])[::-1]
     up, down = curves[100.0]
-    # two motions at the same speed, below resonance alone; the larger one parts, the smaller one does not
+    # two motions exist at the same speed below resonance; flanks separate in the larger one only
     two = np.abs(up[:, 0] - down[:, 0]) > 0.05 * down[:, 0]
     assert np.count_nonzero(two) >= 3
     assert np.all(ratios[two] < 0.95)
@@ -70,9 +72,9 @@ def test_softening_jump_and_hysteresis_under_light_load_alone(stiffness: dict[st
     assert np.all(down[two, 1] < 0)
     assert np.all(up[two, 1] > 0)
     assert up[~two, 0] == pytest.approx(down[~two, 0], rel=1e-3)
-    # upwards it jumps: one step of the sweep takes it to twice the amplitude and more
+    # with rising speed the amplitude more than doubles in one step of the sweep
     assert np.max(up[1:, 0] / up[:-1, 0]) > 2
-    # under the heavy load, which exceeds the dynamic force, the flanks stay, and there is one motion
+    # the heavy load exceeds the dynamic force: the flanks stay in contact and there is one motion
     up, down = curves[2000.0]
     assert up[:, 1].min() > 0
     assert up[:, 0] == pytest.approx(down[:, 0], rel=1e-3)
@@ -81,19 +83,21 @@ def test_softening_jump_and_hysteresis_under_light_load_alone(stiffness: dict[st
 
 
 def test_heavily_loaded_peak_is_the_linear_one():
-    """With a constant stiffness, nothing but the error shakes the pair, and the peak is known."""
+    """With constant stiffness only the transmission error excites the pair, and the peak is known."""
     system = pair(1000.0, {"model": "constant", "mean": 4.5e8})
     omega = 2 * np.pi * system.modes().frequencies_hz.max()
     ratios = np.array([0.7, 0.9, 1.0, 1.1])
     found = sweep(system, ratios * omega / TEETH / np.sqrt(1 - ZETA**2))
     # frequencies_hz are damped ones: omega_n sqrt(1 - zeta^2)
     linear = ERROR * ratios**2 / np.hypot(1 - ratios**2, 2 * ZETA * ratios) / np.sqrt(2)
-    # the run's own tolerance of 1e-6 a step, and a state that is carried from speed to speed
+    # tolerance of 1e-6 per step, and the transient of the previous speed
     assert found[:, 0] == pytest.approx(linear, rel=1e-4)
 
 
 def test_parametric_part_scales_with_the_load():
-    """Without an error everything is proportional to the load, parted flanks included, until the backlash ends."""
+    """Without transmission error the motion is proportional to the load, also with separation, up
+    to the backlash.
+    """
     curves = []
     for torque in (100.0, 300.0):
         scene = Toothed(

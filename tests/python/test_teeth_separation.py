@@ -21,7 +21,7 @@ MESH = ("ga", "gb")
 def at_deflection(
     system: gb.RotorSystem, deflection: float, rate: float = 0.0, **run: Any
 ) -> dict[str, Any]:
-    """Both gears moved against each other by their share of a deflection of the mesh, so that their roll is zero."""
+    """Return displacements of both gears that cause a mesh deflection without rigid-body rotation."""
     n = len(system.dofs)
     y = np.zeros(2 * n)
     share = np.array([LAW.base_radius_a / SCENE.inertia[0], LAW.base_radius_b / SCENE.inertia[1]])
@@ -38,7 +38,7 @@ def test_force_law_of_both_flanks(sigma: float):
         state = at_deflection(system, sigma * deflection, speed=sigma)
         found = system.simulate(0.0, sigma, initial=state, times=[0.0]).mesh(*MESH)
         expected = K * max(deflection, 0.0) - K * max(-deflection - BACKLASH, 0.0)
-        # the drive flank pushes, the other one counts below zero
+        # the force of the drive flank is positive, that of the back flank negative
         assert found.force[0] == pytest.approx(expected, abs=1e-12 * K * BACKLASH)
         assert found.deflection[0] == pytest.approx(deflection, abs=1e-12 * BACKLASH)
         touching = expected != 0.0
@@ -56,7 +56,7 @@ def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
     if not coupled:
         lost = 0.0 if torque > 0 else -BACKLASH
         assert mesh.deflection == pytest.approx(torque / LAW.base_radius_a / K + lost, rel=1e-9)
-    # it is an equilibrium of the motion too, turning or not; at rest the drive flank is the one that is pressed
+    # a run stays at this equilibrium, rotating or not; at rest the drive flank is in contact
     for speed, force in ((0.0, abs(torque)), (300.0, torque)):
         still = system.simulate(2e-3, speed, initial="static").mesh(*MESH)
         assert still.force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
@@ -70,7 +70,7 @@ def test_from_rest_the_flanks_meet_at_once(method: str):
         .simulate(1e-3, 100.0, initial="rest", method=method, output_step=1e-6)
         .mesh(*MESH)
     )
-    # an undamped spring loaded at once winds up to twice its static deflection
+    # an undamped spring under a sudden load deflects to twice its static deflection
     assert np.max(found.deflection) == pytest.approx(2 * STATIC, rel=0.05)
     assert np.min(found.deflection) > -0.05 * STATIC
 
@@ -81,7 +81,7 @@ def test_from_rest_the_flanks_meet_at_once(method: str):
     [("rk45", 1e-3), ("rk45", 1e-6), ("rk45", 1e-9), ("rk4", None), ("rk4", 2e-6)],
 )
 def test_no_flank_ever_pulls(amplitude: float, method: str, setting: float | None):
-    """Swings about the static deflection that graze, bounce, and reach the other flank."""
+    """Oscillations about the static deflection that graze, bounce and reach the other flank."""
     system = SCENE.package()
     options: dict[str, Any] = {"method": method}
     if setting:
@@ -91,8 +91,8 @@ def test_no_flank_ever_pulls(amplitude: float, method: str, setting: float | Non
     mesh = found.mesh(*MESH)
     load = TORQUE / LAW.base_radius_a
     drive, back = mesh.deflection > 0, mesh.deflection < -BACKLASH
-    # a separation shorter than a quarter of a step is not seen; the default step of rk4 is 1 / omega of this mesh, where
-    # the interpolated motion in which an event is found is some percent off
+    # a separation shorter than a quarter of a step is not detected; the default step of rk4 is 1 /
+    # omega of this mesh, where the interpolated motion has an error of a few percent
     slack = (5e-4 if setting else 2e-2) * load
     assert np.all(mesh.force[drive] >= -slack)
     assert np.all(mesh.force[back] <= slack)
@@ -102,12 +102,13 @@ def test_no_flank_ever_pulls(amplitude: float, method: str, setting: float | Non
 
 
 def test_bounce_against_the_closed_form():
-    """Undamped under constant load: a sine while the flanks touch, a parabola while they are apart."""
+    """Undamped, constant load: a sine in contact, a parabola during separation."""
     amplitude = 2.5 * STATIC
     omega = np.sqrt(K / SCENE.effective_mass)
     wide = replace(SCENE, mesh={**SCENE.mesh, "backlash": 1e-3})
     system = wide.package()
-    # delta = static + amplitude cos(omega t) down to zero, then flight with the acceleration -static omega^2 of the load
+    # delta = static + amplitude cos(omega t) down to zero, then separation with the acceleration
+    # -static omega^2 of the load
     leaves = np.arccos(-STATIC / amplitude) / omega
     speed = amplitude * omega * np.sin(omega * leaves)
     flight = 2 * speed / (STATIC * omega**2)
@@ -120,15 +121,17 @@ def test_bounce_against_the_closed_form():
         times=np.linspace(0.0, 3.2 * period, 400),
         **options,
     )
-    t = np.mod(found.time + period / 2, period) - period / 2  # about the middle of contact
+    t = (
+        np.mod(found.time + period / 2, period) - period / 2
+    )  # relative to the middle of the contact phase
     into = np.abs(t) - leaves
     flying = -speed * into + STATIC * omega**2 * into**2 / 2
     expected = np.where(into < 0, STATIC + amplitude * np.cos(omega * t), flying)
     mesh = found.mesh(*MESH)
-    # six changes of law, each found to a part of 1e-12 of a step of three radians
+    # six contact changes, each located to 1e-12 of a step of three radians
     assert mesh.deflection == pytest.approx(expected, abs=2e-10 * amplitude)
     assert mesh.force == pytest.approx(K * np.maximum(expected, 0.0), abs=1e-8 * K * amplitude)
-    # each event at its instant
+    # time of each event
     instants = [
         leaves,
         period - leaves,
@@ -144,7 +147,7 @@ def test_bounce_against_the_closed_form():
     assert found.statistics.events == 6
 
 
-def test_damped_flank_parts_when_its_force_is_gone_and_not_later():
+def test_a_damped_flank_separates_at_zero_force():
     scene = replace(SCENE, mesh={**SCENE.mesh, "damping_ratio": 0.2})
     system = scene.package()
     options = {"rtol": 1e-10}
@@ -154,7 +157,8 @@ def test_damped_flank_parts_when_its_force_is_gone_and_not_later():
     parted = np.flatnonzero((mesh.force[1:] == 0) & (mesh.force[:-1] > 0))
     assert parted.size
     load = TORQUE / LAW.base_radius_a
-    # the spring is still pressed when the damper cancels it: no jump, and no pull
+    # the spring is still compressed when the damping force cancels its force: no jump and no
+    # tension
     assert mesh.deflection[parted[0]] > 0.1 * STATIC
     assert mesh.force[parted[0]] < 0.05 * load
     assert np.min(mesh.force[mesh.deflection > 0]) >= 0.0
@@ -171,7 +175,7 @@ STORM = replace(
 @pytest.mark.parametrize("method", ["rk45", "rk4"])
 @pytest.mark.parametrize("stiffness", [SHARP, SMOOTH], ids=["sharp", "smooth"])
 @pytest.mark.parametrize("coupled", [False, True])
-def test_two_parts_are_one_run_bit_for_bit(stiffness: dict[str, Any], method: str, coupled: bool):
+def test_a_run_in_two_parts_is_bitwise_equal(stiffness: dict[str, Any], method: str, coupled: bool):
     scene = replace(
         STORM, mesh={**STORM.mesh, "stiffness": stiffness}, coupled=coupled, torque=20.0
     )
@@ -200,7 +204,7 @@ def test_two_parts_are_one_run_bit_for_bit(stiffness: dict[str, Any], method: st
 
 
 @pytest.mark.parametrize("coupled", [False, True])
-def test_a_backlash_that_is_never_used_changes_no_bit(coupled: bool):
+def test_a_run_without_separation_is_equal_with_and_without_backlash(coupled: bool):
     runs = []
     for mesh in ({}, {"backlash": 1.0}):
         scene = Toothed(
@@ -211,11 +215,11 @@ def test_a_backlash_that_is_never_used_changes_no_bit(coupled: bool):
         )
         runs.append(found.mesh(*MESH).force)
         assert found.statistics.events == 0
-    # sums are taken in another order
+    # round-off of sums in a different order
     assert runs[0] == pytest.approx(runs[1], rel=1e-12)
 
 
-def test_events_are_counted_once_each():
+def test_each_event_is_counted_once():
     speed, cycles = 200.0, 10
     scene = Toothed(mesh={"stiffness": SHARP}, torque=TORQUE)
     for ratio, per_cycle in ((1.5, 2), (1.9, 2), (2.0, 2), (2.4, 2)):
@@ -223,7 +227,8 @@ def test_events_are_counted_once_each():
         duration = cycles * 2 * np.pi / (speed * scene.teeth[0])
         for method in ("rk45", "rk4"):
             found = trial.package().simulate(duration, speed, method=method)
-            # one pair enters and one leaves in each mesh cycle; at a whole ratio both at once, once or twice counted
+            # in each mesh cycle one pair enters and one leaves; at an integer contact ratio both
+            # changes are one event or two
             lowest = per_cycle * cycles / (2 if ratio == 2.0 else 1)
             assert lowest <= found.statistics.events <= per_cycle * cycles
             assert not {"contact", "back contact", "separation"} & {
@@ -241,31 +246,36 @@ def test_a_backlash_that_is_not_used_costs_no_steps(geometry: str, torque: float
 
     never, may_part = run(), run(backlash=BACKLASH)
     assert not may_part.events
-    # steps that watch for flanks that part would be half as long
+    # steps with detection of separation would be half as long
     assert may_part.statistics.steps == never.statistics.steps
 
 
 @pytest.mark.parametrize("geometry", ["frozen", "live"])
 @pytest.mark.parametrize("stages", [1, 2, 3, 4])
-def test_varying_teeth_that_stay_pressed_move_as_if_none_could_part(geometry: str, stages: int):
-    """Flanks that may part are integrated beside the shafts alone, others beside a train with its mean meshes."""
+def test_varying_stiffness_without_separation_gives_the_motion_without_backlash(
+    geometry: str, stages: int
+):
+    """With backlash the linear part contains the shafts alone, otherwise also the mean mesh
+    stiffness.
+    """
 
     def run(**more: float) -> gb.Response:
         stiffness = {"model": "square", "pair": K / 2, "engagement": 0.2}
         mesh = {"stiffness": stiffness, "damping_ratio": 0.05, **more}
         system = replace(SCENE, torque=TORQUE, coupled=True, mesh=mesh).package()
-        # a tolerance of a step that some hundred of them leave below that of the test; one stage takes a hundred times more
+        # some hundred steps with this tolerance stay below that of the test; one stage needs a
+        # hundred times more steps
         rtol = 1e-6 if stages == 1 else 1e-9
         options = {"initial": "static", "geometry": geometry, "output_step": 2e-5}
         return system.simulate(2e-3, 150.0, rtol=rtol, stages=stages, **options)
 
-    meshed, alone = run(), run(backlash=BACKLASH)
-    assert not alone.events
+    coupled, separable = run(), run(backlash=BACKLASH)
+    assert not separable.events
     tolerance = 1e-4 if stages == 1 else 1e-6
     for found, wanted in (
-        (alone.mesh(*MESH).force, meshed.mesh(*MESH).force),
-        (alone.displacement("ga"), meshed.displacement("ga")),
-        (alone.twist("gb"), meshed.twist("gb")),
+        (separable.mesh(*MESH).force, coupled.mesh(*MESH).force),
+        (separable.displacement("ga"), coupled.displacement("ga")),
+        (separable.twist("gb"), coupled.twist("gb")),
     ):
         assert np.abs(found - wanted).max() < tolerance * np.ptp(wanted)
 
@@ -273,8 +283,10 @@ def test_varying_teeth_that_stay_pressed_move_as_if_none_could_part(geometry: st
 @pytest.mark.parametrize("amplitude", [1.002, 1.02, 1.05, 1.2])
 @pytest.mark.parametrize("damping", [0.0, 1e-3])
 @pytest.mark.parametrize("setting", [{"step": 0.45}, {"rtol": 1e-1}, {"rtol": 1e-3}])
-def test_long_steps_see_short_partings(amplitude: float, damping: float, setting: dict[str, float]):
-    """Flanks that are apart for a hundredth of the swing up to a quarter, under steps of up to half of it."""
+def test_long_steps_detect_short_separations(
+    amplitude: float, damping: float, setting: dict[str, float]
+):
+    """Separations of 1/100 to 1/4 of the oscillation period, with steps of up to half the period."""
     omega = np.sqrt(K / SCENE.effective_mass)
     system = replace(SCENE, mesh={**SCENE.mesh, "damping_ratio": damping}).package()
     period = 2 * np.pi / omega
@@ -284,11 +296,11 @@ def test_long_steps_see_short_partings(amplitude: float, damping: float, setting
 
     def events(**options: Any) -> list[str]:
         state = at_deflection(system, STATIC * (1 + amplitude), **options)
-        # damping takes what lifts the flanks off after some swings, so the last of them graze
+        # damping ends the separation after a few oscillations, so that the last ones graze
         run = system.simulate(3.3 * period, 0.0, initial=state, times=[3.3 * period], **options)
         return [event.kind for event in run.events]
 
     exact = events(method="rk45", rtol=1e-10)
-    # what damping takes of a swing is more than the smallest of them has to spare
+    # the damping loss of one oscillation exceeds the margin of the smallest one
     assert len(exact) >= ((2 if amplitude > 1.01 else 0) if damping else 6)
     assert events(**options) == exact

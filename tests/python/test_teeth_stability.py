@@ -1,4 +1,6 @@
-"""Parametric resonance of a torsional pair: Meissner's equation (square stiffness) and Mathieu's (one harmonic)."""
+"""Parametric resonance of a torsional pair: Meissner's equation (square stiffness) and Mathieu's
+(one harmonic).
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ def criterion(speed: float) -> float:
 
 
 def boundaries() -> list[float]:
-    """Speeds where the criterion passes 2, the fastest first: the tongues at 2 omega / 1, / 2, ..."""
+    """Return the speeds where the criterion is 2, in descending order: instability regions at 2
+    omega / 1, / 2, ...
+    """
     speeds = np.geomspace(3.0, 0.5, 4001) * (OMEGA_1 + OMEGA_2) / 2 / BARE.teeth[0]
     excess = np.array([criterion(s) - 2 for s in speeds])
     at = np.flatnonzero(np.diff(np.sign(excess)))
@@ -46,11 +50,13 @@ def boundaries() -> list[float]:
 
 
 def log_amplitude(scene: Toothed, speed: float, cycles: int) -> np.ndarray:
-    """Of the deflection, the largest of each mesh cycle, from a small one."""
+    """Return the logarithm of the largest deflection of each mesh cycle, from a small initial
+    deflection.
+    """
     system = scene.package()
     n = len(system.dofs)
     y = np.zeros(2 * n)
-    y[:2] = 1e-5  # both ends of the driver's shaft
+    y[:2] = 1e-5  # both ends of the shaft of the driver
     options = {"rtol": 1e-9}
     period = 2 * np.pi / (speed * scene.teeth[0])
     found = system.simulate(
@@ -65,29 +71,29 @@ def log_amplitude(scene: Toothed, speed: float, cycles: int) -> np.ndarray:
     return np.log(np.abs(deflection).max(axis=1) / (1e-5 * scene.law().base_radius_a))
 
 
-def test_the_criterion_is_that_of_the_monodromy():
+def test_the_criterion_is_the_trace_of_the_monodromy_matrix():
     for speed in np.linspace(300.0, 2000.0, 50):
         assert criterion(speed) == pytest.approx(abs(np.trace(monodromy(speed))), rel=1e-12)
 
 
 @pytest.mark.parametrize("tongue", [0, 1, 2, 3])
 @pytest.mark.parametrize("off", [-4e-3, 4e-3])
-def test_meissner_both_sides_of_the_boundary(tongue: int, off: float):
+def test_growth_and_decay_on_both_sides_of_the_stability_boundary(tongue: int, off: float):
     speed = boundaries()[tongue] * (1 + off)
     multiplier = np.abs(np.linalg.eigvals(monodromy(speed))).max()
     cycles = 150
     found = log_amplitude(MEISSNER, speed, cycles)
     if criterion(speed) > 2:
         assert multiplier > 1.01
-        # the second multiplier has died after the first third
+        # the second multiplier is negligible after the first third
         rate = (found[-1] - found[cycles // 3]) / (cycles - 1 - cycles // 3)
         assert rate == pytest.approx(np.log(multiplier), rel=5e-3)
     else:
-        # near a boundary the motion beats, but does not grow
+        # near a boundary the motion has beats but does not grow
         states = np.array([[1.0, 0.0]])
         for _ in range(cycles):
             states = np.vstack([states, monodromy(speed) @ states[-1]])
-        # between whole cycles it may be larger, by the factor that the energy changes within one
+        # between whole cycles it may be larger by the change of energy within one cycle
         assert found.max() < np.log(np.hypot(states[:, 0], states[:, 1] / OMEGA_1).max()) + np.log(
             2
         )
@@ -104,7 +110,7 @@ def test_mathieu_threshold_at_the_principal_resonance(zeta: float, excess: float
     omega = np.sqrt(mean / BARE.effective_mass)
     cycles = int(6 / zeta)
     found = log_amplitude(scene, 2 * omega / BARE.teeth[0], cycles)
-    # (h/4 - zeta) omega, over half a period of the motion; next terms are of h^2
+    # (h/4 - zeta) omega, over half a period; the next terms are of order h^2
     half = cycles // 2
     rate = (found[-1] - found[half]) / (cycles - 1 - half)
     assert rate == pytest.approx((h / 4 - zeta) * np.pi, abs=2 * zeta**2 * np.pi)

@@ -71,7 +71,8 @@ def test_the_reference_is_what_an_independent_program_finds():
     found = system.tradeoff(
         END, SPEED, signals="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
     )
-    # the tolerance of the independent solution of 1e-10 leaves about as much; its own error hides what is below
+    # the tolerance of the independent solution of 1e-10 leaves about as much; its own error hides
+    # what is below
     hidden = 1e-7
     for trial in found.trials:
         response = trial.system.simulate(END, SPEED, initial="rest", times=times, **trial.options)

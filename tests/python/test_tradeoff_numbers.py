@@ -42,7 +42,8 @@ def trial(setting: str, errors: tuple[float, float], **given: Any) -> Trial:
     return Trial(**{**values, **given})
 
 
-#: Quick to set up and slow to step; slow to set up and quick to step; too good to be known; beaten; simplified.
+#: Low setup cost and slow steps; high setup cost and fast steps; an error below that of the
+#: reference; dominated by another setting; a simplified model.
 QUICK = trial("rk45, rtol 1e-3", (1e-4, 1e-3), setup=0.1, stepping=4.0)
 LASTING = trial("exponential, rtol 1e-3", (3e-4, 1e-4), setup=3.0, stepping=2.0)
 BELOW = trial("exponential, rtol 1e-9", (1e-8, 2e-8), setup=3.0, stepping=5.0)

@@ -9,8 +9,8 @@ from reference.elements import Section
 from reference.mesh_law import MeshLaw
 from reference.train import BearingSpec, MeshSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 
-# Geared two-rotor system: Rao, Shiau and Chang 1998; frequencies printed by Friswell, Penny, Garvey and Lees 2010.
-# One element per listed length: the published values belong to this discretization.
+# Geared two-rotor system: Rao, Shiau and Chang 1998; frequencies printed by Friswell, Penny, Garvey
+# and Lees 2010. One element per listed length: the published values belong to this discretization.
 V1_DENSITY, V1_E, V1_G = 7800.0, 207e9, 79.5e9
 V1_LENGTHS = ((0.1, 4.24, 1.16, 0.3), (0.3, 5.0, 0.1))
 V1_DIAMETERS = ((0.3, 0.3, 0.22, 0.22), (0.15, 0.15, 0.15))
