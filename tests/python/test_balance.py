@@ -10,7 +10,7 @@ from test_synchronous import BOWED, jeffcott
 
 
 def rotor() -> gb.RotorSystem:
-    """A bowed shaft with two disks and one unbalance on unlike bearings."""
+    """Return a bowed shaft with two disks and one unbalance on different bearings."""
     return gb.RotorSystem(
         [
             gb.Shaft(
@@ -31,7 +31,7 @@ def rotor() -> gb.RotorSystem:
 
 
 @pytest.mark.parametrize("target", ["total", "elastic"])
-def test_a_single_mass_is_balanced_by_the_closed_form(target: str):
+def test_the_balance_of_a_single_mass_is_the_closed_form(target: str):
     # z (1 − r² + 2iζr) = δ + (e + e') r²: z = 0, or z = δ
     bow, speed, eccentricity = 1e-4 * np.exp(0.5j), 120.0, 2e-5 - 1e-5j
     system = jeffcott(bow=bow, eccentricity=eccentricity)
@@ -47,7 +47,7 @@ def test_a_single_mass_is_balanced_by_the_closed_form(target: str):
 
 
 @pytest.mark.parametrize("target", ["total", "elastic"])
-def test_the_predicted_residual_is_what_a_run_shows(target: str):
+def test_the_predicted_residual_equals_that_of_a_run(target: str):
     system, speed, points = rotor(), 180.0, ["a", ("s", 0.5), "b"]
     found = system.balance(["a", "b"], speed, target=target, points=points)
     assert found.residual_ratio < 0.5
@@ -62,7 +62,7 @@ def test_the_predicted_residual_is_what_a_run_shows(target: str):
         assert shown == pytest.approx(expected, abs=1e-6 * np.abs(found.before).max())
 
 
-def test_cancelling_one_is_not_cancelling_the_other():
+def test_balancing_the_displacement_does_not_balance_the_deflection():
     system = jeffcott(bow=1e-4, eccentricity=0.0)
     total, elastic = (
         system.balance(["disk"], 120.0, target=target, points=["disk"])
@@ -76,14 +76,14 @@ def test_cancelling_one_is_not_cancelling_the_other():
     assert np.abs(still.elastic("disk")[0, 0, 0]) == pytest.approx(1e-4, rel=1e-9)
     assert np.abs(straight.elastic("disk")).max() < 1e-12
     assert np.abs(straight.displacement("disk")[0, 0, 0]) == pytest.approx(1e-4, rel=1e-9)
-    # the straight shaft loads its bearings by the round-off of their stiffness only
+    # a straight shaft has bearing forces of round-off only
     assert (
         np.abs(straight.bearing_force("s", 0.0)).max()
         < 0.1 * np.abs(still.bearing_force("s", 0.0)).max()
     )
 
 
-def test_planes_without_a_body_and_several_speeds():
+def test_balancing_planes_without_a_body_at_several_speeds():
     system, speeds = rotor(), [100.0, 180.0, 260.0]
     found = system.balance([("s", 0.25), "b", ("s", 0.9)], speeds)
     assert found.before.shape == found.residual.shape
@@ -112,7 +112,7 @@ def test_planes_without_a_body_and_several_speeds():
         assert np.linalg.norm(left) > best
 
 
-def test_a_gear_of_a_train_is_a_plane():
+def test_a_gear_of_a_train_is_a_balancing_plane():
     system = BOWED.package()
     found = system.balance(["g2"], 150.0, points=["g2"])
     before, after = (s.synchronous(150.0).displacement("g2")[0, 1] for s in (system, found.system))
@@ -129,11 +129,11 @@ def test_a_gear_of_a_train_is_a_plane():
         (["a"], {"speed": 0.0}, "speed: must not be zero, got 0.0"),
     ],
 )
-def test_what_cannot_be_balanced(planes, given, message):
+def test_invalid_balancing_arguments(planes, given, message):
     with pytest.raises(gb.SceneError, match=message):
         rotor().balance(planes, **{"speed": 100.0, **given})
 
 
-def test_planes_turn_together():
+def test_balancing_planes_must_be_on_one_shaft():
     with pytest.raises(gb.SceneError, match="must be one or more planes on the same shaft"):
         BOWED.package().balance(["g1", "g2"], 100.0)

@@ -10,7 +10,7 @@ from test_balance import rotor
 SPEEDS = np.array([100.0, 180.0])
 
 
-def test_a_balance_keeps_what_it_was_asked():
+def test_a_balance_contains_its_arguments():
     found = rotor().balance(["b", ("s", 0.25)], SPEEDS, target="elastic", points=["a", ("s", 0.5)])
     assert found.planes == ("b", ("s", 0.25))
     assert found.points == ("a", ("s", 0.5))
@@ -20,7 +20,7 @@ def test_a_balance_keeps_what_it_was_asked():
     assert found.before.shape == found.residual.shape == (2, 2, 2)
 
 
-def test_the_deflection_before_is_that_of_the_system():
+def test_the_initial_deflection_is_that_of_the_system():
     system = rotor()
     own = system.synchronous(SPEEDS)
     for target, read in (("total", own.displacement), ("elastic", own.elastic)):
@@ -39,7 +39,7 @@ def test_all_nodes_are_measured_by_default():
     assert found.target == "total"
 
 
-def test_the_correction_is_added_to_what_is_there():
+def test_the_correction_is_added_to_the_existing_unbalance():
     system = rotor()
     found = system.balance(["a", "b"], SPEEDS)
     for name, correction in zip(("a", "b"), found.unbalances, strict=True):
@@ -49,7 +49,7 @@ def test_the_correction_is_added_to_what_is_there():
         assert (after.mass, after.position) == (before.mass, before.position)
 
 
-def test_the_reduction_is_the_residual_over_what_was_there():
+def test_the_residual_ratio_is_residual_over_initial_response():
     found = rotor().balance(["a"], SPEEDS)
     expected = np.sqrt(np.sum(np.abs(found.residual) ** 2) / np.sum(np.abs(found.before) ** 2))
     assert found.residual_ratio == pytest.approx(expected, rel=1e-12)

@@ -14,10 +14,12 @@ RPM = 2 * np.pi / 60
 
 
 def same_as_modes(system: gb.RotorSystem, intersection: gb.Intersection) -> None:
-    """A intersection is a mode of the system at its speed, and lies on its line."""
+    """Check that an intersection is a mode of the system at its speed and lies on its excitation
+    line.
+    """
     modes = system.modes(speed=intersection.speed)
     apart = np.abs(modes.frequencies_hz - intersection.frequency_hz)
-    # both are right to eps times the ratio of the fastest frequency to this one
+    # both have an error of eps times the ratio of the highest frequency to this one
     assert apart.min() < 1e-9 * intersection.frequency_hz
     assert modes.whirl[int(apart.argmin())] == intersection.whirl
     assert modes.damping_ratios[int(apart.argmin())] == pytest.approx(
@@ -27,7 +29,7 @@ def same_as_modes(system: gb.RotorSystem, intersection: gb.Intersection) -> None
     assert line == pytest.approx(intersection.frequency_hz, rel=1e-12)
 
 
-def test_criticals_of_nelson_and_mcvaugh():
+def test_critical_speeds_of_nelson_and_mcvaugh():
     system = scenes.v2()
     campbell = system.campbell(np.linspace(0.0, 1.1e5 * RPM, 12), count=8)
     found = campbell.criticals[:6]
@@ -41,7 +43,7 @@ def test_criticals_of_nelson_and_mcvaugh():
 
 
 @pytest.mark.parametrize("excitation", [1.0, 0.5, 4.0])
-def test_the_map_has_the_criticals_of_the_diagram(excitation: float):
+def test_the_map_has_the_critical_speeds_of_the_diagram(excitation: float):
     # the diagram uses Newton's method on the modes; the map solves one Hermitian eigenproblem
     system = scenes.v2()
     found = system.critical_speed_map([published.V2_BEARING_STIFFNESS], excitation=excitation)
@@ -70,7 +72,7 @@ def test_the_map_runs_from_a_free_shaft_to_a_pinned_one():
         rising.lines("torsion")
 
 
-def test_a_disk_that_is_flat_enough_has_no_forward_critical_of_its_tilt():
+def test_a_flat_disk_has_no_forward_critical_speed_of_tilting():
     def tilting(polar: float) -> list[str]:
         shaft = gb.Shaft(
             "s",
@@ -90,7 +92,7 @@ def test_a_disk_that_is_flat_enough_has_no_forward_critical_of_its_tilt():
     assert tilting(1.5)[:3].count("forward") == 1
 
 
-def test_frequencies_of_friswell_along_their_lines():
+def test_mode_lines_pass_the_frequencies_of_friswell():
     campbell = scenes.v3().campbell(np.linspace(0.0, 4000 * RPM, 5), count=5)
     found = 2 * np.pi * campbell.frequencies_hz
     # one unit of the last printed digit
@@ -121,7 +123,7 @@ def test_every_intersection_of_a_geared_pair_is_a_mode_there():
     assert np.sort(at.frequencies_hz[-1]) == pytest.approx(published.V1_HZ, rel=1e-4)
 
 
-def test_a_crossing_is_passed_and_each_mode_stays_what_it_is():
+def test_each_mode_keeps_its_shape_through_a_crossing():
     # torsion at 650.41 rad/s meets the backward bending mode that falls from 716.8
     system = scenes.v3(motion="coupled")
     speeds = np.linspace(0.0, 4000 * RPM, 6)
@@ -137,7 +139,7 @@ def test_a_crossing_is_passed_and_each_mode_stays_what_it_is():
 
 
 def veering(anisotropy: float, steps: int) -> gb.Campbell:
-    """The forward mode of one pair rises to the backward mode of the next."""
+    """Return a rotor whose forward mode approaches the backward mode of the next pair."""
     system = scenes.v3()
     bearings = [
         gb.Bearing("shaft", bearing.position, stiffness=(1e6, anisotropy * 1e6))
@@ -146,7 +148,7 @@ def veering(anisotropy: float, steps: int) -> gb.Campbell:
     return system.replace(bearings=bearings).campbell(np.linspace(500.0, 2500.0, steps), count=6)
 
 
-def test_isotropic_bearings_let_forward_and_backward_cross():
+def test_forward_and_backward_modes_cross_on_isotropic_bearings():
     campbell = veering(1.0, 11)
     for mode in range(6):
         assert len(set(campbell.whirl[:, mode])) == 1
@@ -154,7 +156,7 @@ def test_isotropic_bearings_let_forward_and_backward_cross():
     assert np.any(order[0] != order[-1])  # the lines cross
 
 
-def test_a_veering_is_followed_and_its_modes_never_meet():
+def test_modes_in_veering_never_cross():
     # a finer speed grid gives the same lines, because coarse intervals are halved
     coarse, fine = veering(1.5, 11), veering(1.5, 81)
     assert coarse.frequencies_hz == pytest.approx(fine.frequencies_hz[::8], rel=1e-9)
@@ -165,7 +167,7 @@ def test_a_veering_is_followed_and_its_modes_never_meet():
     assert gaps.min() > 0.0
 
 
-def test_intersections_do_not_depend_on_the_speeds_that_were_asked():
+def test_intersections_do_not_depend_on_the_speed_grid():
     system = scenes.Geared().package()
     coarse = system.campbell(np.linspace(0.0, 2000.0, 5), count=6)
     fine = system.campbell(np.linspace(0.0, 2000.0, 14), count=6)
@@ -208,7 +210,7 @@ def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
 
 
 @pytest.mark.implausible
-def test_a_free_disk_starts_to_wobble_from_nothing():
+def test_the_nutation_of_a_free_disk_starts_at_zero_frequency():
     # a symmetric free rigid body nutates forward at Ω I_p/I_d
     shaft = gb.Shaft(
         "s",
@@ -235,7 +237,7 @@ def test_a_free_disk_starts_to_wobble_from_nothing():
         ({"speeds": [0.0, 1.0], "harmonics": -1}, "harmonics: must be at least 0"),
     ],
 )
-def test_what_cannot_be_asked(given, message):
+def test_invalid_arguments_are_errors(given, message):
     with pytest.raises(gb.SceneError, match=message):
         scenes.v3().campbell(**given)
 
@@ -245,7 +247,7 @@ def test_a_map_needs_a_positive_excitation():
         scenes.v3().critical_speed_map([1e6], excitation=0.0)
 
 
-def test_the_table_has_a_line_for_each_meeting():
+def test_the_table_has_a_line_for_each_intersection():
     campbell = scenes.v2().campbell(np.linspace(0.0, 5e3, 5), count=6)
     assert len(campbell.table().splitlines()) == 1 + len(campbell.intersections)
     assert len(campbell.to_dataframe()) == len(campbell.intersections)

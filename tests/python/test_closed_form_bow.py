@@ -34,7 +34,7 @@ def forward(system: gb.RotorSystem, at: str | tuple[str, float], speed: float) -
 
 
 @pytest.mark.parametrize("shear", [True, False], ids=["Timoshenko", "Rayleigh"])
-def test_table_of_the_sine_bow(shear: bool):
+def test_sine_bow_against_the_validation_table(shear: bool):
     speeds = np.array(SPEEDS)
     system = single_shaft(gb.Bow.half_sine(BOW), elements=8, shear=shear)
     found = system.synchronous(speeds).displacement(("s", 0.5))
@@ -53,7 +53,7 @@ def test_table_of_the_sine_bow(shear: bool):
     [(False, (4, 8), 4.0), (True, (16, 32), 2.0)],
     ids=["Rayleigh", "Timoshenko"],
 )
-def test_error_falls_with_the_order_of_the_element(
+def test_error_decreases_with_the_order_of_the_element(
     shear: bool, counts: tuple[int, int], order: float
 ):
     speed = 700.0
@@ -71,13 +71,13 @@ def test_higher_sine_bow_keeps_its_shape():
     # two half waves: midspan is at rest, the quarter points follow the closed form
     system = single_shaft(gb.Bow.mode(2, BOW), elements=32)
     exact = closed_forms.bowed_shaft(section(), 1.0, 900.0, half_waves=2)
-    # (2 pi / 32)^2 / 12 of the share of shear, 1.8e-2, is 6e-5 of the resonance term
+    # (2 pi / 32)^2 / 12 of the shear contribution, 1.8e-2, is 6e-5 of the resonance term
     assert forward(system, ("s", 0.25), 900.0) / BOW == pytest.approx(exact, rel=2e-4)
     assert abs(forward(system, ("s", 0.5), 900.0)) < 1e-6 * BOW
 
 
 class TestJeffcott:
-    """A disk amid a shaft whose mass is 1e-5 of the disk's: one mass on one spring."""
+    """A disk at the middle of a shaft with 1e-5 of its mass: one mass on one spring."""
 
     MASS, DELTA = 200.0, 2e-4
     LENGTH, DIAMETER, SUPPORT, ZETA = 1.0, 0.05, 1e8, 0.05
@@ -111,24 +111,24 @@ class TestJeffcott:
         [(0j, 0.0), (1e-4 * np.exp(2.1j), 0.0), (3e-4 * np.exp(-0.4j), 1.2)],
         ids=["bow", "bow and unbalance", "bow with phase"],
     )
-    def test_amplitude_and_phase_through_the_critical(self, ratio, eccentricity, phase):
+    def test_amplitude_and_phase_through_the_critical_speed(self, ratio, eccentricity, phase):
         system = self.rotor(eccentricity, phase)
         bow = self.DELTA * np.exp(1j * phase)
         exact = closed_forms.jeffcott(ratio, bow, eccentricity, self.ZETA)
         found = forward(system, "disk", ratio * self.critical)
         assert abs(found - exact) < self.TOLERANCE * abs(exact)
 
-    def test_phase_turns_by_half_a_turn_through_the_critical(self):
+    def test_phase_changes_by_180_degrees_through_the_critical_speed(self):
         system = self.rotor(0j)
         phases = [np.angle(forward(system, "disk", r * self.critical)) for r in (0.01, 1.0, 20.0)]
-        # 2 zeta r / (1 - r^2): 1e-3 rad below, a right angle at the critical, 5e-3 rad from pi far
+        # 2 zeta r / (1 - r^2): 1e-3 rad below, pi/2 at the critical speed, 5e-3 rad from pi far
         # above
         assert phases[0] == pytest.approx(0, abs=2e-3)
         assert phases[1] == pytest.approx(-np.pi / 2, abs=1e-3)
         assert abs(phases[2]) == pytest.approx(np.pi, abs=6e-3)
 
     @pytest.mark.parametrize("eccentricity", [1e-4, 5e-4])
-    def test_opposed_bow_and_unbalance_vanish_at_one_speed(self, eccentricity):
+    def test_opposite_bow_and_unbalance_cancel_at_one_speed(self, eccentricity):
         ratio = np.sqrt(self.DELTA / eccentricity)
         system = self.rotor(eccentricity * np.exp(1j * np.pi))
         peak = abs(forward(system, "disk", self.critical))
@@ -136,13 +136,13 @@ class TestJeffcott:
         assert abs(forward(system, "disk", ratio * self.critical)) < 1e-4 * peak
         assert abs(forward(system, "disk", 0.9 * ratio * self.critical)) > 1e-2 * self.DELTA
 
-    def test_equal_and_opposed_cancel_at_the_critical(self):
+    def test_equal_and_opposite_bow_and_unbalance_cancel_at_the_critical_speed(self):
         lightly = 1e-3  # the resonance factor of the bow is 500
         system = self.rotor(self.DELTA * np.exp(1j * np.pi), zeta=lightly)
         alone = self.rotor(0j, zeta=lightly)
         assert abs(forward(alone, "disk", self.critical)) == pytest.approx(
             self.DELTA / (2 * lightly),
-            rel=1e-2,  # the shaft's 5e-6 of mass over 2e-3 of damping
+            rel=1e-2,  # shaft mass 5e-6 over damping 2e-3
         )
         # 5e-6 of mass times the resonance factor 500
         assert abs(forward(system, "disk", self.critical)) < 5e-3 * self.DELTA
@@ -165,7 +165,7 @@ def test_rigid_body_bow_gives_no_force():
         assert worst < 1e-10 * scale, name
 
 
-def test_free_shaft_that_turns_slowly_follows_its_bow():
+def test_free_shaft_at_low_speed_follows_its_bow():
     where = np.linspace(0, 1, 9)
     system = single_shaft(gb.Bow.half_sine(BOW, phase=0.5), support=None)
     bow = BOW * np.exp(0.5j) * np.sin(np.pi * where)
@@ -175,7 +175,7 @@ def test_free_shaft_that_turns_slowly_follows_its_bow():
         found = np.array([forward(system, ("s", x), speed) for x in where])
         line = np.polynomial.Polynomial.fit(where, found - bow, 1)
         strains.append(np.abs(found - bow - line(where)).max() / BOW)
-        # inertia bends it by the square of the ratio of speed and first frequency
+        # inertia deflects it by the squared ratio of speed and first frequency
         assert strains[-1] < 2 * (speed / first) ** 2
         # and it rotates about its centre of mass: 2/pi of the bow below midspan
         assert found[4] == pytest.approx(BOW * np.exp(0.5j) * (1 - 2 / np.pi), rel=2e-3)
@@ -183,7 +183,7 @@ def test_free_shaft_that_turns_slowly_follows_its_bow():
 
 
 def sag(x):
-    return 16 / 5 * (x - 2 * x**3 + x**4)  # of a uniform shaft on two ends, 1 at midspan
+    return 16 / 5 * (x - 2 * x**3 + x**4)  # sag of a uniform shaft on two supports, 1 at midspan
 
 
 TWO_PLANES = {
@@ -200,7 +200,9 @@ TWO_PLANES = {
         (lambda p: gb.Bow.mode(3, BOW, phase=p), lambda x: np.sin(3 * np.pi * x)),
         (
             lambda p: gb.Bow.points([0, 0.25, 0.5, 1], BOW * np.array([0, 1, 3, 0]), [p] * 4),
-            lambda x: np.select([x == 0.25, x == 0.5], [1, 3], np.nan),  # known there alone
+            lambda x: np.select(
+                [x == 0.25, x == 0.5], [1, 3], np.nan
+            ),  # the closed form holds there only
         ),
         (
             lambda p: gb.Bow.function(lambda x: BOW * np.exp(1j * p) * TWO_PLANES["curve"](x)),
@@ -211,7 +213,7 @@ TWO_PLANES = {
 )
 @pytest.mark.parametrize("phase", [0.0, 0.9, -2.5])
 def test_slow_roll_shows_the_shape(make, curve, phase):
-    # on end supports, where every one of these bows is zero, a slow shaft lies on its stress-free
+    # on end supports, where every one of these bows is zero, a slow shaft has its stress-free
     # line
     system = single_shaft(make(phase), shear=False, support=1e10)
     for x in np.linspace(0, 1, 9)[1:-1]:

@@ -19,14 +19,14 @@ def solid(diameter: float, bore: float = 0.0, shear: bool = True) -> Section:
 
 
 def tolerance(section: Section, number: int) -> float:
-    # the elements' own error to leading order, a third more for the next order, and 3e-6 for the
+    # leading error of the elements, one third more for the next order, and 3e-6 for the
     # second order of the supports' flexibility
     return 1.35 * closed_forms.element_error(section, 1.0, number, ELEMENTS) + 3e-6
 
 
 @pytest.mark.filterwarnings(
     "ignore::gearbow.AccuracyWarning"
-)  # of bearings of 1e13 N/m on the thinnest
+)  # flexibility of bearings of 1e13 N/m for the thinnest shaft
 @pytest.mark.parametrize("shear", [True, False], ids=["Timoshenko", "Rayleigh"])
 @pytest.mark.parametrize(
     ("diameter", "bore"),
@@ -45,12 +45,12 @@ def test_simply_supported_shaft(diameter: float, bore: float, shear: bool):
         assert pair == pytest.approx([exact, exact], rel=tolerance(section, number))
 
 
-def test_first_frequency_of_the_table():
+def test_first_frequency_of_the_published_table():
     found = 2 * np.pi * single_shaft(elements=64).modes(count=1).frequencies_hz[0]
     assert found == pytest.approx(633.630, abs=2e-3)  # the last digit printed; elements leave 4e-4
 
 
-def test_shear_coefficient_of_a_hollow_shaft_is_seen():
+def test_frequency_depends_on_the_shear_coefficient_of_a_hollow_shaft():
     # a thin tube has kappa 0.53, a solid shaft 0.886: 10 % in this frequency, far above any
     # tolerance here
     tube = Section(0.2, 207e9, 207e9 / 2.6, 7800.0, 0.18)
@@ -75,10 +75,12 @@ def test_whirl_with_gyroscopic_moment(spin: float):
         pair = slice(2 * number - 2, 2 * number)
         assert found[pair] == pytest.approx(exact, rel=tolerance(section, number))
         assert list(modes.whirl[pair]) == ["backward", "forward"]
-        assert exact[1] / exact[0] - 1 > 4 * tolerance(section, number)  # the split is well seen
+        assert exact[1] / exact[0] - 1 > 4 * tolerance(
+            section, number
+        )  # both frequencies differ clearly
 
 
-def test_no_damping_gives_no_damping():
+def test_an_undamped_system_has_undamped_modes():
     modes = single_shaft(diameter=0.1).modes(speed=2000.0, count=8)
     # round-off of a first-order pencil whose frequencies span four decades
     assert np.abs(modes.damping_ratios).max() < 1e-8
@@ -162,7 +164,7 @@ def test_two_rigid_gears(options: dict[str, str]):
     assert {dof[2] for dof in system.matrices().dofs} == {"twist"}
     exact = closed_forms.geared_pair(stiffness, (base(25), base(50)), (inertias[0], inertias[1]))
     modes = system.modes(count=2)
-    # the shafts' own twist is 1e-5 of the mesh's
+    # the twist of the shafts is 1e-5 of the mesh deflection
     assert 2 * np.pi * modes.frequencies_hz[1] == pytest.approx(exact, rel=5e-5)
     assert modes.frequencies_hz[0] == pytest.approx(0, abs=1e-3)
 
@@ -174,5 +176,5 @@ def test_chain_of_four_rigid_shafts():
     exact = closed_forms.geared_chain(stiffnesses, [(base(a), base(b)) for a, b in teeth], inertias)
     modes = rigid_train(teeth, inertias, stiffnesses).modes(count=4)
     assert modes.frequencies_hz[0] == pytest.approx(0, abs=1e-3)
-    # the shafts' own twist is 1e-5 of the mesh's
+    # the twist of the shafts is 1e-5 of the mesh deflection
     assert 2 * np.pi * modes.frequencies_hz[1:] == pytest.approx(exact[1:], rel=1e-4)

@@ -20,7 +20,7 @@ CONTACT = {"contact", "back contact", "separation", "tight"}
 
 
 def scene(seed: int) -> Drawn:
-    """Draw a train of two or three shafts at rest, with unloaded flanks in contact."""
+    """Draw a random train of two or three shafts at rest, with unloaded flanks in contact."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(2, 4))
 
@@ -59,7 +59,7 @@ def test_all_methods_report_the_same_first_events(seed: int):
     drawn = scene(seed)
     found = {}
     for name, options in METHODS.items():
-        # Coarse fixed steps blur the motion within some steps: only the first events are compared,
+        # Coarse fixed steps change the motion after some steps: only the first events are compared,
         # over a time in
         run = drawn.run(times=np.array([0.0, 5e-5]), **options)
         found[name] = [
@@ -70,7 +70,7 @@ def test_all_methods_report_the_same_first_events(seed: int):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_flanks_that_are_pressed_together_from_rest_report_nothing(method: str):
+def test_flanks_in_contact_from_the_start_cause_no_event(method: str):
     """Two gears at rest, flanks in contact, and a torque: the contact exists from the start."""
     drawn = Drawn(bows=(0j, 0j), unbalance=0j, backlash=2e-5, gravity=(0.0, 0.0), speed=0.0)
     run = drawn.run(times=np.array([0.0, 2e-5]), **METHODS[method])
@@ -79,7 +79,7 @@ def test_flanks_that_are_pressed_together_from_rest_report_nothing(method: str):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_record_does_not_decide_on_events(method: str):
+def test_events_do_not_depend_on_the_recorded_quantities(method: str):
     drawn = scene(5)
     whole, points = (
         drawn.run(times=np.array([0.0, 5e-5]), record=record, **METHODS[method])

@@ -78,7 +78,7 @@ class TestResponse:
             np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
 
     def test_spectrum(self):
-        # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both on lines of the record
+        # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both at spectral lines of the record
         motion = np.zeros((TIME.size, 4, 2))
         motion[:, 0, 0] = 2e-6 * np.cos(2 * np.pi * 125.0 * TIME)
         motion[:, 0, 1] = 5e-6 * np.cos(2 * np.pi * 250.0 * TIME)
@@ -124,7 +124,7 @@ class TestOrders:
             line.get_xydata(), np.column_stack([found.frequencies_hz, found.amplitudes])
         )
 
-    def test_bars_are_the_largest_orders(self):
+    def test_bars_show_the_largest_orders(self):
         time = 1e-3 * np.arange(6000)
         content = {0.16: 5e-6, 0.4: 1e-6, 1.0: 3e-6}  # of output, middle, input
         made = of_series(time, sum(a * np.cos(100 * r * time) for r, a in content.items()))
@@ -147,8 +147,8 @@ class TestOrders:
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
         assert bar.get_ylabel() == "g1 w [m]"
         assert panel.get_xlim() == (0.0, 60.0)
-        # at 20 and 40 turns a second the input shaft is at 20 Hz and 40 Hz, the middle one at 8 Hz
-        # and 16 Hz
+        # at 20 and 40 revolutions per second the input shaft is at 20 Hz and 40 Hz, the middle one
+        # at 8 Hz and 16 Hz
         lines = [line.get_xydata() for line in panel.get_lines()]
         for ratio in (1.0, 0.4, 0.16):
             expected = np.column_stack([ratio * np.array([20.0, 40.0]), speeds])
@@ -205,7 +205,7 @@ class TestSpeed:
         amplitude = figure.axes[1].get_lines()[0].get_ydata()
         np.testing.assert_allclose(amplitude, 1e6 * found.orbit("disk")[:, 0])
 
-    def test_a_shaft_that_is_named_as_the_source(self):
+    def test_a_shaft_as_the_named_source(self):
         system = scenes.Geared(bows={"middle": HalfSine(1e-4, 0.5)}).package()
         found = system.synchronous(np.linspace(10.0, 300.0, 12))
         lower = found.bode(["g1"], source="middle").axes[1]

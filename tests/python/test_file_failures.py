@@ -99,7 +99,7 @@ print("done")
 
 @posix
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_file_that_does_not_fit_leaves_the_one_before(tmp_path, suffix):
+def test_a_file_that_does_not_fit_leaves_the_previous_file(tmp_path, suffix):
     ended = python(LIMITED, tmp_path / f"file{suffix}")
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
     read(tmp_path / f"file{suffix}")
@@ -228,7 +228,7 @@ print("done")
 
 @posix
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_killed_writer_leaves_a_whole_file(tmp_path, suffix):
+def test_a_killed_writer_leaves_a_complete_file(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     ended = python(KILLS, path)
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
@@ -279,7 +279,7 @@ def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path, suffix)
     assert names(tmp_path) == [path.name]
 
 
-def test_a_second_run_of_one_process_is_refused(tmp_path):
+def test_a_second_run_in_one_process_is_refused(tmp_path):
     path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     refused = []
@@ -337,7 +337,7 @@ def test_writers_of_one_file_do_not_disturb_each_other(tmp_path, suffix):
 
 
 @posix
-def test_a_file_has_the_permissions_of_any_other_and_keeps_its_own(tmp_path):
+def test_a_file_has_default_permissions_and_keeps_changed_ones(tmp_path):
     path, other = tmp_path / "rotor.toml", tmp_path / "other"
     train().save(path)
     other.touch()
@@ -348,7 +348,7 @@ def test_a_file_has_the_permissions_of_any_other_and_keeps_its_own(tmp_path):
 
 
 @posix
-def test_a_link_stays_a_link_and_a_device_a_device(tmp_path):
+def test_links_and_devices_are_not_replaced(tmp_path):
     (tmp_path / "folder").mkdir()
     link = tmp_path / "rotor.toml"
     link.symlink_to(tmp_path / "folder" / "rotor.toml")
@@ -366,7 +366,7 @@ def test_a_link_stays_a_link_and_a_device_a_device(tmp_path):
 
 
 @posix
-def test_remains_are_removed_and_files_of_living_writers_are_not(tmp_path):
+def test_remains_of_killed_writers_are_removed(tmp_path):
     path = tmp_path / "file"
     remains = tmp_path / f".file.{16 * '0'}.part"
     foreign = tmp_path / ".file.notes.part"
@@ -398,7 +398,7 @@ def test_a_lock_is_released_with_its_file(tmp_path):
     assert names(tmp_path) == []
 
 
-def test_a_folder_without_locks_is_an_error_that_says_so(tmp_path, monkeypatch):
+def test_a_folder_without_locks_is_an_error(tmp_path, monkeypatch):
     system, options = RUNS["smooth"][0].package(), asked("smooth")
 
     def none(*_: object) -> None:

@@ -25,7 +25,7 @@ def named(panel, label: str) -> list[np.ndarray]:
     return [np.asarray(line.get_ydata()) for line in lines]
 
 
-def test_a_diagram_draws_frequencies_lines_and_meetings(tmp_path):
+def test_a_campbell_diagram_draws_frequencies_lines_and_intersections(tmp_path):
     campbell = scenes.v1().campbell(np.linspace(0.0, 200.0, 9), count=5)
     figure = campbell.plot()
     upper, lower = figure.axes
@@ -41,7 +41,7 @@ def test_a_diagram_draws_frequencies_lines_and_meetings(tmp_path):
     figure.savefig(tmp_path / "figure.png", dpi=40)
 
 
-def test_a_map_draws_every_whirl():
+def test_a_critical_speed_map_draws_both_whirl_senses():
     found = scenes.v2().critical_speed_map([1e6, 1e7])
     (panel,) = found.plot(count=2).axes
     np.testing.assert_array_equal(named(panel, "forward")[0], found.lines("forward")[:, 0])
@@ -60,7 +60,7 @@ def test_bode_draws_amplitude_and_phase():
 
 
 @pytest.mark.parametrize("number", [1, 2, 5])
-def test_a_mode_in_space_names_itself(number: int, tmp_path):
+def test_a_mode_shape_figure_has_a_title(number: int, tmp_path):
     modes = scenes.Geared().package().modes(speed=100.0, count=6)
     figure = modes.plot(number)
     title = figure.get_suptitle()
@@ -72,7 +72,7 @@ def test_a_mode_in_space_names_itself(number: int, tmp_path):
     figure.savefig(tmp_path / "figure.png", dpi=40)
 
 
-def test_shafts_stand_where_their_meshes_put_them():
+def test_shaft_positions_follow_from_the_meshes():
     angles = (0.3, 2.0)
     system = scenes.Geared(angles=angles).package()
     found = layout(system.shafts, system.gears, system.disks, system.meshes, system.bearings)
@@ -86,7 +86,7 @@ def test_shafts_stand_where_their_meshes_put_them():
     assert places["output"] == pytest.approx(np.add(first, second))
 
 
-def test_there_is_no_such_mode():
+def test_a_mode_number_out_of_range_is_an_error():
     modes = scenes.v3().modes(count=4)
     with pytest.raises(gb.GearbowError, match="there is no mode 5; there are 4, from 1"):
         modes.plot(5)

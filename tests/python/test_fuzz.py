@@ -84,7 +84,7 @@ def descriptions(draw: st.DrawFn) -> Any:
     suppress_health_check=list(HealthCheck),
 )
 @given(descriptions())
-def test_every_description_gets_an_answer(description: Any):
+def test_every_description_gives_a_system_or_an_error(description: Any):
     begun = time.monotonic()
     try:
         model = Model(description)
@@ -104,7 +104,7 @@ def test_every_description_gets_an_answer(description: Any):
     ],
     ids=str,
 )
-def test_what_no_memory_holds_is_refused_before_it_is_asked_for(options, text):
+def test_an_array_larger_than_the_memory_is_refused_before_allocation(options, text):
     with pytest.raises(gb.SceneError, match=text):
         train().simulate(10.0, 100.0, **options)
 
@@ -114,5 +114,5 @@ def test_more_elements_than_a_system_may_have_are_refused():
         gb.RotorSystem([gb.Shaft("a", length=1.0, outer_diameter=0.1, elements=10**9)])
 
 
-def test_as_many_times_as_are_allowed_are_laid():
+def test_the_largest_allowed_number_of_times():
     assert np.size(train().simulate(1e-3, 100.0, output_step=1e-6, record=[]).time) == 1001

@@ -107,7 +107,7 @@ def test_other_speeds_and_trains_from_rest(scene: Geared, speed: float):
     agree(scene, speed, True, {"rk45": RUNS["rk45"]})
 
 
-def test_live_and_frozen_are_two_answers():
+def test_live_and_frozen_geometry_differ():
     # otherwise the tests above could not distinguish them
     times = np.linspace(0.0, END, COUNT)
     train = SCENES["large bow"].reference()

@@ -84,7 +84,7 @@ def rewrite(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_file_that_was_cut_short_is_refused(tmp_path, suffix):
+def test_a_truncated_file_is_refused(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     recorded().save(path)
     whole = path.read_bytes()
@@ -94,7 +94,7 @@ def test_a_file_that_was_cut_short_is_refused(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_changed_bit_is_found_or_changes_nothing(tmp_path, suffix):
+def test_a_changed_bit_is_detected_or_has_no_effect(tmp_path, suffix):
     path, written = tmp_path / f"run{suffix}", recorded()
     written.save(path)
     whole = path.read_bytes()
@@ -321,7 +321,7 @@ def test_every_array_is_checked(tmp_path, suffix):
             refused(path, None if (name, kind) == ("time", "longer") else name)
 
 
-def test_an_array_of_objects_is_not_unpickled(tmp_path):
+def test_an_array_of_objects_is_refused(tmp_path):
     metadata, arrays = content(recorded())
     path = tmp_path / "run.npz"
     write_npz(path, json.dumps(metadata), {**arrays, "time": np.array([{}], dtype=object)})
@@ -479,7 +479,7 @@ def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
     ids=str,
 )
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_a_state_that_no_run_left_is_a_scene_error(changes, text, method):
+def test_an_invalid_final_state_is_a_scene_error(changes, text, method):
     system = train()
     options: dict[str, Any] = {"speed": 100.0, "output_step": 1e-4, "method": method}
     final = system.simulate(1e-3, **options).final
@@ -541,7 +541,7 @@ def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):
             system.simulate(**options, checkpoint=path)
 
 
-def test_a_checkpoint_of_too_many_meshes_is_refused(tmp_path):
+def test_a_checkpoint_with_too_many_meshes_is_refused(tmp_path):
     path = tmp_path / "run.npz"
     system, options, about, arrays = stopped(path)
     about["checkpoint"]["checkpoint"]["margins"] *= 2
@@ -552,7 +552,7 @@ def test_a_checkpoint_of_too_many_meshes_is_refused(tmp_path):
         system.simulate(**options, checkpoint=path)
 
 
-def test_a_system_that_is_no_text_is_refused(tmp_path):
+def test_a_system_entry_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "rotor.toml"
     path.write_bytes(b"\xff\xfe name")
     with pytest.raises(gb.SceneError, match=r"rotor\.toml is not UTF-8 text"):

@@ -98,8 +98,8 @@ def test_works_of_an_exact_motion_are_exact():
     response = system.simulate(0.05, 100.0, initial="rest", record=("energy",), output_step=1e-4)
     balance = response.energy_balance()
     assert response.statistics.step_max * response.statistics.omega_max > 100
-    # the rules agree to 1e-8 of all works over each of thousands of parts; the one that counts is
-    # far nearer
+    # two quadrature rules agree to 1e-8 of all works on each of thousands of parts; the more
+    # accurate one has a much smaller error
     assert np.abs(balance.residual).max() <= 1e-9 * np.abs(balance.total).max()
 
 
@@ -107,8 +107,8 @@ def test_energy_drift_of_rk4_falls_with_the_fifth_power_of_the_step():
     system = FREE.package()
     h = first_step(system)
     drifts = [drift(system, method="rk4", step=h / 2**i) for i in range(3)]
-    # |R(i x)|^2 = 1 - x^6/72: the energy lost in a given time goes with the fifth power, 32; a
-    # tenth for the higher terms at x = 0.4
+    # |R(i x)|^2 = 1 - x^6/72: the energy loss in a given time is of fifth order, ratio 32;
+    # 10 % for the higher terms at x = 0.4
     assert drifts[0] / drifts[1] > 28
     assert drifts[1] / drifts[2] > 28
     assert drifts[2] > 1e-14  # otherwise the ratio would be dominated by round-off
@@ -117,12 +117,14 @@ def test_energy_drift_of_rk4_falls_with_the_fifth_power_of_the_step():
 def test_energy_drift_of_rk45_falls_with_the_tolerance():
     system = FREE.package()
     loose, middle, tight = (drift(system, method="rk45", rtol=r) for r in (1e-5, 1e-8, 1e-11))
-    assert middle < loose / 30  # proportional would be 1000; a loose one may be capped by stability
+    assert (
+        middle < loose / 30
+    )  # a proportional error would give 1000; stability may limit the step at a loose tolerance
     assert tight < middle / 30
     assert tight < 1e-8
 
 
-def test_energy_less_work_of_the_torque_is_kept():
+def test_energy_minus_work_of_the_torque_is_constant():
     system = replace(FREE, torque=400.0).package()
     torques = {"g1": 400.0, "g2": 800.0}
     assert drift(system, torques, method="rk45", rtol=1e-11) < 1e-8
@@ -130,7 +132,7 @@ def test_energy_less_work_of_the_torque_is_kept():
     assert drift(system, {"g1": 400.0}, method="rk45", rtol=1e-11) > 1e-2
 
 
-def test_geometry_that_moves_is_what_keeps_the_energy():
+def test_energy_is_constant_with_live_geometry_only():
     # a bow at which the centres move by millimetres, two thirds of the way to overlapping base
     # circles
     large = replace(FREE, bows={"input": HalfSine(1.8e-3, 0.3)})
@@ -180,13 +182,14 @@ def run(scene: Geared, speed: float, **how: object) -> gb.Response:
 
 
 @pytest.mark.parametrize("how", RUNS.values(), ids=RUNS.keys())
-def test_turned_scene_gives_the_turned_motion(how: dict[str, str]):
+def test_rotated_scene_has_the_rotated_motion(how: dict[str, str]):
     angle, speed = 0.83, 150.0
     first, second = run(UNEQUAL, speed, **how), run(spun(UNEQUAL, angle), speed, **how)
     for name in NAMES:
         u = first.displacement(name) @ np.array([1, 1j])
         turned = second.displacement(name) @ np.array([1, 1j])
-        # the same steps in rotated coordinates: round-off, magnified by the stiffest mode's phase
+        # the same steps in rotated coordinates: round-off, multiplied by the phase of the stiffest
+        # mode
         assert np.abs(turned - u * np.exp(1j * angle)).max() < 1e-9 * np.abs(u).max()
         twist = first.twist(name)
         assert np.abs(second.twist(name) - twist).max() < 1e-9 * np.abs(twist).max()
@@ -212,7 +215,7 @@ def mirrored(scene: Geared) -> Geared:
 
 
 @pytest.mark.parametrize("how", RUNS.values(), ids=RUNS.keys())
-def test_mirrored_scene_that_spins_the_other_way_gives_the_mirrored_motion(how: dict[str, str]):
+def test_mirrored_scene_with_opposite_spin_has_the_mirrored_motion(how: dict[str, str]):
     speed = 150.0
     first, second = run(UNEQUAL, speed, **how), run(mirrored(UNEQUAL), -speed, **how)
     for name in NAMES:
@@ -228,7 +231,7 @@ def test_mirrored_scene_that_spins_the_other_way_gives_the_mirrored_motion(how: 
 
 
 @pytest.mark.parametrize("speed", [80.0, -80.0])
-def test_modes_of_turned_and_mirrored_scenes(speed: float):
+def test_modes_of_rotated_and_mirrored_scenes(speed: float):
     expected = UNEQUAL.package().modes(speed=speed)
     for scene, sense in ((spun(UNEQUAL, -1.9), 1.0), (mirrored(UNEQUAL), -1.0)):
         found = scene.package().modes(speed=sense * speed)
@@ -241,7 +244,7 @@ def test_modes_of_turned_and_mirrored_scenes(speed: float):
         )
 
 
-def test_gyroscopic_and_bow_forces_do_no_work_on_a_shaft_that_stands():
+def test_a_bowed_shaft_at_rest_does_not_move():
     # the start already has the bow shape: nothing moves, although the bow force is large
     scene = replace(FREE, elements=4)
     response = scene.package().simulate(
@@ -249,6 +252,6 @@ def test_gyroscopic_and_bow_forces_do_no_work_on_a_shaft_that_stands():
     )
     for name, bow in (("g1", 1e-3 * np.exp(0.3j)), ("g2", 6e-4 * np.exp(-1.0j))):
         u = response.displacement(name) @ np.array([1, 1j])
-        # the bow is zero at the bearings and the train rolls freely: the gear has the bow
+        # the bow is zero at the bearings and the train rotates freely: the gear has the bow
         # displacement
         assert np.abs(u - bow).max() < 1e-8 * abs(bow)

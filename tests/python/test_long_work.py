@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 import gearbow as gb
 
-# A shell starts jobs in the background with SIGINT ignored, and children inherit that.
+# Background jobs of a shell ignore SIGINT, and child processes inherit this.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 warnings.simplefilter("ignore", gb.AccuracyWarning)
 
@@ -53,7 +53,7 @@ CALLS = {
 }
 
 #: Longest response time to Ctrl-C, s. Only a clock shows that a call ended before its work was
-#: done. The work takes several times as long, and a reaction takes 0.3 s on an idle machine.
+#: done. The work takes several times as long, and the response takes 0.3 s on an idle machine.
 BOUND = 5.0
 
 
@@ -103,7 +103,7 @@ print([path.parent.name for path in Path("/proc/self/task").glob("*/comm")
     assert threads == "[]"  # the work has ended and does not continue in the background
 
 
-def test_a_system_goes_on_after_an_interrupt():
+def test_a_system_is_usable_after_an_interrupt():
     program = f"""{LARGE}
 system = large(40)
 expected = large(40).modes(100.0).eigenvalues
@@ -172,26 +172,26 @@ class TestEstimate:
                 report(fraction)
         return [str(warning.message) for warning in caught]
 
-    def test_a_run_of_more_than_an_hour_is_warned_of_once(self, clock):
+    def test_a_run_of_more_than_an_hour_gives_one_warning(self, clock):
         (text,) = self.report(
             clock, [(0.0, 0.0), (0.9, 1e-4), (1.0, 1e-4), (1.1, 1e-5), (2.0, 2e-4)]
         )
         assert text.startswith("simulate: takes about 2.78 h at the rate of the first 1 s")
 
-    def test_a_run_of_less_is_not(self, clock):
+    def test_a_shorter_run_gives_no_warning(self, clock):
         assert self.report(clock, [(0.0, 0.0), (1.0, 1.0 / 3600.0), (2.0, 1e-9)]) == []
 
-    def test_what_was_done_before_does_not_count(self, clock):
+    def test_earlier_work_does_not_count(self, clock):
         assert self.report(clock, [(0.0, 0.5), (1.0, 0.5), (1.1, 0.5 + 1e-3)]) == []
         (text,) = self.report(clock, [(0.0, 0.5), (1.0, 0.5), (1.5, 0.5 + 1e-4)])
         assert "2.08 h" in text
 
-    def test_a_callable_is_told_all_the_same(self, clock):
+    def test_a_progress_callback_is_called_too(self, clock):
         seen: list[float] = []
         assert len(self.report(clock, [(0.0, 0.0), (1.0, 1e-9)], seen.append)) == 1
         assert seen == [0.0, 1e-9]
 
-    def test_what_is_no_run_is_not_estimated(self):
+    def test_other_analyses_are_not_estimated(self):
         with _progress.reported(None, 100.0, "%", estimate=False) as report:
             assert report is None
 
@@ -206,7 +206,7 @@ class TestEstimate:
         assert "?" not in shown.rsplit("\r", 1)[-1]
         assert "/1e+06 s" in shown
 
-    def test_a_warning_that_is_an_error_ends_the_run_and_keeps_it(self, monkeypatch):
+    def test_a_warning_as_an_error_ends_the_run_with_its_results(self, monkeypatch):
         monkeypatch.setattr(_progress, "WATCHED", 0.0)
         monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
         with warnings.catch_warnings():
@@ -215,7 +215,7 @@ class TestEstimate:
                 train().simulate(1e4, 100.0, output_step=0.1)
         assert 0 < caught.value.response.time.size < 100_001
 
-    def test_the_warning_points_at_the_line_that_asked(self, monkeypatch):
+    def test_the_warning_points_at_the_line_of_the_caller(self, monkeypatch):
         monkeypatch.setattr(_progress, "WATCHED", 0.0)
         monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
 

@@ -119,7 +119,7 @@ def test_derivatives_by_centre_distance():
     middle = float(high.centre_distance + low.centre_distance) / 2
     alpha = np.arccos(law((25, 50), 3e-3).sum_of_radii / middle)
     pitch = np.pi * 3e-3 * np.cos(ALPHA)
-    # a chord against the tangent amid it: second order, (rise / C tan^2 alpha)^2 = 3e-6
+    # a secant against the tangent at its middle: second order, (rise / C tan^2 alpha)^2 = 3e-6
     slope = float(high.contact_ratio - low.contact_ratio) / rise
     assert slope == pytest.approx(-1 / (pitch * np.sin(alpha)), rel=1e-5)
     slope = float(high.pressure_angle - low.pressure_angle) / rise
@@ -139,7 +139,7 @@ def test_separation_under_load(angle: float, torque: float):
     assert float(mesh.force) == pytest.approx(force, rel=1e-9)
     apart = float(mesh.centre_distance) - 0.1125
     # two bearings each; second order: (F/k)^2 / C cos^2 alpha ~ 1.4e-6 * 1.4e-6 / 0.1 of 1e-6 m;
-    # the shafts' own flexibility: 48 EI / L^3 = 2e13 N/m against 1e8
+    # flexibility of the shafts: 48 EI / L^3 = 2e13 N/m against 1e8
     assert apart == pytest.approx(2 * force * np.sin(ALPHA) / (2 * bearing), rel=1e-4)
     # each centre moves by F/k, along the line of action: the driver is pushed back
     n = np.cos(ALPHA) * np.array([-np.sin(angle), np.cos(angle)]) + np.sin(ALPHA) * np.array(
@@ -155,7 +155,7 @@ TURNING = replace(PAIR, torque=0.0, bearing_damping=0.0, mesh_damping_ratio=0.0)
 
 
 @pytest.mark.parametrize("speed", [0.0, 150.0])
-def test_one_mesh_no_frequency_depends_on_its_angles(speed: float):
+def test_frequencies_of_one_mesh_do_not_depend_on_its_angles(speed: float):
     expected = TURNING.package().modes(speed=speed).frequencies_hz[:30]
     for scene in (
         replace(TURNING, angles=(1.1,)),
@@ -170,14 +170,14 @@ def test_one_mesh_no_frequency_depends_on_its_angles(speed: float):
         assert found == pytest.approx(expected, rel=1e-8, abs=1e-3)
 
 
-def test_stiff_bearings_in_one_direction_do_make_it_depend():
+def test_frequencies_depend_on_the_angles_with_anisotropic_bearings():
     scene = replace(TURNING, bearing_stiffness=np.diag([1e8, 2e7]))
     first = scene.package().modes().frequencies_hz[:30]
     other = replace(scene, angles=(1.1,)).package().modes().frequencies_hz[:30]
     assert np.max(np.abs(other[1:] / first[1:] - 1)) > 1e-3
 
 
-def test_two_meshes_only_their_relative_angle_matters():
+def test_frequencies_of_two_meshes_depend_on_their_relative_angle():
     scene = Geared(torque=0.0, bearing_damping=0.0, mesh_damping_ratio=0.0, angles=(0.2, 1.0))
     expected = scene.package().modes(speed=100.0).frequencies_hz[:40]
     turned = replace(scene, angles=(0.2 - 1.7, 1.0 - 1.7)).package()
@@ -189,7 +189,7 @@ def test_two_meshes_only_their_relative_angle_matters():
 
 @pytest.mark.parametrize("scene", [PAIR, Geared()], ids=["pair", "double stage"])
 @pytest.mark.parametrize("speed", [0.0, 200.0, -200.0])
-def test_exactly_one_rolling_mode(scene: Geared, speed: float):
+def test_exactly_one_rigid_body_rotation(scene: Geared, speed: float):
     modes = scene.package().modes(speed=speed)
     assert list(modes.whirl).count("rigid") == 1
     assert modes.frequencies_hz[0] == 0.0  # removed analytically, not computed by the solver
@@ -200,7 +200,7 @@ def test_exactly_one_rolling_mode(scene: Geared, speed: float):
 
 @cache
 def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.MeshResponse:
-    """Simulate a slow turn of the bowed shaft from the synchronous state."""
+    """Simulate one slow revolution of the bowed shaft from the synchronous state."""
     system = stiff_pair({bowed: gb.Bow.half_sine(AMPLITUDE, phase=0.4)})
     period = 2 * np.pi / speed / (1.0 if bowed == "a" else 0.5)
     response = system.simulate(
@@ -210,13 +210,14 @@ def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.MeshRespo
 
 
 @pytest.mark.parametrize("bowed", ["a", "b"])
-def test_means_and_swings_under_a_turning_bow(bowed: str):
+def test_mean_and_peak_to_peak_values_with_a_rotating_bow(bowed: str):
     mesh = one_turn(bowed)
     c_0, pitch, b = 0.1125, np.pi * 3e-3 * np.cos(ALPHA), AMPLITUDE
     sin, tan = np.sin(ALPHA), np.tan(ALPHA)
-    # b / C tan^2 alpha = 1.3e-2 is the next term of each swing, squared that of each mean: 2e-4.
-    # The start leaves a free motion of about (20 rad/s over 1e4 rad/s)^2 of the bow in the swings,
-    # and its square in the means; the shaft's bow at the bearings is held by 1e9 N/m.
+    # b / C tan^2 alpha = 1.3e-2 is the next term of each peak-to-peak value; its square, 2e-4, that
+    # of each mean. The start leaves a free motion of about (20 rad/s over 1e4 rad/s)^2 of the bow
+    # in the peak-to-peak values, and its square in the means; bearings of 1e9 N/m constrain the
+    # bow.
     close, closer = 2e-2, 2e-3
     assert np.mean(mesh.centre_distance) - c_0 == pytest.approx(b**2 / (4 * c_0), rel=close)
     assert np.ptp(mesh.centre_distance) == pytest.approx(2 * b, rel=closer)
@@ -237,7 +238,9 @@ def test_mean_shift_is_the_same_whichever_gear_is_bowed():
 
 @pytest.mark.parametrize(("bowed", "sense"), [("a", -1.0), ("b", 1.0)])
 @pytest.mark.parametrize("phase", [0.0, 2.0])
-def test_bow_at_a_fixed_phase_shifts_to_first_order(bowed: str, sense: float, phase: float):
+def test_a_bow_at_a_fixed_phase_shifts_the_geometry_to_first_order(
+    bowed: str, sense: float, phase: float
+):
     angle = 0.5
     system = stiff_pair({bowed: gb.Bow.half_sine(AMPLITUDE, phase=phase)}, angle=angle)
     mesh = system.simulate(1e-4, 0.0, initial="synchronous", times=[0.0]).mesh("ga", "gb")
@@ -245,7 +248,8 @@ def test_bow_at_a_fixed_phase_shifts_to_first_order(bowed: str, sense: float, ph
     # the next term is (b sin)^2 / 2C: 2e-7 m
     assert float(mesh.centre_distance[0]) - 0.1125 == pytest.approx(opened, abs=4e-7)
     alpha = ALPHA + opened / (0.1125 * np.tan(ALPHA))
-    # half of alpha'' opened^2: 1/(C tan alpha)^3 and the like, 3e-5 rad of 5e-3
+    # second-order term, half of alpha'' times the squared change of centre distance: 3e-5 rad of
+    # 5e-3
     assert float(mesh.pressure_angle[0]) == pytest.approx(alpha, abs=5e-5)
 
 
@@ -272,7 +276,7 @@ def test_reported_geometry_is_that_of_the_reported_centres():
             u_a, u_b = r.displacement(driver), r.displacement(driven)
             centres = np.array([own.centres(a, b) for a, b in zip(u_a, u_b, strict=True)])
             assert np.ptp(centres[:, 0]) > 1e-5
-            # round-off; the reported angle may differ by whole turns
+            # round-off; the reported angle may differ by whole revolutions
             assert mesh.centre_distance == pytest.approx(centres[:, 0], rel=1e-12)
             assert mesh.pressure_angle == pytest.approx(centres[:, 1], rel=1e-11)
             assert np.cos(mesh.centre_line_angle - centres[:, 2]) == pytest.approx(1, abs=1e-12)
@@ -281,7 +285,7 @@ def test_reported_geometry_is_that_of_the_reported_centres():
 
 
 @pytest.mark.parametrize("teeth", [(17, 17), (25, 50), (40, 23)])
-def test_gear_that_follows_from_teeth_and_module(teeth: tuple[int, int]):
+def test_gear_data_follow_from_teeth_and_module(teeth: tuple[int, int]):
     module, width = 2.5e-3, 0.02
     system = gb.RotorSystem(
         shafts=[

@@ -62,7 +62,7 @@ print("done")
     ("extra", "missing"),
     [("plot", "matplotlib"), ("netcdf", "xarray,h5netcdf,h5py"), ("dataframe", "pandas")],
 )
-def test_a_missing_library_is_named_with_how_to_install_it(tmp_path, extra, missing):
+def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):
     ended = python(EXTRAS, missing, tmp_path, extra)
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
     assert names(tmp_path) == []

@@ -27,8 +27,8 @@ def made(duration=1.0, step=1e-4, start=0.0, **content):
     return response
 
 
-def test_least_squares_gives_back_every_order_and_its_phase():
-    # 1.37 s is not a whole number of turns, and the record does not start at 0.
+def test_least_squares_recover_amplitude_and_phase_of_every_order():
+    # 1.37 s is not a whole number of revolutions, and the record does not start at 0.
     content = {
         "1× input": (1.0, 3e-6 - 1e-6j),
         "1× output": (0.5, 2e-6j),
@@ -40,7 +40,7 @@ def test_least_squares_gives_back_every_order_and_its_phase():
     names = {name: j for j, order in enumerate(found.orders) for name in order.names}
     for name, (value, amplitude) in content.items():
         assert found.orders[names[name]].value == pytest.approx(value)
-        # Rounding of values of 1e-5 m, over 1e4 of them and a well-conditioned fit.
+        # Round-off of 1e4 values of 1e-5 m in a well-conditioned fit.
         assert abs(found.amplitudes[names[name]] - amplitude) < 1e-18
         assert found.amplitude(name) == pytest.approx(abs(amplitude), abs=1e-18)
     assert found.mean == pytest.approx(7e-6, rel=1e-12)
@@ -49,13 +49,13 @@ def test_least_squares_gives_back_every_order_and_its_phase():
     assert max(abs(found.amplitudes[j]) for j in others) < 1e-18
 
 
-def test_what_no_order_holds_is_the_rest():
+def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
     found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
     # The RMS of a sine; the fit absorbs a small part of it.
     assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
 
 
-def test_orders_that_coincide_are_one_with_all_names():
+def test_coinciding_orders_are_one_order_with_all_names():
     orders = Kinematics.of(train()).orders(2, 0, 0)
     assert [(order.value, order.names) for order in orders] == [
         (0.5, ("1× output",)),
@@ -81,7 +81,7 @@ def test_a_table_lists_the_largest_first():
         ({"step": 0.05}, "need more than"),
     ],
 )
-def test_a_record_that_cannot_tell_is_refused(change, sentence):
+def test_a_record_that_cannot_separate_orders_is_refused(change, sentence):
     with pytest.raises(gb.GearbowError, match=sentence):
         made(**change).orders("g1")
 
@@ -98,7 +98,7 @@ def test_a_changing_speed_and_an_unknown_name_are_refused():
 
 
 @pytest.mark.parametrize("window", list(WINDOWS))
-def test_a_sine_on_a_line_reads_its_amplitude(window):
+def test_a_sine_at_a_spectral_line_has_its_amplitude(window):
     time = np.arange(1000) * 1e-3
     signal = 4.0 + 3.0 * np.cos(2 * np.pi * 50.0 * time + 0.3)
     frequency, amplitude = amplitudes(time, signal, window)
@@ -108,7 +108,7 @@ def test_a_sine_on_a_line_reads_its_amplitude(window):
     assert amplitude[peak] == pytest.approx(3.0, rel=1e-8)
 
 
-def test_a_flat_top_reads_an_amplitude_between_lines():
+def test_a_flat_top_window_gives_the_amplitude_between_lines():
     time = np.arange(1000) * 1e-3
     _, amplitude = amplitudes(time, np.cos(2 * np.pi * 50.5 * time), "flat top")
     assert amplitude.max() == pytest.approx(1.0, rel=2e-3)  # 0.01 dB of Heinzel et al.
@@ -128,14 +128,14 @@ def test_a_flat_top_reads_an_amplitude_between_lines():
         ("energy", None, "energy", "J"),
     ],
 )
-def test_any_channel_has_a_spectrum(of, quantity, label, unit):
+def test_every_channel_has_a_spectrum(of, quantity, label, unit):
     spectrum = recorded(rows=64).spectrum(of, quantity)
     assert (spectrum.label, spectrum.unit) == (label, unit)
     assert spectrum.amplitudes.shape == spectrum.frequencies_hz.shape == (32,)
     assert spectrum.plot().axes[0].get_ylabel() == f"{label} [{unit}]"
 
 
-def test_impossible_requests_are_named():
+def test_the_error_names_the_invalid_argument():
     response = recorded(rows=64)
     with pytest.raises(gb.ChannelError, match="has v, w, twist, got 'u'"):
         response.spectrum("g1", "u")
@@ -147,7 +147,7 @@ def test_impossible_requests_are_named():
         response.orders("g1")
 
 
-def test_a_run_holds_the_bow_at_the_order_of_its_shaft(tmp_path):
+def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
     system = train()
     turn = 2 * np.pi / (0.5 * SPEED)
     response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])

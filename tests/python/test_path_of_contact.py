@@ -46,7 +46,7 @@ def pair(
     )
 
 
-def test_teeth_that_cannot_touch_are_an_error():
+def test_teeth_without_contact_are_an_error():
     message = (
         r"^meshes\[0\]\.centre_distance: the teeth of \"pinion\" and \"wheel\" cannot touch: their "
         r"tips reach each other on the line of action up to a centre distance of 0\.118430 m, got "
@@ -105,12 +105,12 @@ def test_there_is_no_contact_beyond_a_base_circle(
     # the load increases the centre distance by micrometres
     expected = law.contact_ratio(float(mesh.centre_distance))
     assert float(mesh.contact_ratio) == pytest.approx(expected, rel=1e-12)
-    # the pinion's tips and the base circle beside it: the whole of the pinion's involute
+    # tips and base circle of the pinion limit the path: the whole involute of the pinion
     reach = np.sqrt(law.tip_radius_a**2 - law.base_radius_a**2)
     assert expected == pytest.approx(reach / law.base_pitch, rel=1e-12)
 
 
-def test_the_stiffness_of_iso_6336_takes_the_path_that_there_is():
+def test_the_stiffness_of_iso_6336_uses_the_limited_path():
     with pytest.warns(gb.SceneWarning):
         found = pair((12, 60)).static().mesh("pinion", "wheel").stiffness
     single = 0.8 / (0.04723 + 0.15551 / 12 + 0.25791 / 60) * 1e9 * 0.03
@@ -120,7 +120,7 @@ def test_the_stiffness_of_iso_6336_takes_the_path_that_there_is():
 
 
 @pytest.mark.parametrize("model", ["square", "smooth square", "parabolic", "potential_energy"])
-def test_pairs_share_the_path_that_there_is(model: str):
+def test_tooth_pairs_use_the_limited_path(model: str):
     with pytest.warns(gb.SceneWarning):
         system = pair((12, 60), stiffness=MODELS[model])
     period = 2 * np.pi / 12 / 50.0
@@ -138,8 +138,9 @@ def test_a_standard_number_of_teeth_does_not_warn():
     pair((16, 16), gear={"profile_shift": 0.07}, centre_distance=0.0484)
 
 
-def test_events_of_a_path_that_centres_shorten():
-    # a rotating bow of 1.5 mm varies the centre distance: tips pass a base circle in between
+def test_events_of_a_path_of_contact_that_becomes_shorter():
+    # a rotating bow of 1.5 mm varies the centre distance: tips pass a base circle during a
+    # revolution
     system = pair((20, 40), bow=gb.Bow.half_sine(1.5e-3), stiffness=gb.Stiffness.square(pair=2e8))
     speed = 20.0
     turn = 2 * np.pi / (speed / 2)

@@ -35,7 +35,7 @@ def assert_same(read: gb.Response, written: gb.Response) -> None:
 @pytest.mark.parametrize("suffix", [".npz", ".nc"])
 @pytest.mark.parametrize("rows", [0, 5])
 @pytest.mark.parametrize("energy", [True, False])
-def test_every_bit_of_a_response_comes_back(tmp_path, suffix, rows, energy):
+def test_a_response_is_read_back_bit_for_bit(tmp_path, suffix, rows, energy):
     written = recorded(rows=rows, energy=energy)
     path = tmp_path / f"response{suffix}"
     written.save(path)
@@ -43,7 +43,7 @@ def test_every_bit_of_a_response_comes_back(tmp_path, suffix, rows, energy):
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".nc"])
-def test_a_loaded_response_is_continued_as_the_one_that_was_saved(tmp_path, suffix):
+def test_a_loaded_response_continues_like_the_saved_one(tmp_path, suffix):
     system = train()
     first = system.simulate(2e-3, 100.0, output_step=1e-4)
     path = tmp_path / f"first{suffix}"
@@ -68,7 +68,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
         gb.Response.load(tmp_path / "missing.npz")
 
 
-def test_netcdf_says_its_units(tmp_path):
+def test_netcdf_files_contain_units(tmp_path):
     xarray = pytest.importorskip("xarray")
     recorded().save(tmp_path / "response.nc")
     with xarray.open_dataset(
@@ -84,7 +84,7 @@ def test_netcdf_says_its_units(tmp_path):
 @pytest.mark.parametrize(
     "bow", [gb.Bow.half_sine(1e-4, 0.3), gb.Bow.function(lambda x: 1e-4j * x * (0.5 - x))]
 )
-def test_a_system_reads_back_as_it_was_written(tmp_path, bow):
+def test_a_system_is_read_back_unchanged(tmp_path, bow):
     system = train(bow=bow)
     system.save(tmp_path / "train.toml")
     loaded = gb.RotorSystem.load(tmp_path / "train.toml")
@@ -135,13 +135,13 @@ def test_a_hand_written_file_has_the_names_of_the_parameters(tmp_path):
         ),
     ],
 )
-def test_a_file_that_cannot_be_is_a_scene_error(tmp_path, text, message):
+def test_an_invalid_file_is_a_scene_error(tmp_path, text, message):
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     with pytest.raises(gb.SceneError, match=message):
         gb.RotorSystem.load(tmp_path / "scene.toml")
 
 
-def test_numbers_that_have_no_short_form_survive_text():
+def test_numbers_with_all_digits_are_read_back_exactly():
     tenth = math.fsum([0.1] * 3)
     assert tenth != 0.3
     system = train(bow=gb.Bow.half_sine(1e-4, phase=tenth))

@@ -24,7 +24,7 @@ def unchanged_settings():
 
 
 @pytest.mark.parametrize("kind", list(PLOT_KINDS))
-def test_every_kind_is_a_figure_with_labelled_axes(kind, tmp_path):
+def test_every_kind_of_figure_has_labelled_axes(kind, tmp_path):
     figure = recorded().plot(kind)
     assert figure.axes
     columns = [axes for axes in figure.axes if axes.get_xlabel()]
@@ -46,7 +46,7 @@ def test_an_orbit_is_the_displacement_in_micrometres():
     assert panel.get_title() == "g2"
 
 
-def test_names_come_first_and_places_where_there_are_none():
+def test_labels_are_names_or_positions():
     response = recorded()
     assert [axes.get_title() for axes in response.plot("orbits").axes] == ["g1", "g2"]
     response._data["points"] = [(shaft, x, []) for shaft, x, _ in response._data["points"]]
@@ -66,7 +66,7 @@ def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
     np.testing.assert_allclose(drawn(centres)[0], np.degrees(mesh.centre_line_angle))
 
 
-def test_a_sine_peaks_in_the_spectrum_at_its_frequency_with_its_amplitude():
+def test_the_spectrum_of_a_sine_has_its_frequency_and_amplitude():
     response = recorded(rows=2000)
     response.time = 1e-3 * np.arange(2000)
     motion = np.zeros((2000, 3, 2))
@@ -79,19 +79,19 @@ def test_a_sine_peaks_in_the_spectrum_at_its_frequency_with_its_amplitude():
     assert amplitude.max() == pytest.approx(3.0, rel=1e-3)
 
 
-def test_a_spectrum_needs_a_grid():
+def test_a_spectrum_needs_equally_spaced_times():
     response = recorded()
     response.time = np.array([0.0, 0.1, 0.3, 0.4, 0.5])
     with pytest.raises(gb.GearbowError, match="equally spaced"):
         response.plot("spectrum")
 
 
-def test_an_unknown_kind_is_told_the_known_ones():
+def test_the_error_for_an_unknown_kind_lists_the_known_ones():
     with pytest.raises(gb.GearbowError, match="kind: must be one of orbits, history"):
         recorded().plot("pie")
 
 
-def test_nothing_to_draw_is_said():
+def test_a_figure_without_data_is_an_error():
     response = recorded()
     response._data["meshes"] = []
     response._data["points"] = []
@@ -117,7 +117,7 @@ def test_modes_and_synchronous_response_are_drawn(tmp_path):
         result.savefig(tmp_path / f"{name}.png")
 
 
-def test_an_energy_balance_leaves_out_what_is_zero():
+def test_an_energy_balance_omits_zero_terms():
     response = recorded()
     response._data["energy_terms"]["gravity"] = np.zeros(5)
     balance = response.energy_balance()

@@ -20,7 +20,7 @@ def test_geared_pair_of_rao_shiau_and_chang():
     assert list(modes.whirl).count("rigid") == 1
 
 
-def test_geared_pair_turns_by_its_teeth_though_radii_are_rounded():
+def test_speed_ratio_follows_the_teeth_if_radii_are_rounded():
     system = scenes.v1()
     assert system.speed_ratios == pytest.approx([1.0, -328 / 23], rel=1e-15)
     # the printed radii give a ratio that differs by 2e-4
@@ -71,7 +71,7 @@ def criticals(system: gb.RotorSystem, sense: str, low: float, high: float) -> li
     return search(low, high, below(low), below(high))
 
 
-def test_synchronous_criticals_of_nelson_and_mcvaugh():
+def test_synchronous_critical_speeds_of_nelson_and_mcvaugh():
     system = scenes.v2()
     found = [(x, s) for s in ("backward", "forward") for x in criticals(system, s, 1e3, 1.1e5)]
     found = sorted(found)[:6]
@@ -80,7 +80,7 @@ def test_synchronous_criticals_of_nelson_and_mcvaugh():
     assert [x for x, _ in found] == pytest.approx(
         [x for x, _ in published.V2_CRITICALS_RPM], rel=1e-2
     )
-    # and against the independent assembly with the same rounded geometry
+    # comparison with the independent assembly, with the same rounded geometry
     train = published.v2()
     for rpm, _ in found:
         own = train.eigenvalues(rpm * RPM, lateral_only=True).imag / RPM

@@ -63,11 +63,11 @@ def made():
         *("response", "unsorted", "mesh", "energy", "spectrum"),
     ],
 )
-def test_nothing_in_a_result_can_be_written_to(made, name):
+def test_all_arrays_of_a_result_are_read_only(made, name):
     assert writable(made[name]) == []
 
 
-def test_a_view_that_a_response_gives_cannot_be_written_to(made):
+def test_views_of_a_response_are_read_only(made):
     response = made["response"]
     for view in (response.time, response.displacement("g1"), response.twist("g1"), response.energy):
         with pytest.raises(ValueError, match="read-only"):

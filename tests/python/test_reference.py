@@ -27,7 +27,7 @@ def test_gradient_of_the_mesh_deflection(sigma: float):
 
     differences = [(deflection(q + h * e) - deflection(q - h * e)) / (2 * h) for e in np.eye(6)]
     gradient = mesh.gradient(q[0:2], q[3:5])
-    # eps times the deflection over h, and (h / C)^2
+    # round-off eps times the deflection over h, and truncation (h / C)^2
     assert gradient == pytest.approx(np.array(differences), abs=1e-9)
     assert np.hypot(*gradient[:2]) == pytest.approx(1, rel=1e-14)
     assert mesh.gradient_at_rest() == pytest.approx(mesh.gradient(*np.zeros((2, 2))), rel=1e-14)
@@ -35,7 +35,7 @@ def test_gradient_of_the_mesh_deflection(sigma: float):
 
 @pytest.mark.parametrize("sigma", [1.0, -1.0])
 @pytest.mark.parametrize("turn", [1e-3, -0.4, 1.2])
-def test_pair_turned_about_its_first_gear_is_not_deflected(sigma: float, turn: float):
+def test_rotating_the_pair_about_its_first_gear_causes_no_deflection(sigma: float, turn: float):
     mesh = law(sigma)
     at_rest = mesh.centre_distance * np.exp(1j * mesh.centre_line_angle)
     moved = at_rest * (np.exp(1j * turn) - 1)
@@ -44,7 +44,7 @@ def test_pair_turned_about_its_first_gear_is_not_deflected(sigma: float, turn: f
     assert mesh.deflection(np.zeros(2), u_b, turn, turn) == pytest.approx(0, abs=1e-15)
 
 
-def test_opening_the_centres_deflects_by_the_sine_of_the_pressure_angle():
+def test_a_larger_centre_distance_changes_the_deflection_by_the_sine_of_the_pressure_angle():
     mesh, open_by = law(1.0, 0.0), 1e-7
     found = mesh.deflection(np.zeros(2), np.array([open_by, 0.0]), 0.0, 0.0)
     assert found == pytest.approx(-np.sin(mesh.angle_at_rest) * open_by, rel=1e-5)  # b / C

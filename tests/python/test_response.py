@@ -37,7 +37,7 @@ TERMS = (
 
 
 def train(bow: gb.Bow | None = None) -> gb.RotorSystem:
-    """Two shafts of coarse elements with one mesh."""
+    """Return two shafts of coarse elements with one mesh."""
     bows = {"input": bow or gb.Bow.half_sine(1e-4), "output": None}
     return gb.RotorSystem(
         shafts=[
@@ -59,7 +59,7 @@ def train(bow: gb.Bow | None = None) -> gb.RotorSystem:
 
 
 def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
-    """Return a response of invented numbers with every kind of data."""
+    """Return a response with arbitrary numbers and every kind of data."""
     numbers = np.random.default_rng(7)
     state = numbers.standard_normal(6)
     return gb.Response(
@@ -110,7 +110,7 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
     )
 
 
-def test_shapes_and_the_geometry_of_moving_centres():
+def test_array_shapes_and_mesh_geometry():
     response = train().simulate(
         2e-3, 100.0, output_step=1e-4, record=["gears", "meshes", "bearings", "energy"]
     )
@@ -157,7 +157,7 @@ def test_a_place_is_found_by_name_and_by_position():
         (lambda r: r.energy_balance(), "record=['energy', ...]"),
     ],
 )
-def test_what_was_not_recorded_is_asked_for_in_words(ask, record):
+def test_the_error_says_how_to_record_a_missing_quantity(ask, record):
     with pytest.raises(gb.ChannelError) as caught:
         ask(recorded(energy=False))
     assert record in str(caught.value)
@@ -168,12 +168,12 @@ def test_what_was_not_recorded_is_asked_for_in_words(ask, record):
     assert isinstance(caught.value, gb.GearbowError)
 
 
-def test_a_pair_the_wrong_way_round_is_told_its_driver():
+def test_the_error_for_a_swapped_pair_names_the_driver():
     with pytest.raises(gb.ChannelError, match="'g1' drives 'g2'"):
         recorded().mesh("g2", "g1")
 
 
-def test_what_is_recorded_can_be_recorded_again():
+def test_a_recorded_quantity_can_be_requested_again():
     system = train()
     first = system.simulate(
         1e-3, 100.0, record=["gears", "meshes", "bearings", "energy", ("input", 0.0)]
@@ -186,7 +186,7 @@ def test_what_is_recorded_can_be_recorded_again():
 class TestTimes:
     """Times of the user are returned unchanged."""
 
-    def test_rows_come_in_the_order_of_the_times(self):
+    def test_outputs_have_the_order_of_the_times(self):
         system = train()
         wanted = [1e-3, 0.0, 3.3333e-4, 1e-3, 7.7e-4, 0.0]
         response = system.simulate(
@@ -217,7 +217,7 @@ class TestTimes:
             (1.0, 1.0, 0.0, 2),
         ],
     )
-    def test_a_grid_holds_its_end_where_a_step_meets_it(self, duration, step, start, count):
+    def test_a_time_grid_contains_its_end_if_a_step_ends_there(self, duration, step, start, count):
         from gearbow._times import grid
 
         times = grid(start, duration, step)
@@ -229,21 +229,21 @@ class TestTimes:
         response = train().simulate(3e-4, 100.0, output_step=1e-4, start=0.5)
         np.testing.assert_allclose(response.time, [0.5, 0.5001, 0.5002, 0.5003], rtol=0, atol=1e-15)
 
-    def test_two_ways_to_say_times_are_one_too_many(self):
+    def test_times_and_output_step_exclude_each_other(self):
         with pytest.raises(gb.SceneError, match=r"^times: .*output_step"):
             train().simulate(1e-3, 100.0, times=[0.0], output_step=1e-4)
 
     @pytest.mark.parametrize("step", [0.0, -1e-4, float("nan"), float("inf")])
-    def test_an_output_step_that_cannot_be(self, step):
+    def test_an_invalid_output_step_is_an_error(self, step):
         with pytest.raises(gb.SceneError, match=r"^output_step"):
             train().simulate(1e-3, 100.0, output_step=step)
 
     @pytest.mark.parametrize("duration", [-1.0, float("nan"), float("inf")])
-    def test_a_duration_that_cannot_be(self, duration):
+    def test_an_invalid_duration_is_an_error(self, duration):
         with pytest.raises(gb.SceneError, match=r"^duration"):
             train().simulate(duration, 100.0)
 
-    def test_a_run_of_no_time_gives_its_beginning(self):
+    def test_a_run_of_zero_duration_gives_its_initial_state(self):
         response = train().simulate(0.0, 100.0, start=0.5)
         np.testing.assert_array_equal(response.time, [0.5])
         assert np.hypot(*response.displacement("g1")[0]) > 1e-5
@@ -271,7 +271,7 @@ class TestTimes:
         ({"record": ["g9"]}, r"^record\[0\]: .*g9"),
     ],
 )
-def test_an_argument_that_cannot_be_is_named(options, text):
+def test_the_error_names_the_invalid_argument(options, text):
     with pytest.raises(gb.SceneError, match=text):
         train().simulate(**{"duration": 1e-3, "speed": 100.0, **options})
 
@@ -279,7 +279,7 @@ def test_an_argument_that_cannot_be_is_named(options, text):
 class TestContinuation:
     """Continuation of a run from a response."""
 
-    def test_two_halves_follow_the_whole(self):
+    def test_two_halves_equal_the_whole_run(self):
         system = train()
         whole = system.simulate(2e-3, 100.0, output_step=1e-4, rtol=1e-9)
         half = system.simulate(1e-3, 100.0, output_step=1e-4, rtol=1e-9)
@@ -290,13 +290,13 @@ class TestContinuation:
         error = np.abs(rest.displacement("g1") - whole.displacement("g1")[10:]).max()
         assert error < 1e-6 * scale
 
-    def test_the_state_alone_is_enough(self):
+    def test_the_final_state_is_sufficient(self):
         system = train()
         half = system.simulate(1e-3, 100.0)
         a, b = (system.simulate(1e-3, 100.0, initial=initial) for initial in (half, half.final))
         assert a.displacement("g1").tobytes() == b.displacement("g1").tobytes()
 
-    def test_it_has_no_other_start(self):
+    def test_a_continued_run_has_no_start_argument(self):
         system = train()
         half = system.simulate(1e-3, 100.0)
         with pytest.raises(gb.SceneError, match=r"^start"):
@@ -306,20 +306,20 @@ class TestContinuation:
 class TestProgress:
     """Progress reports, and partial results of a run that ends early."""
 
-    def test_a_callable_is_given_the_fraction(self):
+    def test_a_callback_receives_the_fraction(self):
         seen: list[float] = []
         train().simulate(0.3, 100.0, output_step=1e-2, progress=seen.append)
         assert len(seen) >= 1
         assert seen == sorted(seen)
         assert all(0.0 <= fraction <= 1.0 for fraction in seen)
 
-    def test_true_is_a_bar_that_fills(self):
+    def test_progress_true_shows_a_bar(self):
         with redirect_stderr(io.StringIO()) as text:
             train().simulate(1e-2, 100.0, progress=True)
         assert "100%" in text.getvalue()
         assert "/0.01 s" in text.getvalue()
 
-    def test_an_error_of_the_callable_keeps_what_was_computed(self):
+    def test_an_error_in_the_callback_keeps_the_results(self):
         class EnoughError(Exception):
             pass
 
@@ -338,7 +338,7 @@ class TestProgress:
         assert response.displacement("g1").shape == (response.time.size, 2)
         assert not hasattr(caught.value, "partial")
 
-    def test_ctrl_c_keeps_what_was_computed(self):
+    def test_ctrl_c_keeps_the_results(self):
         timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
 
         def begin(_: float) -> None:  # before the first step there is no result
@@ -354,7 +354,7 @@ class TestProgress:
         assert 0 < response.time.size < 1_000_001
         assert response.statistics.steps > 0
 
-    def test_an_error_of_the_run_has_a_response_or_none(self):
+    def test_an_error_of_a_run_contains_a_response_or_none(self):
         with pytest.raises(gb.StabilityError) as caught:
             train().simulate(1e-2, 100.0, method="rk4", step=1e-2)
         assert caught.value.response is None or isinstance(caught.value.response, gb.Response)
@@ -383,7 +383,7 @@ def test_tables_have_units_in_their_columns():
 class TestEnergyBalance:
     """Energies and works of a run."""
 
-    def test_the_sums_are_those_of_the_terms(self):
+    def test_totals_are_the_sums_of_their_terms(self):
         response = recorded()
         balance = response.energy_balance()
         assert balance.time is response.time
@@ -393,7 +393,7 @@ class TestEnergyBalance:
         change = balance.total - balance.total[0] - (balance.work - balance.work[0])
         np.testing.assert_allclose(balance.residual, change)
 
-    def test_a_damped_train_accounts_for_its_energy(self):
+    def test_the_energy_balance_of_a_damped_train_closes(self):
         response = train().simulate(
             0.02, 100.0, rtol=1e-9, initial="static", record=["energy"], output_step=1e-4
         )
@@ -405,7 +405,7 @@ class TestEnergyBalance:
         assert np.all(balance.gravity == 0.0)
         assert np.abs(balance.residual).max() < 1e-6 * np.ptp(balance.total)
 
-    def test_what_is_left_over_counts_from_the_first_recorded_time(self):
+    def test_the_residual_starts_at_the_first_recorded_time(self):
         response = train().simulate(
             0.02, 100.0, rtol=1e-9, initial="static", record=["energy"], times=[0.01, 0.015, 0.02]
         )
@@ -427,18 +427,18 @@ class TestEnergyBalance:
 class TestEvents:
     """Mesh quantities between the recorded times."""
 
-    def test_they_have_names(self):
+    def test_events_have_names(self):
         events = recorded().events
         assert isinstance(events, tuple)
         assert events[0] == (0.1 + 0.2, "g1", "g2", "separation")
         assert events[1].kind == "contact"
         assert events[1].driven == "g2"
 
-    def test_a_mesh_that_never_parts_has_none(self):
+    def test_a_mesh_without_contact_changes_has_no_events(self):
         assert train().simulate(1e-3, 100.0).events == ()
 
 
-def test_modes_are_named_by_where_they_move():
+def test_mode_names_tell_where_they_move():
     modes = train().modes()
     shares = np.array(list(modes.energy_shares().values()))
     np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-9)
@@ -472,7 +472,7 @@ def test_static_answers_by_name():
         static.bearing_force("input", 0.1)
 
 
-def test_a_report_that_fails_at_the_very_end_loses_nothing():
+def test_an_error_in_the_last_progress_report_keeps_the_results():
     def stop(fraction: float) -> None:
         if fraction == 1.0:
             raise RuntimeError("enough")

@@ -37,7 +37,7 @@ DEMO = Geared(bows={"input": HalfSine(1.5e-4), "middle": HalfSine(1.5e-4, 0.8)},
     ],
     ids=lambda o: " ".join(f"{k}={v}" for k, v in o.items()),
 )
-def test_an_option_that_cannot_be_honoured_is_an_error(options: dict[str, object]):
+def test_an_unusable_option_is_an_error(options: dict[str, object]):
     with pytest.raises(gb.GearbowError):
         DEMO.package().simulate(1e-3, 100.0, **options)
 
@@ -62,7 +62,7 @@ def test_times_in_any_order_and_twice():
     assert np.array_equal(u[[4, 1, 3, 0]], ordered.displacement("g1"))
 
 
-def test_step_above_the_limit_of_stability_is_refused_and_says_why():
+def test_a_step_above_the_stability_limit_is_refused_with_the_reason():
     scene = replace(PAIR, elements=4)
     # a shoulder of 2 mm determines the limit, not the speed
     shaft = gb.Shaft(
@@ -94,7 +94,8 @@ def test_step_above_the_limit_of_stability_is_refused_and_says_why():
         system.simulate(1.0, 10.0, method="rk4", step=1.05 * limit)
     text = str(caught.value)
     numbers = [float(x) for x in re.findall(r"\d+\.?\d*(?:e[-+]?\d+)?", text)]
-    # it names the highest frequency, the limit and the shortest element, whatever the unit's prefix
+    # the message contains the highest frequency, the limit and the shortest element, in any unit
+    # prefix
     for wanted in (omega, limit, 0.002):
         mantissas = [
             abs(x * 10.0**k / wanted - 1) for x in numbers if x for k in (-9, -6, -3, 0, 3, 6, 9)
@@ -121,7 +122,7 @@ def test_rk45_without_damping_stays_bounded_at_a_loose_tolerance(rtol: float):
     assert np.abs(response.displacement(("input", 0.25))).max() < 10e-4
 
 
-def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
+def test_overlapping_base_circles_end_a_run_with_mesh_and_time():
     # the gear moves by twice its bow of 5 mm; the gap of the base circles is 6.8 mm
     scene = replace(PAIR, bows={"input": HalfSine(5e-3)}, torque=0.0)
     with pytest.raises(gb.ContactError) as caught:
@@ -141,7 +142,7 @@ def test_overlapping_base_circles_end_a_run_and_say_where_and_when():
     assert any(done.time[-1] <= x * 10.0**-k <= late for x in times for k in (0, 3, 6)), text
 
 
-def test_late_start_is_an_early_one_with_the_shafts_turned():
+def test_a_late_start_equals_an_early_start_with_rotated_shafts():
     # 1e8 rad of the first shaft: a late reduction of the angle loses 1e-8 rad
     begin, speed = 1e6, 100.0
     how = {"method": "rk4", "initial": "rest", "step": 5e-7}
@@ -154,5 +155,5 @@ def test_late_start_is_an_early_one_with_the_shafts_turned():
     early = replace(DEMO, bows=turned).package().simulate(2.6e-3, speed, times=offsets, **how)
     for name in ("g1", "g2", "g3", "g4"):
         u = early.displacement(name)
-        # the phases are rounded once more; round-off
+        # one more rounding of the phases
         assert np.abs(late.displacement(name) - u).max() < 1e-10 * np.abs(u).max()

@@ -13,7 +13,7 @@ import gearbow as gb
 
 
 def rotor(**options) -> gb.RotorSystem:
-    """One shaft on two bearings."""
+    """Return one shaft on two bearings."""
     shaft = {"length": 1.0, "outer_diameter": 0.05, "elements": 4}
     return gb.RotorSystem(
         shafts=[gb.Shaft("rotor", **{**shaft, **options.pop("shaft", {})})],
@@ -23,7 +23,7 @@ def rotor(**options) -> gb.RotorSystem:
 
 
 def pair(**mesh) -> gb.RotorSystem:
-    """Two shafts with one mesh."""
+    """Return two shafts with one mesh."""
     return gb.RotorSystem(
         shafts=[
             gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=2)
@@ -40,7 +40,7 @@ def pair(**mesh) -> gb.RotorSystem:
     )
 
 
-def test_numpy_values_cross_as_plain_python():
+def test_numpy_values_become_plain_python_values():
     disk = gb.Disk(
         "wheel", "rotor", np.float64(0.5), np.int64(20), np.float32(0.25), 0.2, np.complex128(1e-4j)
     )
@@ -55,7 +55,7 @@ def test_numpy_values_cross_as_plain_python():
     assert bearing._describe("bearings[0]")["damping"] == [1.0, 2.0]
 
 
-def test_the_core_takes_numpy_values():
+def test_the_core_accepts_numpy_values():
     plain = rotor(disks=[gb.Disk("wheel", "rotor", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4 + 2e-4j)])
     numpy = rotor(
         shaft={"length": np.float64(1.0), "elements": np.int32(4), "shear": np.bool_(True)},
@@ -75,7 +75,7 @@ def test_the_core_takes_numpy_values():
     assert np.abs(plain.synchronous([100.0]).amplitudes).max() > 0.0
 
 
-def test_a_default_left_out_is_the_default_of_the_core():
+def test_python_and_core_have_the_same_defaults():
     """The defaults of the core equal those of the signatures."""
     short = pair()
     text = short._model.to_toml()
@@ -107,7 +107,7 @@ def test_a_default_left_out_is_the_default_of_the_core():
         )
 
 
-def test_parts_are_kept_as_given():
+def test_parts_keep_their_arguments():
     system = rotor()
     assert isinstance(system.shafts, tuple)
     assert system.shafts[0].length == 1.0
@@ -152,14 +152,14 @@ def test_parts_are_kept_as_given():
         (lambda: rotor(torques=[gb.Torque(("rotor", 2.0), 1.0)]), r"^torques\[0\].at"),
     ],
 )
-def test_a_slip_is_named_with_its_place(slip, text):
+def test_the_error_names_the_place_of_a_mistake(slip, text):
     with pytest.raises(gb.SceneError, match=text) as caught:
         slip()
     assert isinstance(caught.value, ValueError)
     assert isinstance(caught.value, gb.GearbowError)
 
 
-def test_a_possible_slip_is_a_warning_where_it_was_made():
+def test_a_probable_mistake_is_a_warning_at_its_line():
     with pytest.warns(gb.SceneWarning, match="base") as caught:
         gb.RotorSystem(
             shafts=[
@@ -177,7 +177,7 @@ def test_a_possible_slip_is_a_warning_where_it_was_made():
 class TestBowFunction:
     """A curve given as a function is evaluated once the shaft length is known."""
 
-    def test_it_equals_the_curve_that_it_stands_for(self):
+    def test_it_equals_its_closed_form(self):
         curve = gb.Bow.function(lambda x: 1e-4 * np.exp(0.7j) * np.sin(np.pi * x))
         sampled = rotor(shaft={"bow": curve}).synchronous([100.0]).displacement(("rotor", 0.5))
         exact = rotor(shaft={"bow": gb.Bow.half_sine(1e-4, phase=0.7)}).synchronous([100.0])
@@ -195,7 +195,7 @@ class TestBowFunction:
         rotor(shaft={"bow": gb.Bow.function(curve)})
         np.testing.assert_allclose(seen, np.linspace(0.0, 1.0, 1001), atol=1e-15)
 
-    def test_it_runs_over_all_segments(self):
+    def test_it_covers_all_segments(self):
         seen: list[float] = []
         segments = [gb.Segment(0.4, 0.05, elements=2), gb.Segment(0.6, 0.06, elements=2)]
         gb.RotorSystem(
@@ -211,7 +211,7 @@ class TestBowFunction:
     @pytest.mark.parametrize(
         "value", [math.nan, math.inf, complex(0.0, math.nan), "bent", None, [1.0, 2.0]]
     )
-    def test_a_result_that_is_no_finite_number_is_named(self, value):
+    def test_the_error_names_a_result_that_is_not_finite(self, value):
         curve = gb.Bow.function(lambda x: value if x > 0.4995 else 0.0)
         with pytest.raises(
             gb.SceneError, match=r"^shafts\[0\].bow.function: .* at x = 0.5 m"
@@ -219,18 +219,18 @@ class TestBowFunction:
             rotor(shaft={"bow": curve})
         assert repr(value) in str(caught.value)
 
-    def test_what_the_function_raises_passes(self):
+    def test_an_exception_of_the_function_is_passed_on(self):
         with pytest.raises(ZeroDivisionError):
             rotor(shaft={"bow": gb.Bow.function(lambda x: 1.0 / x)})
 
 
-def test_points_take_one_phase_for_all():
+def test_points_accept_one_phase_for_all():
     given = gb.Bow.points(np.array([0.0, 0.5, 1.0]), [0.0, 1e-4, 0.0], 0.3)._describe("bow")
     assert given["phases"] == [0.3, 0.3, 0.3]
     assert gb.Bow.points([0.0, 1.0], [0.0, 0.0])._describe("bow")["phases"] == [0.0, 0.0]
 
 
-def test_copies_are_the_same_system():
+def test_copies_describe_the_same_system():
     system = rotor(
         shaft={"bow": gb.Bow.half_sine(1e-4, phase=0.3)},
         torques=[gb.Torque(("rotor", 0.5), 2.0), gb.Torque.balance(("rotor", 0.0))],

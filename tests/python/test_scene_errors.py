@@ -28,7 +28,7 @@ def refused(scene: dict[str, Any], where: str) -> str:
     return text
 
 
-def test_the_scene_itself_is_possible():
+def test_the_unchanged_scene_is_valid():
     assert build(SCENE).speed_ratios == pytest.approx([1, -0.5, 0.5 * 50 / 30])
 
 
@@ -47,7 +47,7 @@ def test_a_number_that_is_not_finite(path: tuple[str | int, ...], bad: float):
         assert str(bad).strip("-") in text.lower()
 
 
-def test_the_text_of_the_interface():
+def test_a_message_has_path_rule_and_value():
     text = refused(
         with_value(["shafts", 1, "bow", 1, "amplitude"], math.nan), "shafts[1].bow.amplitude"
     )
@@ -105,7 +105,7 @@ def test_a_size_that_is_negative(path: tuple[str | int, ...]):
         (("shafts", 0, "material", "poisson_ratio"), 0.6, "shafts[0].material"),
         (("shafts", 0, "material", "poisson_ratio"), -1.0, "shafts[0].material"),
         (("shafts", 0, "material", "shear_modulus"), 8e10, "shafts[0].material"),  # and nu
-        (("shafts", 1, "name"), "input", "shafts[1]"),  # twice
+        (("shafts", 1, "name"), "input", "shafts[1]"),  # given twice
         (("gears", 1, "name"), "g1", "gears[1]"),
         (("disks", 0, "name"), "g1", "disks[0]"),
         (("shafts", 0, "segments"), [{"length": 1.0, "outer_diameter": 0.1}], "shafts[0]"),
@@ -153,7 +153,7 @@ def test_a_size_that_is_negative(path: tuple[str | int, ...]):
     ],
     ids=lambda x: written(x) if isinstance(x, tuple) and x and x[0] in SCENE else None,
 )
-def test_what_cannot_be(path: tuple[str | int, ...], value: Any, where: str):
+def test_invalid_scenes_are_errors(path: tuple[str | int, ...], value: Any, where: str):
     scene = with_value(list(path), value)
     if path[-1] == "segments" and value:
         scene["shafts"][0]["segments"] = value  # beside a length
@@ -169,7 +169,7 @@ def test_what_cannot_be(path: tuple[str | int, ...], value: Any, where: str):
     ],
     ids=["module", "pressure angle", "base pitch off by 6 %"],
 )
-def test_gears_that_cannot_mesh(gear: str, change: dict[str, float]):
+def test_incompatible_gears_are_an_error(gear: str, change: dict[str, float]):
     scene = copy.deepcopy(SCENE)
     index = {"g2": 1, "g3": 2}[gear]
     scene["gears"][index].update(change)
@@ -177,7 +177,7 @@ def test_gears_that_cannot_mesh(gear: str, change: dict[str, float]):
 
 
 @pytest.mark.parametrize("factor", [0.96, 1.04])
-def test_published_radii_that_are_rounded_only_warn(factor: float):
+def test_rounded_published_radii_give_a_warning(factor: float):
     scene = copy.deepcopy(SCENE)
     scene["gears"][2]["base_radius"] *= factor
     with pytest.warns(gb.SceneWarning, match=r"meshes\[1\]"):
@@ -186,7 +186,7 @@ def test_published_radii_that_are_rounded_only_warn(factor: float):
     assert system.speed_ratios == pytest.approx([1, -0.5, 0.5 * 50 / 30], rel=1e-15)
 
 
-def test_a_shaft_that_no_mesh_connects():
+def test_an_unconnected_shaft_is_an_error():
     scene = copy.deepcopy(SCENE)
     scene["meshes"] = scene["meshes"][:1]
     scene["torques"] = []
@@ -194,7 +194,7 @@ def test_a_shaft_that_no_mesh_connects():
     assert "third" in text
 
 
-def test_a_loop_whose_ratios_disagree():
+def test_a_loop_with_inconsistent_ratios_is_an_error():
     # g4 and g5 close the loop input -> output -> third -> input
     def closed(teeth: int) -> dict[str, Any]:
         scene = copy.deepcopy(SCENE)
@@ -206,14 +206,14 @@ def test_a_loop_whose_ratios_disagree():
         scene["meshes"].append({"driver": "g4", "driven": "g5", "stiffness": 1e8})
         return scene
 
-    # third turns at +5/6; three external meshes in a ring would turn input backwards
+    # the third shaft rotates at +5/6; three external meshes in a ring would reverse the input
     # the error can name any mesh of the loop
     text = refused(closed(36), "meshes[")
     assert "ratio" in text.lower()
     refused(closed(40), "meshes[")
 
 
-def test_a_loop_whose_ratios_agree_is_possible():
+def test_a_loop_with_consistent_ratios_is_valid():
     scene = copy.deepcopy(SCENE)
     common = {"module": 3e-3, "face_width": 0.03, "pressure_angle": 0.35, "position": 0.125}
     scene["gears"] += [
@@ -226,13 +226,13 @@ def test_a_loop_whose_ratios_agree_is_possible():
     assert build(scene).speed_ratios == pytest.approx([1, -0.5, 0.5 * 50 / 30])
 
 
-def test_two_balances():
+def test_two_balancing_torques_are_an_error():
     scene = copy.deepcopy(SCENE)
     scene["torques"].append({"at": "g2", "balance": True})
     refused(scene, "torques")
 
 
-def test_numpy_numbers_and_arrays_are_taken():
+def test_numpy_numbers_and_arrays_are_accepted():
     scene = copy.deepcopy(SCENE)
     scene["shafts"][0]["length"] = np.float64(0.5)
     scene["shafts"][0]["elements"] = np.int64(4)
@@ -266,8 +266,8 @@ def test_numpy_numbers_and_arrays_are_taken():
     ),
 )
 @pytest.mark.implausible
-def test_any_number_anywhere_is_taken_or_refused_in_words(path, value):
-    """There is no other exception and no crash; accepted scenes can be assembled."""
+def test_every_number_is_accepted_or_refused_with_a_message(path, value):
+    """No other exception and no crash occurs; accepted scenes can be assembled."""
     count = path[-1] in COUNTS and abs(value) < 50
     try:
         system = build(with_value(list(path), int(value) if count else value))

@@ -57,7 +57,7 @@ def test_a_file(tmp_path: Path):
         ('name = "a"', "name = 3", "shafts[0].name"),
     ],
 )
-def test_a_file_with_a_slip(tmp_path: Path, old: str, new: str, where: str):
+def test_a_file_with_a_mistake(tmp_path: Path, old: str, new: str, where: str):
     assert old in TOML
     with pytest.raises(gb.SceneError) as caught:
         load(tmp_path, TOML.replace(old, new))

@@ -106,7 +106,7 @@ def test_a_key_of_a_file(tmp_path):
         gb.RotorSystem.load(file)
 
 
-def test_a_name_like_no_other_suggests_nothing():
+def test_an_unlike_name_gets_no_suggestion():
     with pytest.raises(gb.SceneError, match=r'no shaft is called "something else"$'):
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 

@@ -79,7 +79,7 @@ def wrong(*without: str) -> Any:
 
 @wrong()
 @pytest.mark.parametrize("path", numbers(SCENE), ids=written)
-def test_a_field_that_is_no_number(path: tuple[str | int, ...], value: object):
+def test_a_field_without_a_number_is_an_error(path: tuple[str | int, ...], value: object):
     if path[-1] in COMPLEX and isinstance(value, complex):
         return
     start = written(path[:1])
@@ -126,7 +126,7 @@ def test_every_numeric_field_is_in_that_scene():
         lambda x: gb.Shaft("s", segments=[gb.Segment(0.1, x)]),
     ],
 )
-def test_a_shaft_with_what_is_no_number(make, value):
+def test_a_shaft_with_an_invalid_number(make, value):
     with pytest.raises(gb.SceneError, match=r"^shafts\[0\]"):
         gb.RotorSystem([make(value)])
 
@@ -157,7 +157,7 @@ def pair(**mesh: Any) -> gb.RotorSystem:
         lambda x: {"backlash": x},
     ],
 )
-def test_teeth_with_what_is_no_number(make, value):
+def test_teeth_with_an_invalid_number(make, value):
     with pytest.raises(gb.SceneError, match=r"^(meshes\[0\]|values|amplitudes|bore|tooth|table)"):
         pair(**make(value))
 
@@ -230,7 +230,7 @@ NAMES = ("record", "balance plane", "orders of", "spectrum of", "displacement")
 
 @pytest.mark.parametrize("name", ARGUMENTS)
 @wrong()
-def test_an_argument_that_is_no_number(name, value, system, response):
+def test_an_argument_without_a_number_is_an_error(name, value, system, response):
     where = ARGUMENTS[name][1]
     if isinstance(value, str) and (name in NAMES or where == "at"):
         return
@@ -239,7 +239,7 @@ def test_an_argument_that_is_no_number(name, value, system, response):
 
 
 @pytest.mark.parametrize("value", RIGHT.values(), ids=RIGHT)
-def test_other_numbers_are_numbers(value, system):
+def test_other_kinds_of_numbers_are_accepted(value, system):
     assert system.modes(value).speed == 1.0
     assert system.synchronous([value, value]).speeds.tolist() == [1.0, 1.0]
     assert system.campbell([value], count=value).speeds.tolist() == [1.0]
@@ -286,7 +286,7 @@ def test_other_numbers_are_numbers(value, system):
         (lambda _: gb.Bow.points(None, [1.0]), "^bow.positions: must be a number"),
     ],
 )
-def test_a_call_that_cannot_be(call, text, system):
+def test_an_invalid_call_is_an_error(call, text, system):
     with pytest.raises(gb.GearbowError, match=text):
         call(system)
 
@@ -313,12 +313,12 @@ def test_a_whole_number_may_be_written_as_a_float(elements):
         (math.nan, "must be a whole number, got"),
     ],
 )
-def test_teeth_that_are_no_whole_number(value, text):
+def test_a_fractional_number_of_teeth_is_an_error(value, text):
     with pytest.raises(gb.SceneError, match=rf"^gears\[0\].teeth: {text}"):
         build(with_value(["gears", 0, "teeth"], value))
 
 
-def test_files_read_whole_numbers_alike(tmp_path):
+def test_files_follow_the_same_rule_for_whole_numbers(tmp_path):
     system = rotor()
     file = tmp_path / "scene.toml"
     system.save(file)
@@ -343,6 +343,6 @@ def test_a_file_that_is_not_text(tmp_path):
         gb.RotorSystem.load(file)
 
 
-def test_integers_beyond_64_bits_are_numbers():
+def test_integers_beyond_64_bits_are_accepted():
     stiff = gb.Bearing("rotor", 0.0, stiffness=10**20)
     assert stiff._describe("bearings[0]")["stiffness"] == 1e20

@@ -207,7 +207,7 @@ def test_a_mistake_of_units_is_a_warning(name):
     ],
     ids=str,
 )
-def test_teeth_that_are_out_of_reach_do_not_pass(change):
+def test_teeth_that_are_out_of_reach_give_a_warning_or_an_error(change):
     """Either a warning about the value, or an error that the teeth cannot touch."""
     with pytest.raises((gb.SceneError, gb.SceneWarning), match=r"^(meshes|gears)\[0\]"):
         train(**change)
@@ -235,12 +235,12 @@ def test_teeth_that_are_out_of_reach_do_not_pass(change):
         ({"gears": gears(pressure_angle=20.0)}, r"^gears\[0\].pressure_angle: .*in degrees\?"),
     ],
 )
-def test_what_is_impossible_is_an_error(change, text):
+def test_impossible_values_are_errors(change, text):
     with pytest.raises(gb.SceneError, match=text):
         train(**change)
 
 
-def test_bodies_that_idealise_are_possible():
+def test_idealised_bodies_are_valid():
     train(disks=disk(mass=0.0, diametral_inertia=0.0, polar_inertia=0.1))
     train(disks=disk(mass=1.0, diametral_inertia=0.0, polar_inertia=0.0))
     train(disks=disk(polar_inertia=0.1049))  # a rounded ratio
@@ -289,7 +289,7 @@ def test_the_warning_has_value_range_and_cause():
         lambda system, speed: system.campbell([0.0, speed], count=2),
     ],
 )
-def test_teeth_that_are_too_fast(call):
+def test_too_fast_teeth_give_a_warning(call):
     system = train()
     limit = 250.0 / system.gears[0].module / 25 * 2
     with warnings.catch_warnings():
@@ -403,6 +403,6 @@ def test_a_shaft_without_mass():
     train(shafts=shaft(material=replace(massless, density=1e-3)), disks=disk())
 
 
-def test_angles_of_a_turn_are_plausible():
+def test_angles_up_to_one_revolution_are_plausible():
     train(meshes=mesh(centre_line_angle=2 * math.pi))
     train(meshes=mesh(centre_line_angle=-np.pi))

@@ -39,14 +39,14 @@ PARTS = ("shafts", "gears", "meshes", "bearings", "torques", "disks")
 
 
 @pytest.mark.parametrize("name", PARTS)
-def test_all_other_parts_and_options_stay(name):
+def test_replace_keeps_all_other_parts_and_options(name):
     system = full()
     same = system.replace(**{name: getattr(system, name)})
     assert same.description == system.description
     assert same is not system
 
 
-def test_one_change_is_the_only_one():
+def test_replace_changes_only_the_given_argument():
     system = full()
     shafts = [replace(system.shafts[0], bow=gb.Bow.half_sine(1e-4)), system.shafts[1]]
     bent = system.replace(shafts=shafts)
@@ -68,7 +68,7 @@ def test_none_removes_an_option(name):
 
 
 @pytest.mark.parametrize("way", ["made", "file", "pickle", "dict", "replace"])
-def test_options_are_attributes_whatever_made_the_system(way, tmp_path):
+def test_options_are_attributes_of_every_system(way, tmp_path):
     system = full()
     if way == "file":
         system.save(tmp_path / "scene.toml")
@@ -82,7 +82,7 @@ def test_options_are_attributes_whatever_made_the_system(way, tmp_path):
     assert {name: getattr(system, name) for name in OPTIONS} == OPTIONS
 
 
-def test_a_curve_stays_a_curve():
+def test_a_bow_function_is_kept():
     shaft = gb.Shaft(
         "a",
         length=1.0,
@@ -127,7 +127,7 @@ def test_from_dict_takes_numpy_and_complex_numbers():
         ({"gears": []}, r"^torques\[0\].at: no gear or disk is called"),
     ],
 )
-def test_what_cannot_replace(change, text):
+def test_invalid_replacements_are_errors(change, text):
     with pytest.raises(gb.SceneError, match=text):
         full().replace(**change)
 

@@ -28,7 +28,7 @@ def rotor() -> gb.RotorSystem:
     )
 
 
-def test_a_circle_moves_as_a_cross_section_does():
+def test_a_circle_moves_like_a_cross_section():
     # at an angle of 90 degrees a point of the circle is at (y, z) = (0, r), at 0 degrees at (r, 0)
     x, r, quarter = 0.3, 0.1, np.pi / 2
     around = np.array([0.0, quarter])
@@ -57,7 +57,7 @@ def test_radii():
     )
 
 
-def test_a_shape_is_drawn_where_it_is_largest():
+def test_a_shape_is_drawn_at_its_largest_displacement():
     shape = np.array([1.0 + 1.0j, 3.0j, -1.0])
     turned = _at_maximum(shape, shape)
     assert turned[1] == pytest.approx(3.0)

@@ -22,9 +22,9 @@ COSINES = {
 
 
 class TestRecords:
-    """Values that a response returns for a name."""
+    """A response returns the values of a name."""
 
-    def test_each_name_has_its_own_series(self):
+    def test_each_name_gives_its_own_series(self):
         time = 2.0 + 0.1 * np.arange(6)
         made = response(time, speed=-30.0)
         data = made._data
@@ -126,7 +126,7 @@ class TestSpectrum:
         assert found[:10].max() < 1e-4
 
     @pytest.mark.parametrize("window", list(COSINES))
-    def test_a_response_passes_its_window_on(self, window: str):
+    def test_the_window_reaches_the_spectrum_of_a_response(self, window: str):
         time = 1e-3 * np.arange(200)
         made = of_series(time, 2e-6 * np.cos(2 * np.pi * 50.0 * time))
         found = made.spectrum("g1", "w", window=window)
@@ -151,7 +151,7 @@ class TestSpectrum:
             np.testing.assert_array_equal(found, expected)
 
     @pytest.mark.parametrize("window", list(COSINES))
-    def test_signals_stand_side_by_side(self, window: str):
+    def test_several_signals_have_one_spectrum_each(self, window: str):
         time = 1e-3 * np.arange(200)
         both = np.stack([np.cos(300.0 * time), 2.0 + np.sin(700.0 * time)], axis=1)
         found = amplitudes(time, both, window)[1]
@@ -171,7 +171,7 @@ class TestSpectrum:
 class TestOrders:
     """Least squares on the orders of a train."""
 
-    def test_the_time_at_the_beginning_is_left_out(self):
+    def test_the_initial_time_is_skipped(self):
         # a transient that ends at 3.5 s of a record from 3 s to 6 s, and a steady order after it
         time = 3.0 + 1e-3 * np.arange(3001)
         steady = 2e-6 * np.cos(SPEED * time - 0.7)
@@ -186,7 +186,7 @@ class TestOrders:
         assert made.orders("g1", "w", **asked).rest > 3e-7
 
     @pytest.mark.parametrize("speed", [SPEED, -SPEED])
-    def test_amplitude_phase_mean_and_rest(self, speed: float):
+    def test_amplitude_phase_mean_and_residual(self, speed: float):
         time = 0.37 + 1e-3 * np.arange(6000)
         amplitude = -1e-6 + 2e-6j
         turn = np.exp(1j * abs(speed) * time)
@@ -197,7 +197,8 @@ class TestOrders:
         assert np.all(found.frequencies_hz > 0.0)
         at = names.index("1× input")
         assert found.frequencies_hz[at] == pytest.approx(SPEED / (2 * np.pi), rel=1e-12)
-        # the record holds no whole number of turns of the stray signal: it leaks by a few percent
+        # the record has no whole number of periods of the additional signal: its spectral leakage
+        # is a few percent
         assert found.amplitudes[at] == pytest.approx(amplitude, abs=1e-9)
         assert found.amplitude("1× input") == pytest.approx(abs(amplitude), abs=1e-9)
         assert found.mean == pytest.approx(5e-6, abs=1e-9)
@@ -310,7 +311,7 @@ class TestKinematics:
                         expected[f"{m}× mesh {pair} − {n}× {shaft}"] = m * tooth - n * ratio
         assert found == pytest.approx(expected, rel=1e-9)
 
-    def test_sidebands_below_zero_are_none(self):
+    def test_negative_sidebands_are_omitted(self):
         few = Kinematics(shafts=(("a", 1.0), ("b", 1.0)), meshes=(("p", "q", "a", "b", 2.5),))
         values = [order.value for order in few.orders(0, 1, 4)]
         assert values == pytest.approx([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5])
@@ -344,7 +345,7 @@ class TestWaterfall:
     """Spectra of several runs."""
 
     @pytest.mark.parametrize("window", list(COSINES))
-    def test_rows_belong_to_their_speeds(self, window: str):
+    def test_spectra_belong_to_their_speeds(self, window: str):
         # backward rotation has the same frequencies as forward rotation
         time = 1e-3 * np.arange(500)
         lines = {2 * np.pi * 70.0: 3e-6, -2 * np.pi * 20.0: 1e-6, 2 * np.pi * 40.0: 2e-6}
@@ -362,7 +363,7 @@ class TestWaterfall:
         assert (found.label, found.unit) == ("g1 w", "m")
         assert found.kinematics == KINEMATICS
 
-    def test_runs_with_other_lines_are_refused(self):
+    def test_runs_with_different_spectral_lines_are_refused(self):
         runs = [of_series(step * np.arange(100), np.zeros(100)) for step in (1e-3, 1.01e-3)]
         with pytest.raises(gb.GearbowError, match="different frequencies"):
             gb.waterfall(runs, "g1")

@@ -72,7 +72,7 @@ RUN: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("knot", range(len(SPEEDS)))
-def test_at_a_knot_every_answer_is_that_of_the_constant_bearing_bit_for_bit(knot: int):
+def test_at_a_knot_every_result_equals_that_of_the_constant_bearing(knot: int):
     speed = float(SPEEDS[knot])
     table, constant = rotor(), rotor(STIFFNESS[knot], DAMPING[knot])
     for name in ("mass", "stiffness", "damping", "gyroscopic"):
@@ -98,12 +98,12 @@ def test_static_equilibrium_and_its_bearing_forces_are_those_of_the_speed():
 def test_modes_between_the_knots_follow_the_interpolation():
     for speed in (13.0, 55.0, -99.0, 159.0):
         found, expected = rotor().modes(speed), frozen(speed).modes(speed)
-        # both interpolations round differently
+        # round-off of both interpolations
         np.testing.assert_allclose(found.frequencies_hz, expected.frequencies_hz, rtol=1e-12)
         np.testing.assert_allclose(found.damping_ratios, expected.damping_ratios, rtol=1e-9)
 
 
-def test_a_campbell_diagram_meets_its_lines_where_modes_of_that_speed_do():
+def test_campbell_intersections_are_modes_of_their_speed():
     system = rotor()
     speeds = np.linspace(5.0, 160.0, 25)
     diagram = system.campbell(speeds, count=6)
@@ -135,7 +135,7 @@ def test_undamped_critical_speeds_belong_to_the_stiffness_of_the_same_speed():
     assert np.abs(np.diff(below)).sum() == len(found)
 
 
-def test_held_tables_add_the_critical_speeds_beyond_them():
+def test_held_tables_give_critical_speeds_outside_their_range():
     table = gb.SpeedTable(SPEEDS, STIFFNESS[:, 0, 0], outside="hold")
     last = float(STIFFNESS[-1, 0, 0])
     found = [s for s, _ in Model(rotor(table, 0.0).description).critical_speeds(1.0)]
@@ -214,7 +214,7 @@ def test_a_run_up_through_the_critical_speed_follows_the_independent_solution(
     # constant bearings of the initial speed differ by much more
     constant = frozen(RAMP[0]).simulate(END, profile(), method="rk45", rtol=1e-6, **options)
     assert np.abs(constant.displacement("wheel") - exact).max() > 0.05 * size
-    # and the recorded force is that of the coefficients at each speed
+    # the recorded force has the coefficients of each speed
     i = judged.train.dof("s", 0.0, elements.V)
     expected = []
     for t, q, qd in zip(judged.time, judged.q, judged.qd, strict=True):
@@ -240,7 +240,7 @@ def test_the_energy_audit_counts_the_work_that_stiffens_the_bearings():
     assert work > 1e-3 * balance.total.max()
 
 
-def test_runs_and_pieces_of_runs_are_the_same(tmp_path: Any):
+def test_a_continued_run_equals_the_whole_run(tmp_path: Any):
     whole = rotor().simulate(0.4, profile(), method="rk45", **RUN)
     first = rotor().simulate(0.2, profile(), method="rk45", **RUN)
     second = rotor().simulate(0.2, profile(), method="rk45", initial=first, **RUN)

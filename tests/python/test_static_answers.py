@@ -9,7 +9,7 @@ import gearbow as gb
 from reference import scenes
 
 
-def test_a_weight_is_carried_by_the_law_of_the_lever():
+def test_bearing_forces_follow_the_law_of_the_lever():
     # a shaft with a disk at a quarter of its length, gravity in both directions
     mass, stiffness, gravity = 40.0, 1e7, np.array([3.0, -9.0])
     system = gb.RotorSystem(

@@ -35,7 +35,7 @@ MODELS = {
 
 
 def pair(*, driver: dict | None = None, centre_distance=None, **mesh) -> gb.RotorSystem:
-    """Two stiff shafts that only turn, with one mesh under torque."""
+    """Return two stiff shafts with torsion only and one mesh under torque."""
     return gb.RotorSystem(
         shafts=[
             gb.Shaft(name, length=0.1, outer_diameter=0.05, elements=1)
@@ -52,17 +52,17 @@ def pair(*, driver: dict | None = None, centre_distance=None, **mesh) -> gb.Roto
 
 
 def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.MeshResponse:
-    """One mesh cycle, so slow that the teeth follow their places."""
+    """Simulate one quasi-static mesh cycle."""
     duration = 2.0 * math.pi / 25.0
     times = np.linspace(0.0, duration, rows, endpoint=False)
     return system.simulate(duration, 1.0, times=times, **options).mesh("g1", "g2")
 
 
 class TestDescription:
-    """Plain data out of the parts, and parts out of plain data."""
+    """Parts become plain data, and plain data become parts."""
 
     @pytest.mark.parametrize("name", MODELS)
-    def test_a_model_is_a_dict_of_what_was_given(self, name):
+    def test_a_model_is_a_dict_of_its_arguments(self, name):
         stiffness, given = MODELS[name]
         assert stiffness._describe("stiffness") == {"model": name.split()[0], **given}
 
@@ -71,13 +71,13 @@ class TestDescription:
         described = gb.Mesh("g1", "g2", stiffness=np.float64(2e8))._describe("m")
         assert type(described["stiffness"]) is float
 
-    def test_what_is_left_out_is_left_to_the_core(self):
+    def test_omitted_arguments_are_not_sent_to_the_core(self):
         assert gb.Mesh("g1", "g2")._describe("m") == {"driver": "g1", "driven": "g2"}
         assert gb.TipRelief(1e-5, 2e-3)._describe("r") == {"amount": 1e-5, "length": 2e-3}
         assert gb.TransmissionError()._describe("e") == {}
         assert "run_out" not in gb.Gear("g1", "input", 0.05, 25)._describe("g")
 
-    def test_arrays_are_as_good_as_lists(self):
+    def test_arrays_equal_lists(self):
         values = np.array([2e8, 3e8, 1e8])
         assert gb.Stiffness.table(values) == gb.Stiffness.table(list(values))
         assert hash(gb.Stiffness.table(values)) == hash(gb.Stiffness.table(tuple(values)))
@@ -91,7 +91,7 @@ class TestDescription:
         }
 
     @pytest.mark.parametrize("name", MODELS)
-    def test_a_file_gives_the_parts_back(self, tmp_path, name):
+    def test_parts_are_read_back_from_a_file(self, tmp_path, name):
         paired = name.split()[0] in {"square", "parabolic", "potential_energy"}
         system = pair(
             stiffness=MODELS[name][0],
@@ -200,7 +200,7 @@ SQUARE = gb.Stiffness.square(2e8)
         ({"driver": {"run_out": complex(0.0, math.nan)}}, r"^gears\[0\].run_out"),
     ],
 )
-def test_a_slip_is_named_with_its_place(mesh, text):
+def test_the_error_names_the_place_of_a_mistake(mesh, text):
     with pytest.raises(gb.SceneError, match=text):
         pair(**mesh)
 
@@ -237,9 +237,9 @@ def test_the_defaults_of_the_core_are_those_of_the_docstrings():
 
 
 class TestValues:
-    """Each constructor is the model of its name."""
+    """Each constructor gives the stiffness of its model."""
 
-    def test_a_square_wave_is_a_pair_times_their_number(self):
+    def test_a_square_wave_is_the_pair_stiffness_times_the_number_of_pairs(self):
         mesh = cycle(pair(stiffness=gb.Stiffness.square(pair=1.5e8, engagement="sharp")))
         np.testing.assert_allclose(mesh.stiffness, 1.5e8 * mesh.pairs_in_contact)
         assert set(mesh.pairs_in_contact) == {1.0, 2.0}
@@ -251,13 +251,13 @@ class TestValues:
         assert stiffness.mean() == pytest.approx(2e8, rel=1e-3)
         assert np.ptp(stiffness) > 5e7
 
-    def test_harmonics_are_those_of_the_path(self):
+    def test_harmonics_follow_the_path_of_contact(self):
         harmonics = gb.Stiffness.fourier(2e8, [3e7, 1e7], [0.4, -0.7], phase="prescribed")
         spectrum = np.fft.rfft(cycle(pair(stiffness=harmonics)).stiffness) / 200
         assert spectrum[0].real == pytest.approx(2e8)
         np.testing.assert_allclose(2.0 * np.abs(spectrum[1:4]), [3e7, 1e7, 0.0], atol=1.0)
 
-    def test_a_table_goes_through_its_values(self):
+    def test_a_table_interpolates_its_values(self):
         values = np.array([2e8, 3e8, 2.5e8, 1e8])
         # The cycle begins where a pair is at the interference point: s = r α at the start.
         alpha = math.radians(20.0)
@@ -268,7 +268,7 @@ class TestValues:
         nearest = [np.argmin(np.abs((x - knot + 0.5) % 1.0 - 0.5)) for knot in knots]
         np.testing.assert_allclose(stiffness[nearest], values, rtol=0.02)
 
-    def test_centres_further_apart_have_fewer_pairs(self):
+    def test_a_larger_centre_distance_has_fewer_pairs(self):
         model = gb.Stiffness.square(pair=1.5e8, engagement="sharp")
         rest, opened = (
             cycle(pair(stiffness=model, centre_distance=0.1125 + more)) for more in (0.0, 5e-4)
@@ -279,18 +279,19 @@ class TestValues:
             assert mean == pytest.approx(mesh.contact_ratio[0], abs=0.01)
 
     @pytest.mark.implausible
-    def test_relief_takes_pairs_off_the_ends_of_the_path(self):
+    def test_relief_shortens_the_contact_of_a_pair(self):
         model = gb.Stiffness.square(2e8, phase="prescribed")
         plain, relieved = (
             cycle(pair(stiffness=model, tip_relief=relief, damping_ratio=0.1), initial="static")
             for relief in (None, gb.TipRelief(1e-3, 2e-3))
         )
         assert plain.stiffness.mean() == pytest.approx(2e8, rel=1e-3)
-        # Almost 2 mm at either end of a path of 15 mm, on which the mean was that of all of it.
+        # The relief shortens a path of 15 mm by almost 2 mm at each end; the mean stiffness is that
+        # of the whole path.
         lost = 4e-3 / (plain.contact_ratio[0] * 3e-3 * math.pi * math.cos(math.radians(20.0)))
         assert relieved.stiffness.mean() == pytest.approx((1.0 - lost) * 2e8, rel=0.02)
 
-    def test_an_error_is_deflection_that_the_load_does_not_know(self):
+    def test_a_slow_transmission_error_does_not_change_the_force(self):
         error = gb.TransmissionError(tooth=[(5e-6, 0.0)])
         mesh = cycle(
             pair(stiffness=2e8, damping_ratio=0.3, error=error), initial="static", rtol=1e-8
@@ -299,7 +300,7 @@ class TestValues:
         force = 50.0 / (0.5 * 3e-3 * 25 * math.cos(math.radians(20.0)))
         np.testing.assert_allclose(settled, force, rtol=1e-2)
 
-    def test_flanks_with_backlash_part_and_meet(self):
+    def test_flanks_with_backlash_separate_and_close(self):
         system = pair(
             stiffness=2e8,
             damping_ratio=0.02,

@@ -21,7 +21,7 @@ from gearbow.study.view import Study
 
 @pytest.fixture(scope="module")
 def tiny() -> Settings:
-    """A dozen short runs."""
+    """Return settings of a dozen short runs."""
     settings = dataclasses.replace(
         Settings.load().quick(), samples=64, settle=0, phase_steps=1, modes=3, accuracy="draft"
     )
@@ -45,7 +45,7 @@ def bits(settings, results, folder):
     return [path.read_bytes() for path in sorted(folder.glob("*.csv"))], tables
 
 
-def test_two_workers_give_the_bits_of_one(tiny, done, tmp_path):
+def test_two_workers_give_the_bits_of_one_worker(tiny, done, tmp_path):
     _, alone = done
     both = run(tiny, tmp_path / "runs", workers=2)
     assert list(both) == list(alone) == list(cases(tiny))
@@ -56,7 +56,7 @@ def test_two_workers_give_the_bits_of_one(tiny, done, tmp_path):
             np.testing.assert_array_equal(values, both[case].signals[name])
 
 
-def test_a_study_goes_on_with_what_is_missing_or_damaged(tiny, done, tmp_path, monkeypatch):
+def test_a_study_repeats_missing_and_damaged_runs(tiny, done, tmp_path, monkeypatch):
     folder, whole = done
     for path in folder.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
@@ -77,7 +77,7 @@ def test_a_study_goes_on_with_what_is_missing_or_damaged(tiny, done, tmp_path, m
             np.testing.assert_array_equal(values, again[case].signals[name])
 
 
-def test_a_run_that_fails_leaves_the_others_done(tiny, tmp_path, monkeypatch):
+def test_a_failed_run_keeps_the_others(tiny, tmp_path, monkeypatch):
     def failing(settings, case):
         if case.geometry == "frozen":
             raise gb.ConvergenceError("made to fail")
@@ -115,11 +115,11 @@ def test_the_name_of_a_run_tells_every_parameter(tiny):
         }.items()
     }
     assert len(names) == 12
-    # What one run does not depend on does not run it again.
+    # A parameter without influence on a run does not repeat it.
     assert key(dataclasses.replace(tiny, backlash=1.0, modes=7), case) in names
 
 
-def test_a_case_is_bent_placed_and_loaded_as_it_says():
+def test_a_case_sets_bow_gear_position_and_load():
     settings = Settings.load()
     case = Case("half", 30.0, 50.0, bow=0.04, where="middle", phases=(0.5, 0.7), refine=2)
     made = description(settings, case)
@@ -137,7 +137,9 @@ def test_a_case_is_bent_placed_and_loaded_as_it_says():
 
 @pytest.mark.parametrize("where", ["input", "middle", "output"])
 def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
-    """Slow, unloaded and stiff: every centre goes around with the bow that its shaft has there."""
+    """At low speed, without load and with stiff parts, every gear centre moves on a circle with the
+    local bow.
+    """
     settings = Settings.load()
     scene = dict(settings.scene)
     scene["bearings"] = [{**bearing, "stiffness": 1e10} for bearing in scene["bearings"]]
@@ -148,7 +150,7 @@ def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
     for pair, shafts in (("g1/g2", ("input", "middle")), ("g3/g4", ("middle", "output"))):
         if where not in shafts:
             continue
-        # The bow at the gear: the middle one, or a quarter of the length from an end.
+        # Bow at the gear: at the middle, or at a quarter of the length.
         b = bow * 0.025 * (math.sqrt(0.5) if where == "middle" else 1.0)
         distance, angle = 3e-3 * 75 / 2, math.radians(20.0)
         pitch = math.pi * 3e-3 * math.cos(angle)
@@ -166,10 +168,10 @@ def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
                 angle,
             ),
         }
-        for name, (shift, swing, rest) in expected.items():
+        for name, (shift, peak_to_peak, rest) in expected.items():
             # The closed forms are the first terms of series in b / C sin²α, 2 % here, whose next
-            # ones are two orders further; bearings and mesh yield by parts per thousand.
-            assert found.peak_to_peak(pair, name) == pytest.approx(swing, rel=1e-2), name
+            # terms are two orders higher; bearings and mesh deflect by about 0.1 %.
+            assert found.peak_to_peak(pair, name) == pytest.approx(peak_to_peak, rel=1e-2), name
             # Shift over the value at rest: 1e-6 to 2e-4, far above the rounding of the mean.
             reference = rest if name != "contact_ratio" else found_at_rest(settings, pair)
             assert found.mean(pair, name) - reference == pytest.approx(shift, rel=1e-2), name
@@ -206,12 +208,12 @@ def test_a_file_that_is_no_study_is_refused(tmp_path, text, sentence):
         ({"layouts": {"other": {"g1": 0.1}}}, "study.layouts.other: must place g1, g2, g3, g4"),
     ],
 )
-def test_impossible_settings_are_named(given, sentence):
+def test_the_error_names_the_invalid_setting(given, sentence):
     with pytest.raises(gb.SceneError, match=sentence):
         dataclasses.replace(Settings.load(), **given)._checked()
 
 
-def test_the_command_prints_a_table_and_refuses_what_it_cannot_do(tmp_path):
+def test_the_command_prints_a_table_and_refuses_invalid_arguments(tmp_path):
     command = [sys.executable, "-m", "gearbow", "study", "--out", str(tmp_path)]
     failed = subprocess.run(
         [*command, "--workers", "0"], capture_output=True, text=True, check=False

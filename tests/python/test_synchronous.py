@@ -26,7 +26,7 @@ BOWED = replace(
 
 
 def jeffcott(damping: float = 400.0, bow: complex = 0.0, eccentricity: complex = 1e-5):
-    """A disk of 20 kg on a light shaft between stiff bearings, damped at the disk."""
+    """Return a disk of 20 kg on a light shaft between stiff bearings, with damping at the disk."""
     shaft = gb.Shaft(
         "s",
         length=1.0,
@@ -43,13 +43,13 @@ def jeffcott(damping: float = 400.0, bow: complex = 0.0, eccentricity: complex =
     )
 
 
-def test_bow_and_unbalance_add_up():
+def test_bow_and_unbalance_superpose():
     system = BOWED.package()
     both, bow, unbalance = (
         system.synchronous([50.0, 300.0], excitation=part) for part in ("both", "bow", "unbalance")
     )
     scale = np.abs(both.amplitudes).max()
-    # two sums of solutions of one linear system: its round-off, 1e-16 times the condition
+    # round-off of two sums of solutions of one linear system, 1e-16 times its condition number
     assert bow.amplitudes + unbalance.amplitudes == pytest.approx(both.amplitudes, abs=1e-9 * scale)
     assert np.abs(bow.displacement("g1")).max() > 0.0
     assert np.abs(unbalance.displacement("g1")).max() > 0.0
@@ -58,12 +58,12 @@ def test_bow_and_unbalance_add_up():
 
 
 @pytest.mark.parametrize("speed", [90.0, -140.0])
-def test_simulation_settles_to_it(speed: float):
+def test_a_simulation_converges_to_the_synchronous_response(speed: float):
     # with the line of action of the centres at rest a bilateral mesh is linear
     system = BOWED.package()
     found = system.synchronous(speed)
     times = 8.0 + np.linspace(0.0, 0.05, 40)
-    # it starts at rest; what it starts with has died away by then, and 1e-6 is far above round-off
+    # the run starts at rest; its transient has decayed by then, and 1e-6 is far above round-off
     response = system.simulate(
         8.05,
         speed,
@@ -86,24 +86,24 @@ def test_simulation_settles_to_it(speed: float):
         )
 
 
-def test_phase_falls_by_half_a_turn_through_a_critical_speed():
+def test_phase_decreases_by_180_degrees_through_a_critical_speed():
     system = jeffcott()
     critical = abs(system.modes(count=1).eigenvalues[0])
     phase = system.synchronous(critical * np.array([1e-3, 1.0, 1e3])).phase("disk")[:, 0]
-    # the high spot leads nowhere at first, then by −90° and −180°; tan is 2ζ times the ratio
+    # the phase of the high spot is 0, then −90° and −180°; its tangent is 2ζ times the ratio
     assert phase == pytest.approx([0.0, -np.pi / 2, -np.pi], abs=1e-3)
 
 
-def test_the_elastic_deflection_is_what_is_left_of_the_bow():
+def test_the_elastic_deflection_is_the_displacement_minus_the_bow():
     bow = 1e-4 * np.exp(0.4j)
     system = jeffcott(bow=bow, eccentricity=0.0)
     found = system.synchronous([1e-3, 150.0])
     slow, fast = found.elastic("disk")[:, 0, 0]
-    assert abs(slow) < 1e-6 * abs(bow)  # a slow shaft runs as it was made; cΩ/k is 1e-7
+    assert abs(slow) < 1e-6 * abs(bow)  # a slow shaft shows its bow only; cΩ/k is 1e-7
     assert fast == pytest.approx(found.displacement("disk")[1, 0, 0] - bow, rel=1e-12)
 
 
-def test_peaks_are_those_of_the_closed_form():
+def test_peaks_agree_with_the_closed_form():
     system = jeffcott()
     critical = abs(system.modes(count=1).eigenvalues[0])
     damping_ratio = 400.0 / (2 * 20.0 * critical)
@@ -111,7 +111,7 @@ def test_peaks_are_those_of_the_closed_form():
     (peak,) = found.peaks("disk", operating=1.5 * critical)
     # |x| = r²/√((1 − r²)² + (2ζr)²) has its maximum at 1/√(1 − 2ζ²), where it is 1/(2ζ√(1 − ζ²))
     z = damping_ratio
-    # the shaft moves with half a gram, 2.5e-5 of the mass, and a maximum is flat
+    # the moving mass of the shaft is 0.5 g, 2.5e-5 of the disk; a maximum has zero slope
     assert peak.speed == pytest.approx(critical / np.sqrt(1 - 2 * z**2), rel=1e-5)
     highest = 1 / (2 * z * np.sqrt(1 - z**2))
     assert peak.amplitude == pytest.approx(1e-5 * highest, rel=1e-4)
@@ -128,7 +128,7 @@ def test_peaks_are_those_of_the_closed_form():
     assert peak.acceptable
 
 
-def test_separation_above_among_and_without():
+def test_separation_margin_above_within_and_without_operating_speeds():
     def peak(speed: float, width: float, operating=(90.0, 110.0)) -> gb.Peak:
         return gb.Peak(speed, 1.0, speed - width / 2, speed + width / 2, operating)
 
@@ -145,7 +145,7 @@ def test_separation_above_among_and_without():
     assert np.isnan(gb.Peak(100.0, 1.0, 95.0, 105.0).required_margin)
 
 
-def test_slow_roll_takes_the_bow_off():
+def test_slow_roll_subtraction_removes_the_bow():
     system = jeffcott(bow=1e-4, eccentricity=2e-5)
     speeds = np.array([5.0, 100.0, 150.0])
     whole = system.synchronous(speeds)
@@ -154,7 +154,7 @@ def test_slow_roll_takes_the_bow_off():
     assert less.displacement("disk") == pytest.approx(
         whole.displacement("disk") - whole.displacement("disk")[:1], abs=1e-18
     )
-    # peaks are then those of what is left
+    # the peaks are those of the remaining response
     speeds = np.linspace(20.0, 600.0, 60)
     less = system.synchronous(speeds).subtract_slow_roll(5.0)
     (peak,) = less.peaks("disk")
@@ -179,7 +179,7 @@ def test_peaks_of_a_train_name_their_shaft():
 
 
 class TestBackwards:
-    """A shaft without a mesh that turns backwards is the mirror image of one that turns forwards."""
+    """A shaft without mesh that rotates backwards is the mirror image of one that rotates forwards."""
 
     SPEEDS = np.linspace(20.0, 600.0, 60)
 
@@ -195,14 +195,14 @@ class TestBackwards:
         (pair,) = self.pairs(self.SPEEDS, operating)
         forwards, backwards = pair
         assert forwards.amplification_factor > 2.5
-        # both are found by the same search: they differ by the round-off of their equations
+        # the same search finds both: they differ by round-off
         for name in ("speed", "lower", "upper"):
             assert getattr(backwards, name) == pytest.approx(-getattr(forwards, name), rel=1e-7)
         for name in ("amplitude", "amplification_factor", "separation_margin", "required_margin"):
             assert getattr(backwards, name) == pytest.approx(getattr(forwards, name), rel=1e-7)
         assert backwards.acceptable == forwards.acceptable
 
-    def test_a_range_through_standstill_has_the_peaks_of_both_senses(self):
+    def test_a_speed_range_through_zero_has_the_peaks_of_both_senses(self):
         system = jeffcott(damping=2000.0, bow=1e-4)
         peaks = system.synchronous(np.linspace(-600.0, 600.0, 121)).peaks(
             "disk", operating=(300, 400)
@@ -215,7 +215,7 @@ class TestBackwards:
         assert low.acceptable
 
     def test_a_half_power_speed_lies_on_the_side_of_its_peak(self):
-        # so far bowed and damped that the response at standstill is more than 1/√2 of the peak
+        # with this bow and damping the response at zero speed is more than 1/√2 of the peak
         system = jeffcott(damping=6000.0, bow=1e-4, eccentricity=0.0)
         (_, peak) = system.synchronous(np.linspace(-600.0, 600.0, 121)).peaks("disk")
         assert np.isnan(peak.lower)
@@ -261,7 +261,7 @@ def test_backward_operating_speeds_may_ascend_either_way():
         ("fast", "must be a number"),
     ],
 )
-def test_operating_speeds_that_cannot_be_are_refused(operating, text):
+def test_invalid_operating_speeds_are_refused(operating, text):
     with pytest.raises(gb.SceneError, match=f"operating: .*{text}"):
         gb.Peak(100.0, 1.0, 95.0, 105.0, operating)
     response = jeffcott().synchronous([1.0, 2.0])  # has no peak
@@ -276,7 +276,7 @@ def test_a_peak_without_width_is_undamped():
 
 
 @pytest.mark.parametrize("part", ["both", "bow", "unbalance"])
-def test_only_a_bow_that_excites_is_taken_off(part):
+def test_only_a_bow_in_the_excitation_is_subtracted(part):
     # the sum of the parts is the whole, in displacement and in deflection; the bow counts once
     bow = 1e-4 * np.exp(0.4j)
     found = jeffcott(bow=bow).synchronous([150.0, -90.0], excitation=part)

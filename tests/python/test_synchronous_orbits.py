@@ -31,7 +31,7 @@ def test_the_phase_is_the_angle_of_the_high_spot():
     system = scene.package()
     found = system.synchronous(SPEEDS)
     v, w = np.moveaxis(found.displacement("g4")[:, 2], -1, 0)
-    # the part that turns with the shaft: the mean of (v + iw) exp(-i angle) over one turn
+    # the part that rotates with the shaft: the mean of (v + iw) exp(-i angle) over one revolution
     turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 64, endpoint=False))
     traced = np.real(np.outer(v, turn)) + 1j * np.real(np.outer(w, turn))
     expected = np.angle(np.mean(traced * turn.conj(), axis=1))
@@ -50,14 +50,14 @@ def test_the_force_on_each_bearing_follows_from_its_motion():
                 expected = motion[:, source] @ scene.bearing_stiffness.T + 2e4 * velocity
                 force = found.bearing_force(shaft, x)[:, source]
                 scale = np.abs(expected).max()
-                # the same product, of displacements that are known to round-off of the solution
+                # the same product with displacements of the same solution: round-off
                 assert np.abs(force - expected).max() < 1e-7 * scale
 
 
 @pytest.mark.parametrize("excitation", ["both", "bow", "unbalance"])
-def test_the_bow_is_taken_off_its_own_shaft_alone(excitation: str):
+def test_the_bow_is_subtracted_on_its_own_shaft_only(excitation: str):
     found = BOWED.package().synchronous(SPEEDS, excitation=excitation)
-    bow = 7e-5 * np.exp(1.1j) * np.sin(np.pi * 0.25 / 0.5)  # of the output shaft at g2
+    bow = 7e-5 * np.exp(1.1j) * np.sin(np.pi * 0.25 / 0.5)  # bow of the output shaft at g2
     expected = found.displacement("g2").copy()
     if excitation != "unbalance":
         # v + iw = b exp(i angle): v = Re(b exp(i angle)) and w = Re(-i b exp(i angle))
@@ -65,7 +65,7 @@ def test_the_bow_is_taken_off_its_own_shaft_alone(excitation: str):
     assert found.elastic("g2") == pytest.approx(expected, abs=1e-12)
 
 
-def test_the_twist_is_that_of_an_independent_assembly():
+def test_the_twist_agrees_with_an_independent_assembly():
     found = BOWED.package().synchronous(SPEEDS)
     train = BOWED.reference()
     dofs = [(shaft, round(x, 9), direction) for shaft, x, direction in found.coordinates.dofs]
@@ -81,14 +81,14 @@ def test_the_twist_is_that_of_an_independent_assembly():
 
 
 @pytest.mark.parametrize("excitation", ["both", "bow", "unbalance"])
-def test_slow_roll_takes_off_what_is_excited(excitation: str):
+def test_slow_roll_subtraction_uses_the_excitation(excitation: str):
     system = BOWED.package()
     found = system.synchronous(SPEEDS, excitation=excitation)
     slow = system.synchronous([8.0], excitation=excitation)
     less = found.subtract_slow_roll(8.0)
     expected = found.displacement("g1") - slow.displacement("g1")
     assert less.displacement("g1") == pytest.approx(expected, abs=1e-18)
-    # the run-out holds the bow: it must not be taken off twice
+    # the run-out contains the bow: it must be subtracted once only
     assert less.elastic("g1") == pytest.approx(expected, abs=1e-18)
 
 

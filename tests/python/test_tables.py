@@ -15,7 +15,9 @@ MASS = 50.0 + scenes.DENSITY * np.pi / 4 * 0.1**2 * 0.2  # of disk and shaft
 def block(
     stiffness: tuple[float, float], damping: float = 0.0, inertia: float = 0.05
 ) -> gb.RotorSystem:
-    """A disk of 50 kg in the middle of a short shaft, 1e3 times as stiff as its two bearings."""
+    """Return a disk of 50 kg at the middle of a short shaft that is 1e3 times stiffer than its two
+    bearings.
+    """
     return gb.RotorSystem(
         [gb.Shaft("s", length=0.2, outer_diameter=0.1, elements=2)],
         disks=[gb.Disk("disk", "s", 0.1, 50.0, inertia, inertia)],
@@ -25,12 +27,12 @@ def block(
 
 
 def rows(table: str) -> list[list[str]]:
-    """Words of the lines of a table, without its head."""
+    """Return the words of the lines of a table without its header."""
     return [line.split() for line in table.splitlines()[1:]]
 
 
 def test_frequencies_and_damping_of_modes_in_all_their_forms():
-    # a mass on two bearings: ω² = 2k/m, ζ = c/√(2km), to the flexibility of the shaft
+    # a mass on two bearings: ω² = 2k/m, ζ = c/√(2km), up to the flexibility of the shaft
     system = block((1e6, 2e6), damping=2e3)
     modes = system.modes(count=2)
     for mode, k in enumerate((1e6, 2e6)):
@@ -49,12 +51,12 @@ def test_frequencies_and_damping_of_modes_in_all_their_forms():
         assert float(words[2]) == pytest.approx(100 * modes.damping_ratios[number], abs=5.1e-4)
 
 
-def test_energy_of_a_mode_is_where_it_moves():
+def test_energy_shares_of_a_mode_follow_its_motion():
     # softer along y: the first mode moves along y; nothing moves along z
     shares = block((1e6, 2e6)).modes(count=2).energy_shares()
     assert shares["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert shares["s", "w"] == pytest.approx([0.0, 1.0], abs=1e-9)
-    # tilting about the centre is rotary inertia alone, of bending in the same plane
+    # tilting about the centre has rotary inertia only, of bending in the same plane
     tilting = block((1e6, 2e6), inertia=5.0).modes(count=2)
     assert tilting.energy_shares()["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert tilting.names() == ["s v", "s w"]
@@ -121,5 +123,5 @@ def test_critical_speeds_of_a_rigid_rotor(excitation: float):
     found = block((3e5, 7e5)).critical_speed_map([1e5, 4e5], excitation=excitation)
     assert found.excitation == excitation
     expected = np.sqrt(2 * np.array([1e5, 4e5]) / MASS) / excitation
-    # to the flexibility of the shaft
+    # up to the flexibility of the shaft
     assert [speeds[0] for speeds in found.speeds] == pytest.approx(expected, rel=1e-2)

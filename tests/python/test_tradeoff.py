@@ -22,7 +22,7 @@ TOLERANCES = [1e-3, 1e-5, 1e-7, 1e-9]
 
 
 def toothed() -> gb.RotorSystem:
-    """The pair with stiffness that varies."""
+    """Return the gear pair with varying stiffness."""
     package = SCENE.package()
     teeth = gb.Stiffness.parabolic(1.5e8, engagement=0.3)
     meshes = [replace(mesh, stiffness=teeth) for mesh in package.meshes]
@@ -30,10 +30,10 @@ def toothed() -> gb.RotorSystem:
 
 
 def apart(found: np.ndarray, exact: np.ndarray) -> float:
-    """RMS of the difference over the RMS of the swing, written once more."""
+    """Return the RMS of the difference over the RMS of the variation, by an independent formula."""
     square = np.sum((found - exact).reshape(len(exact), -1) ** 2, axis=1).mean()
-    swing = np.sum((exact - exact.mean(axis=0)).reshape(len(exact), -1) ** 2, axis=1).mean()
-    return float(np.sqrt(square / swing))
+    variation = np.sum((exact - exact.mean(axis=0)).reshape(len(exact), -1) ** 2, axis=1).mean()
+    return float(np.sqrt(square / variation))
 
 
 @pytest.fixture(scope="module")
@@ -55,34 +55,34 @@ def of_method(study: gb.Tradeoff, method: str) -> list[gb.Trial]:
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_errors_fall_with_the_tolerance_down_to_what_is_known(study, method):
+def test_errors_decrease_with_the_tolerance_down_to_the_uncertainty_of_the_reference(study, method):
     errors = [trial.bound for trial in of_method(study, method)]
     assert len(errors) >= len(TOLERANCES)
-    # rk45 is held to the limit of stability where a tolerance is loose: the error stays the same
+    # at a loose tolerance the stability limit sets the steps of rk45: the error stays the same
     assert all(tight <= 1.01 * loose for loose, tight in pairwise(errors))
     assert errors[-1] == study.floor < 1e-6
     assert errors[0] > 1e2 * study.floor
 
 
-def test_the_reference_is_what_an_independent_program_finds():
+def test_the_reference_agrees_with_an_independent_program():
     times = np.linspace(0.0, END, 101)
     exact = independent_solution.from_rest(SCENE.reference(), SPEED, times).displacement("g1")
     system = SCENE.package()
     found = system.tradeoff(
         END, SPEED, signals="g1", initial="rest", tolerances=TOLERANCES, steps=[], repeats=1
     )
-    # the tolerance of the independent solution of 1e-10 leaves about as much; its own error hides
-    # what is below
+    # the error of the independent solution at its tolerance of 1e-10 hides
+    # smaller errors
     hidden = 1e-7
     for trial in found.trials:
         response = trial.system.simulate(END, SPEED, initial="rest", times=times, **trial.options)
         error = apart(response.displacement("g1"), exact)
-        # other times than those of the study: their means over time differ by some per cent
+        # other times than those of the study: means over time differ by a few percent
         assert error == pytest.approx(trial.error, rel=0.3, abs=hidden + found.floor), str(trial)
 
 
 @pytest.mark.parametrize("wanted", [1e-2, 1e-4, 1e-6])
-def test_a_recommendation_keeps_its_error_against_an_independent_program(wanted):
+def test_a_recommended_setting_has_its_error_against_an_independent_program(wanted):
     times = np.linspace(0.0, END, 101)
     motion = independent_solution.from_rest(SCENE.reference(), SPEED, times)
     found = SCENE.package().tradeoff(END, SPEED, signals=["g1", FORCE], initial="rest", repeats=1)
@@ -120,20 +120,20 @@ def test_the_error_of_a_simplification_is_that_of_a_direct_comparison(study):
         assert tight.model_error == tight.error > 1e-3
 
 
-def test_fewer_modes_and_more_elements_are_models_of_their_own(study):
+def test_fewer_modes_and_more_elements_are_separate_models(study):
     counts = [t for t in study.trials if t.model.endswith("modes")]
     assert counts
     for trial in counts:
         assert trial.options["modes"] == int(trial.model.split()[0])
         assert trial.options["method"] == "exponential"
-        # what it is off by is its integration and its model, whatever their signs
+        # its error is the sum of integration error and model error, with unknown signs
         assert trial.error <= 1.001 * (trial.integration_error + trial.model_error)
     model, errors = study.discretisation
     assert model == "elements × 2"
     assert all(1e-5 < error < 1.0 for error in errors.values())
 
 
-def test_no_setting_of_the_front_is_beaten(study):
+def test_no_setting_of_the_pareto_front_is_dominated(study):
     for duration in (None, 10.0):
         front = study.front(duration=duration)
         assert front
@@ -151,14 +151,14 @@ def test_no_setting_of_the_front_is_beaten(study):
     assert all(t.model == "as given" for t in study.front(simplified=False))
 
 
-def test_a_recommendation_weighs_set_up_against_steps(study):
+def test_a_recommendation_compares_setup_and_stepping_cost(study):
     quick, lasting = study.recommend(1e-4), study.recommend(1e-4, duration=1e4)
     assert lasting.trial.rate <= quick.trial.rate
     assert quick.trial.seconds <= lasting.trial.seconds
     assert study.recommend(1e-4, simplified=False).system.dofs == toothed().dofs
 
 
-def test_what_no_setting_keeps_is_an_error(study):
+def test_an_error_bound_below_all_settings_is_refused(study):
     with pytest.raises(gb.GearbowError, match=r"meets 1e-15; the most accurate is .*uncertainty"):
         study.recommend(1e-15)
     with pytest.raises(gb.SceneError, match=r"^error: must be positive"):
@@ -167,7 +167,7 @@ def test_what_no_setting_keeps_is_an_error(study):
         study.front(duration=0.0)
 
 
-def test_the_table_says_it_all(study):
+def test_the_table_contains_all_results(study):
     text = str(study)
     assert f"uncertainty {study.floor:.1e}" in text
     lines = study.table().splitlines()
@@ -197,7 +197,7 @@ def test_the_diagram_shows_every_method_and_model(study, tmp_path):
     np.testing.assert_allclose(
         drawn.get_ydata(), [t.seconds for t in of_method(study, "exponential")]
     )
-    # shapes tell what colours may not
+    # marker shapes, for readers who cannot distinguish the colours
     markers = [lines[name].get_marker() for name in {"exponential", "rk45", *models}]
     assert len(set(markers)) == len(markers)
     study.plot(duration=10.0).savefig(tmp_path / "figure.png")
@@ -220,7 +220,7 @@ def test_the_same_study_finds_the_same_errors(study):
     assert again.floor == study.floor
 
 
-def test_a_budget_ends_what_would_take_too_long():
+def test_a_budget_ends_a_long_setting():
     budget = 3.0
     begin = time.perf_counter()
     found = toothed().tradeoff(
@@ -232,7 +232,7 @@ def test_a_budget_ends_what_would_take_too_long():
         budget=budget,
         repeats=1,
     )
-    # a run looks at the clock every 50 ms; twice as much is a machine that does other things too
+    # a run checks the time every 50 ms; the factor two allows for other work on the machine
     assert time.perf_counter() - begin < 2.0 * budget
     slow = [skipped for skipped in found.skipped if skipped.setting == "rk4, step 1e-09 s"]
     assert slow
@@ -241,12 +241,12 @@ def test_a_budget_ends_what_would_take_too_long():
     assert any(trial.setting == "rk4, step 1e-06 s" for trial in found.trials)
 
 
-def test_what_is_left_when_the_budget_is_spent_is_not_begun():
+def test_no_setting_starts_after_the_budget_is_spent():
     def dawdle(_: float) -> None:
         time.sleep(0.05)
 
     found = toothed().tradeoff(END, SPEED, signals="g1", budget=0.5, progress=dawdle)
-    # of 30 settings and more, those of half a second
+    # of more than 30 settings, those that end within half a second
     late = [skipped for skipped in found.skipped if skipped.reason == "the budget is spent"]
     assert len(late) > 10
     assert 2 <= len(found.trials) <= 11
@@ -264,7 +264,7 @@ def test_a_budget_too_short_for_a_reference_is_an_error():
         system.tradeoff(10.0, SPEED, signals="g1", methods="rk4", budget=0.1)
 
 
-def test_a_step_that_is_not_stable_is_skipped_and_says_so():
+def test_an_unstable_step_is_skipped_with_a_reason():
     found = toothed().tradeoff(
         1e-3, SPEED, signals="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1
     )
@@ -273,7 +273,7 @@ def test_a_step_that_is_not_stable_is_skipped_and_says_so():
     assert "stability limit" in unstable[0].reason
 
 
-def test_progress_goes_from_nothing_to_all(capsys):
+def test_progress_increases_from_0_to_1(capsys):
     seen: list[float] = []
     how = {"signals": "g1", "methods": "exponential", "tolerances": [1e-3], "repeats": 1}
     toothed().tradeoff(1e-3, SPEED, progress=seen.append, **how)
@@ -309,13 +309,13 @@ def test_progress_goes_from_nothing_to_all(capsys):
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
-def test_an_impossible_argument_is_named(given, text):
+def test_the_error_names_the_invalid_argument(given, text):
     with pytest.raises(gb.SceneError) as caught:
         toothed().tradeoff(**{"duration": 1e-3, "speed": SPEED, "signals": "g1"} | given)
     assert str(caught.value).startswith(text)
 
 
-def test_what_does_not_swing_has_no_error():
+def test_a_constant_signal_has_no_relative_error():
     straight = replace(PAIR, elements=2).package()
     with pytest.raises(gb.SceneError, match=r"^signals: the displacement of g1 is constant"):
         straight.tradeoff(1e-3, SPEED, signals="g1", initial="static")
@@ -330,12 +330,12 @@ def test_tradeoff_of_a_torsional_train_compares_mesh_forces():
     with pytest.raises(gb.SceneError, match=r"^signals: 'g1' has no lateral motion"):
         system.tradeoff(1e-3, SPEED, signals="g1")
     found = system.tradeoff(2e-3, SPEED, signals=FORCE, methods="exponential", repeats=1)
-    # its centres do not move: there is no geometry to freeze
+    # its gear centres do not move, so that frozen geometry is no simplification
     assert "frozen geometry" not in {trial.model for trial in found.trials}
 
 
 @pytest.mark.parametrize("word", list(ACCURACIES))
-def test_a_word_keeps_what_the_response_expects_of_it(word):
+def test_a_named_accuracy_has_the_expected_error(word):
     times = np.linspace(0.0, END, 101)
     motion = independent_solution.from_rest(SCENE.reference(), SPEED, times)
     response = SCENE.package().simulate(END, SPEED, accuracy=word, initial="rest", times=times)
@@ -343,7 +343,7 @@ def test_a_word_keeps_what_the_response_expects_of_it(word):
     assert response.expected_error == each.error
     assert word in response.accuracy
     assert "make measure" in response.accuracy
-    # the independent solution has no smaller error
+    # the error of the independent solution is similar
     allowed = max(each.error, 1e-7)
     assert apart(response.displacement("g1"), motion.displacement("g1")) < allowed
     assert apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True)) < allowed
@@ -355,7 +355,7 @@ def test_a_word_keeps_what_the_response_expects_of_it(word):
     assert same.accuracy is None
 
 
-def test_words_go_with_a_response_into_its_file(tmp_path):
+def test_a_file_contains_the_named_accuracy(tmp_path):
     response = SCENE.package().simulate(1e-4, SPEED, accuracy="draft")
     for name in ("run.npz", "run.nc"):
         response.save(tmp_path / name)
@@ -369,25 +369,25 @@ def test_words_go_with_a_response_into_its_file(tmp_path):
 @pytest.mark.parametrize(
     "other", [{"method": "rk4"}, {"step": 1e-6}, {"rtol": 1e-3}, {"stages": 2}, {"modes": 8}]
 )
-def test_a_word_together_with_a_setting_is_an_error(other):
+def test_a_named_accuracy_with_a_setting_is_an_error(other):
     (name,) = other
     with pytest.raises(gb.SceneError, match=rf"^accuracy: cannot be given together with {name}"):
         SCENE.package().simulate(1e-4, SPEED, accuracy="draft", **other)
 
 
-def test_an_unknown_word_is_told_the_known_ones():
+def test_the_error_for_an_unknown_accuracy_lists_the_known_ones():
     with pytest.raises(
         gb.SceneError, match=r"^accuracy: must be one of draft, engineering, reference, got 'good'"
     ):
         SCENE.package().simulate(1e-4, SPEED, accuracy="good")
 
 
-def test_a_word_is_known_at_constant_speed_only():
+def test_named_accuracies_need_a_constant_speed():
     with pytest.raises(gb.SceneError, match=r"^accuracy: is known at constant speed only"):
         SCENE.package().simulate(1e-4, lambda t: 100.0 + 1e3 * t, accuracy="draft")
 
 
-def test_flanks_that_part_shorten_what_can_be_expected():
+def test_separation_limits_the_expected_accuracy():
     package = replace(PAIR, elements=2, torque=5.0).package()
     error = gb.TransmissionError(tooth=[(2e-5, 0.0)])
     meshes = [replace(mesh, backlash=1e-4, error=error) for mesh in package.meshes]
@@ -398,10 +398,10 @@ def test_flanks_that_part_shorten_what_can_be_expected():
     assert any(event.kind == "separation" for event in response.events)
     assert "flanks separated" in response.accuracy
     closed = SCENE.package().simulate(1e-3, SPEED, accuracy="draft")
-    assert "parted" not in closed.accuracy
+    assert "flanks separated" not in closed.accuracy
 
 
-def test_a_linear_rotor_is_known_to_round_off(tmp_path):
+def test_a_linear_rotor_has_an_error_of_round_off(tmp_path):
     # the exponential method is exact without meshes: reference and check are equal to the last bit
     rotor = gb.Shaft(
         "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)

@@ -63,7 +63,7 @@ STUDY = Tradeoff(
 
 
 def run(time: np.ndarray, motion: np.ndarray, force: np.ndarray | float = 0.0) -> gb.Response:
-    """A response with this displacement of g1 and this force of the mesh g3/g4."""
+    """Return a response with this displacement of g1 and this force of the mesh g3/g4."""
     displacement, forces = np.zeros((time.size, 4, 2)), np.zeros((time.size, 2))
     displacement[:, 0], forces[:, 1] = motion, force
     mesh = {**response(time)._data["mesh"], "force": forces}
@@ -71,7 +71,7 @@ def run(time: np.ndarray, motion: np.ndarray, force: np.ndarray | float = 0.0) -
 
 
 class TestErrors:
-    """Distance of two runs."""
+    """Relative difference of two runs."""
 
     def test_rms_of_the_difference_over_rms_of_the_variation(self):
         # whole periods: a circle of radius 3 around (5, -2), and one of radius 0.1 beside it;
@@ -95,7 +95,7 @@ class TestErrors:
         assert found.error(exact, exact) == pytest.approx(max(expected.values()))
         assert exact.error(exact, exact) == 0.0
 
-    def test_the_length_of_a_displacement_counts(self):
+    def test_errors_use_the_length_of_the_displacement_vector(self):
         # 1 along one axis against 3 and 4 along both, which is 5
         time = np.linspace(0.0, 1.0, 100, endpoint=False)
         wave = np.cos(2 * np.pi * 5 * time)
@@ -105,7 +105,7 @@ class TestErrors:
         assert found.error(exact, exact) == pytest.approx(1.0 / 5.0)
 
 
-def test_what_is_derived_from_a_trial():
+def test_derived_quantities_of_a_trial():
     assert LASTING.error == 3e-4
     assert QUICK.error == 1e-3
     assert (LASTING.bound, BELOW.bound) == (3e-4, FLOOR)
@@ -118,7 +118,7 @@ def test_what_is_derived_from_a_trial():
     assert str(SIMPLER) == "exponential, rtol 1e-2, 4 modes"
 
 
-def test_the_front():
+def test_the_pareto_front():
     assert STUDY.front() == (SIMPLER, QUICK, LASTING, BELOW)
     assert STUDY.front(simplified=False) == (QUICK, LASTING, BELOW)
     # over ten seconds, stepping counts: 80.1 s, 43 s, 103 s, and 2.05 s for the simplified model
@@ -157,7 +157,7 @@ def test_the_text_table():
         "8.0e-03", "2.0e-03", "3.0e-04", "0.15", "0.05", "0.2", "7", "28", "tolerance",
     ]  # fmt: skip
     assert words["exponential, rtol 1e-9"][6] == "<1.0e-06"
-    assert words["rk4, step 1e-6 s"][0] == "rk4,"  # no star
+    assert words["rk4, step 1e-6 s"][0] == "rk4,"  # no star: not on the front
 
 
 def test_the_data_frame():
@@ -189,13 +189,13 @@ def test_the_diagram(duration: float | None):
     assert panel.get_ylabel() == f"CPU time for {0.5 if duration is None else 10:g} simulated s [s]"
     lines = {line.get_label(): line.get_xydata() for line in panel.get_lines()}
     costs = {None: (5.0, 8.0), 10.0: (43.0, 103.0)}[duration]
-    # a point that is better than the reference is known stands where that is known to
+    # an error below the uncertainty of the reference is drawn at this uncertainty
     expected = np.column_stack([[3e-4, FLOOR], costs])
     np.testing.assert_allclose(lines["exponential"], expected)
     np.testing.assert_allclose(lines["4 modes"], [[8e-3, {None: 0.15, 10.0: 2.05}[duration]]])
 
 
-def test_the_error_of_a_model_is_that_of_its_tight_run():
+def test_the_error_of_a_model_is_that_of_its_most_accurate_run():
     # the tight run of a simplified model is the last of its rows
     study = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2).package().tradeoff(
         2e-3, 100.0, signals="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
@@ -210,6 +210,6 @@ def test_the_error_of_a_model_is_that_of_its_tight_run():
         assert tight.model_error == tight.error
         for other in others:
             assert other.model_error == tight.error
-            # a looser run has an error of its own
+            # a less accurate run has its own error
             assert other.integration_error > 0.0
             assert other.error != tight.error

@@ -65,11 +65,11 @@ def test_a_netcdf_file_has_units_and_labels(tmp_path):
     xarray = pytest.importorskip("xarray")
     made = response(TIME)
     made.save(tmp_path / "run.nc")
-    # without the default decoding, as a program that knows nothing of gearbow reads it
+    # without the default decoding, as another program reads it
     with xarray.open_dataset(tmp_path / "run.nc", engine="h5netcdf", decode_times=False) as dataset:
         check_dataset(dataset, made)
         np.testing.assert_array_equal(dataset["final_state"], np.arange(4.0))
-        # no value stands for a missing one
+        # no value marks missing data
         assert all("_FillValue" not in dataset[name].encoding for name in VARIABLES)
 
 
@@ -100,7 +100,7 @@ def test_a_table_has_a_column_for_every_series():
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".nc"])
-def test_a_file_keeps_what_is_not_an_array(tmp_path, suffix: str):
+def test_a_file_contains_the_metadata(tmp_path, suffix: str):
     made = response(TIME, speed=-123.25)
     made.expected_error, made.accuracy = 1e-4, "engineering: as measured"
     made.save(tmp_path / f"run{suffix}")
