@@ -31,7 +31,7 @@ pub enum StiffnessModel {
     /// Tooth pairs whose stiffness is a parabola along the path of contact; the number is the stiffness at the ends of
     /// the path relative to the largest one.
     Parabolic(Scale, f64),
-    /// Tooth pairs by the potential-energy method, for this face width, m, and radii at which the blanks are fixed, m.
+    /// Tooth pairs by the potential-energy method, for this face width, m, and radii at which the gear bodies are fixed, m.
     PotentialEnergy(f64, [f64; 2], Foundation),
     /// Mesh stiffness at equal intervals of the mesh cycle, N/m.
     Table(Vec<f64>),
@@ -127,14 +127,14 @@ impl Given<'_> {
             }
             let at = self.at.field("bore_radii").index(index);
             if at.positive(*radius)? >= root {
-                let message = format!("{radius} m leaves no blank below the root radius of {root} m");
+                let message = format!("{radius} m leaves no gear body below the root radius of {root} m");
                 return Err(at.error(message));
             }
             let ratio = root / *radius;
             if !(FOUNDATION_RANGE[0] - SAME..=FOUNDATION_RANGE[1] + SAME).contains(&ratio) {
                 warnings.push(format!(
-                    "{at}: the root radius of \"{}\" is {ratio:.3} times the radius of {radius} m at which its blank \
-                     is fixed; the compliance of fillet and blank was fitted for 1.4 to 7 (Sainsot, Velex and Duverger \
+                    "{at}: the root radius of \"{}\" is {ratio:.3} times the radius of {radius} m at which its body \
+                     is fixed; the compliance of fillet and gear body was fitted for 1.4 to 7 (Sainsot, Velex and Duverger \
                      2004): give bore_radii in that range, or another stiffness model",
                     gear.body.name
                 ));

@@ -227,7 +227,7 @@ FAULTS: list[Fault] = [
             'columns[f"{name} w [m]"] = data["displacement"][:, i, 0]',
         ),
         ('columns[f"{name} twist [rad]"]', 'columns[f"{name} twist [mrad]"]'),
-        ('enumerate("yz")', 'enumerate("zy")'),
+        ('data["bearing_force"][:, i, axis]', 'data["bearing_force"][:, i, 1 - axis]'),
         ("name in ENERGIES else", "name not in ENERGIES else"),
         ('"expected_error": run.expected_error', '"expected_error": None'),
         ('"accuracy": run.accuracy', '"accuracy": None'),

@@ -170,7 +170,7 @@ SQUARE = gb.Stiffness.square(2e8)
         ),
         (
             {"stiffness": gb.Stiffness.potential_energy([0.02, 0.08])},
-            r"^meshes\[0\].stiffness.bore_radii\[1\]: 0.08 m leaves no blank",
+            r"^meshes\[0\].stiffness.bore_radii\[1\]: 0.08 m leaves no gear body",
         ),
         ({"stiffness": gb.Stiffness.table([1e8])}, r"^meshes\[0\].stiffness.values: "),
         (

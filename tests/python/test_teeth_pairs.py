@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.teeth import TeethLaw, Toothed, begin, blank_compliance, pair_stiffness, tips
+from reference.teeth import TeethLaw, Toothed, begin, body_compliance, pair_stiffness, tips
 
 SPEED, CYCLES, PER_CYCLE = 20.0, 4, 1000
 MEAN = 2e8
@@ -191,17 +191,17 @@ def test_pairs_that_share_the_gear_bodies(
         s = law.base_radius_a * (phases[i] + law.angle_at_rest)
         places = [at for j in range(-6, 6) if low <= (at := s + j * law.base_pitch) <= high]
         counts.add(len(places))
-        blanks = np.array(
+        bodies = np.array(
             [
-                blank_compliance(teeth[0], module, bores[0], at)
-                + blank_compliance(teeth[1], module, bores[1], tangent - at)
+                body_compliance(teeth[0], module, bores[0], at)
+                + body_compliance(teeth[1], module, bores[1], tangent - at)
                 for at in places
             ]
         )
-        alone = [1 / pair_stiffness(teeth, module, bores, tangent, at) for at in places] - blanks
+        alone = [1 / pair_stiffness(teeth, module, bores, tangent, at) for at in places] - bodies
         # every pair deflects by its own force and by the deflection of the gear bodies under all
         # forces
-        yields = np.diag(alone) + np.sqrt(np.outer(blanks, blanks))
+        yields = np.diag(alone) + np.sqrt(np.outer(bodies, bodies))
         expected = width * np.linalg.solve(yields, np.ones(len(places))).sum()
         assert mesh.stiffness[i] == pytest.approx(
             expected, rel=1e-8

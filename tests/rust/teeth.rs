@@ -286,7 +286,7 @@ fn iso_6336_has_the_coefficients_of_the_standard() {
 
 /// Compliance per face width of a tooth of standard steel, loaded at the distance `rolling_displacement` from its base
 /// point. The tooth is a cantilever of thin slices with the textbook thickness s_r = 2r[s/(2r_p) + inv α − inv α_r] at
-/// each radius. Fillet and blank follow Sainsot, Velex and Duverger (2004).
+/// each radius. Fillet and gear body follow Sainsot, Velex and Duverger (2004).
 fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
     const SLICES: u32 = 4000;
     let (e, g) = (207e9, 207e9 / 2.6);
@@ -326,8 +326,8 @@ fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
     ]
     .map(|[a, b, c, d, e, f]| a / theta.powi(2) + b * h * h + c * h / theta + d / theta + e * h + f);
     let reach = (height - side * sin / cos - root) / (2.0 * theta * root);
-    let blank = (cos * cos * (l * reach * reach + m * reach + p) + p * q * sin * sin) / e;
-    sum(lowest, touched, &place) + stub + blank
+    let body = (cos * cos * (l * reach * reach + m * reach + p) + p * q * sin * sin) / e;
+    sum(lowest, touched, &place) + stub + body
 }
 
 #[test]

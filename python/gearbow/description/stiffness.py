@@ -37,9 +37,9 @@ class Stiffness(Part):
     phases : sequence of float, optional
         Phases of the harmonics [rad], for "fourier".
     bore_radii : pair of float, optional
-        Radii at which the blanks of driver and driven gear are fixed [m], for "potential_energy".
+        Radii at which the bodies of driver and driven gear are fixed [m], for "potential_energy".
     foundation : {"separate", "shared"}, optional
-        Whether pairs in simultaneous contact share the compliance of fillet and blank, for
+        Whether pairs in simultaneous contact share the compliance of fillet and gear body, for
         "potential_energy".
     engagement : "sharp" or float, optional
         Engagement of a tooth pair, for the models that consist of pairs.
@@ -202,12 +202,12 @@ class Stiffness(Part):
         phase: str | None = None,
         foundation: str | None = None,
     ) -> "Stiffness":
-        """Use pairs of the potential-energy method: bending, shear, compression, blank and contact.
+        """Use pairs of the potential-energy method: bending, shear, compression, body and contact.
 
         Parameters
         ----------
         bore_radii : pair of float
-            Radii at which the blanks of driver and driven gear are fixed [m], below their root
+            Radii at which the bodies of driver and driven gear are fixed [m], below their root
             circles; the defaults are the radii of their shafts.
         engagement : "sharp" or float
             Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
@@ -215,10 +215,10 @@ class Stiffness(Part):
         phase : {"twist", "prescribed"}
             What determines the position of the teeth on the path of contact; see the class.
         foundation : {"separate", "shared"}
-            Fillet and blank. "separate" gives each tooth pair its own compliance, as in most
-            publications; where two pairs are in contact, it counts the blank twice, in parallel,
+            Fillet and gear body. "separate" gives each tooth pair its own compliance, as in most
+            publications; where two pairs are in contact, it counts the body twice, in parallel,
             and overestimates the stiffness. With "shared" all pairs in contact load the same
-            blanks. The default is "separate".
+            gear bodies. The default is "separate".
 
         Returns
         -------
@@ -229,22 +229,22 @@ class Stiffness(Part):
         -----
         SceneWarning
             By the system, if a root circle radius is not 1.4 to 7 times the bore radius, the range
-            (with the two digits of the source) for which the fillet and blank formula was fitted.
+            (with the two digits of the source) for which the formula of the gear body was fitted.
 
         Notes
         -----
         With ``foundation="shared"`` a pair i in contact deflects pair j by f_i f_j times its force,
-        where f² is the compliance of both blanks for a pair at its position. The mesh stiffness
-        is K = Σκ − (Σκf)²/(1 + Σκf²), with the stiffness κ of each pair without the blanks. It
+        where f² is the compliance of both bodies for a pair at its position. The mesh stiffness
+        is K = Σκ − (Σκf)²/(1 + Σκf²), with the stiffness κ of each pair without the bodies. It
         cannot be combined with tip relief.
 
         Each tooth is a cantilever with an involute profile down to the base circle and a straight
         profile from there to the root: Yang and Lin, *Hertzian damping, tooth friction and bending
         elasticity in gear impact dynamics*, J. Mech. Transm. Autom. Des. 109 (1987), with shear
         after Tian, *Dynamic simulation for system response of gearbox including localized gear
-        faults* (2004); fillet and blank: Sainsot, Velex and Duverger, *Contribution of gear body to
-        tooth deflections*, J. Mech. Des. 126 (2004); contact: Yang and Sun, *A rotary model for
-        spur gear dynamics*, J. Mech. Transm. Autom. Des. 107 (1985).
+        faults* (2004); fillet and gear body: Sainsot, Velex and Duverger, *Contribution of gear
+        body to tooth deflections*, J. Mech. Des. 126 (2004); contact: Yang and Sun, *A rotary model
+        for spur gear dynamics*, J. Mech. Transm. Autom. Des. 107 (1985).
         """
         return cls(
             "potential_energy",

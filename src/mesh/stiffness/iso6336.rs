@@ -18,7 +18,7 @@ const CORRECTION: f64 = 0.8;
 /// Conversion factor from N/(mm µm) to N/m².
 const UNIT: f64 = 1e9;
 
-/// Stiffness of a pair of solid gears; the blank and basic rack factors C_R and C_B are 1.
+/// Stiffness of a pair of solid gears; the gear blank and basic rack factors C_R and C_B are 1.
 pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
     let (za, zb) = (f64::from(a.teeth), f64::from(b.teeth));
     let (xa, xb) = (a.profile_shift, b.profile_shift);

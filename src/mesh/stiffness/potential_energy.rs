@@ -1,7 +1,7 @@
-//! Stiffness of a tooth pair by the potential energy method: each tooth is a cantilever on an elastic blank.
+//! Stiffness of a tooth pair by the potential energy method: each tooth is a cantilever on an elastic gear body.
 //!
 //! Bending, shear and axial compression follow Yang and Lin (1987) and Tian (2004). The tooth profile is an involute
-//! down to the base circle and straight from the base circle to the root circle. Fillet and blank follow Sainsot, Velex
+//! down to the base circle and straight from the base circle to the root circle. Fillet and gear body follow Sainsot, Velex
 //! and Duverger (2004). The contact follows Yang and Sun (1985). Stiffness is per face width; compliance is times face
 //! width.
 
@@ -44,7 +44,7 @@ pub struct Tooth {
 }
 
 impl Tooth {
-    /// A tooth of `gear`, whose blank is clamped at `bore_radius`.
+    /// A tooth of `gear`, whose body is clamped at `bore_radius`.
     pub fn new(gear: &Gear, bore_radius: f64) -> Self {
         Self {
             base_radius: gear.base_radius,
@@ -94,7 +94,7 @@ impl Tooth {
         involute + straight
     }
 
-    /// Compliance of the fillet and the blank times face width, m²/N.
+    /// Compliance of the fillet and the gear body times face width, m²/N.
     pub fn foundation(&self, rolling_displacement: f64) -> f64 {
         let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();

@@ -93,10 +93,10 @@ pub struct StiffnessModel {
     /// Phases of the harmonics, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
-    /// Radii at which the blanks of driver and driven gear are fixed, m; by default the radii of the shafts.
+    /// Radii at which the bodies of driver and driven gear are fixed, m; by default the radii of the shafts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bore_radii: Option<[f64; 2]>,
-    /// Whether simultaneous pairs share the compliance of fillet and blank.
+    /// Whether simultaneous pairs share the compliance of fillet and gear body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,
     /// `"sharp"`, or the fraction of the base pitch over which a pair comes into contact.
@@ -126,7 +126,7 @@ impl StiffnessModel {
     }
 }
 
-/// Compliance of fillet and blank in the potential-energy model.
+/// Compliance of fillet and gear body in the potential-energy model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Foundation {

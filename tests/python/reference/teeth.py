@@ -506,7 +506,7 @@ def pair_stiffness(
 ) -> float:
     """Give the stiffness of one pair per face width.
 
-    The compliances are bending, shear, compression, blank and contact. The first three use the
+    The compliances are bending, shear, compression, gear body and contact. The first three use the
     angle form of Yang, Lin and Tian: integrals over the tangent angle from -a1 at the contact to a2
     at the base circle.
     """
@@ -549,11 +549,11 @@ def tooth_compliance(z: int, module: float, bore: float, rolled: float) -> float
 
         total += quad(stub, root, foot, epsabs=0, epsrel=1e-12)[0]
 
-    return float(total) + blank_compliance(z, module, bore, rolled)
+    return float(total) + body_compliance(z, module, bore, rolled)
 
 
-def blank_compliance(z: int, module: float, bore: float, rolled: float) -> float:
-    """Give the contribution of fillet and blank to `tooth_compliance`."""
+def body_compliance(z: int, module: float, bore: float, rolled: float) -> float:
+    """Give the contribution of fillet and gear body to `tooth_compliance`."""
     alpha = np.radians(20)
     base, root = module * z / 2 * np.cos(alpha), module * z / 2 - 1.25 * module
     a2 = np.pi / (2 * z) + np.tan(alpha) - alpha
