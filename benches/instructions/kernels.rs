@@ -27,7 +27,7 @@ pub const KERNELS: &[Kernel] = &[
     ("right-hand side, live, n = 240", || right_hand_side(Geometry::Live)),
     ("right-hand side, frozen, n = 240", || right_hand_side(Geometry::Frozen)),
     ("200 steps of rk4, live, n = 240", || steps(RK4, StepControl::Fixed)),
-    ("as long with rk45, live, n = 240", || {
+    ("the same duration with rk45, live, n = 240", || {
         steps(DORMAND_PRINCE, |longest| StepControl::Adaptive(Adaptive { rtol: 1e-6, floor: 0.0, longest }))
     }),
     ("real modes, n = 135", real_modes),

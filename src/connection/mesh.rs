@@ -163,7 +163,7 @@ impl MeshInterface {
     /// The generalised forces of a contact on the scalars.
     #[inline(always)]
     fn forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
-        let [y, z] = contact.push;
+        let [y, z] = contact.centre_force;
         match self.scalars {
             Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0],
             Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0],

@@ -3,7 +3,7 @@
 /// How a method chooses its step length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepControl {
-    /// The same length h throughout, s. Step i begins at i·h, so that time does not drift.
+    /// Constant step length h, s. Step i begins at i·h, so that time does not drift.
     Fixed(f64),
     /// The longest step that meets the tolerance.
     Adaptive(Adaptive),

@@ -158,7 +158,7 @@ impl Numbers<'_> {
         Some(*first)
     }
 
-    /// A vector after its length.
+    /// Reads a vector: its length, then its entries.
     fn vector(&mut self) -> Option<Vec<f64>> {
         let len = self.number()?;
         let (vector, rest) = self.0.split_at_checked(len as usize)?;

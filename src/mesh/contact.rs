@@ -97,7 +97,7 @@ pub struct Contact {
     /// Elastic energy U, J.
     pub energy: f64,
     /// Generalised force on u_b, N; the force on u_a is the opposite.
-    pub push: [f64; 2],
+    pub centre_force: [f64; 2],
     /// Generalised forces on θ_a and θ_b, N m.
     pub moments: [f64; 2],
     /// Power of the prescribed motion (transmission error, spin of the teeth, run-out), W.
@@ -123,7 +123,7 @@ impl Contact {
             force: self.force - back.force,
             stiffness: self.stiffness + back.stiffness,
             energy: self.energy + back.energy,
-            push: sum(self.push, back.push),
+            centre_force: sum(self.centre_force, back.centre_force),
             moments: sum(self.moments, back.moments),
             drive_power: self.drive_power + back.drive_power,
             damping_power: self.damping_power + back.damping_power,

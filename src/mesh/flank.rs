@@ -103,7 +103,7 @@ impl GearMesh {
         let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } = state;
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
-        let mut push = line.normal.map(|n| force * n);
+        let mut centre_force = line.normal.map(|n| force * n);
         let mut moments = [-force * sigma * ra, -force * sigma * rb];
         // Power of the prescribed motion: transmission error, teeth moving along the path, and run-out that rotates with the
         // shafts.
@@ -113,10 +113,10 @@ impl GearMesh {
             Phase::Twist => {
                 moments[0] -= by_position * ra * sigma;
                 if *geometry == Geometry::Live {
-                    for ((push, normal), tangent_direction) in
-                        push.iter_mut().zip(line.normal).zip(line.tangent_direction)
+                    for ((centre_force, normal), tangent_direction) in
+                        centre_force.iter_mut().zip(line.normal).zip(line.tangent_direction)
                     {
-                        *push -= by_position * ra * tangent_direction / line.tangent
+                        *centre_force -= by_position * ra * tangent_direction / line.tangent
                             + by_tangent * (normal + tangent_direction * steeper);
                     }
                 }
@@ -127,9 +127,9 @@ impl GearMesh {
             Phase::Prescribed => {}
         }
         if let Some([ea, eb]) = eccentric {
-            moments[0] += push[0] * ea[1] - push[1] * ea[0];
-            moments[1] += push[1] * eb[0] - push[0] * eb[1];
-            drive_power -= dot(push, *run_out_velocity);
+            moments[0] += centre_force[0] * ea[1] - centre_force[1] * ea[0];
+            moments[1] += centre_force[1] * eb[0] - centre_force[0] * eb[1];
+            drive_power -= dot(centre_force, *run_out_velocity);
         }
         let damping_power = self.damping * rate * rate;
         let back_flank_deflection = f64::NEG_INFINITY;
@@ -139,7 +139,7 @@ impl GearMesh {
             force,
             stiffness,
             energy,
-            push,
+            centre_force,
             moments,
             drive_power,
             damping_power,

@@ -272,7 +272,7 @@ impl GearMesh {
                 force,
                 stiffness: self.stiffness,
                 energy: elastic * deflection / 2.0,
-                push: line.normal.map(|n| force * n),
+                centre_force: line.normal.map(|n| force * n),
                 moments: [-force * sigma * ra, -force * sigma * rb],
                 drive_power: 0.0,
                 damping_power: self.damping * rate * rate,
@@ -307,8 +307,8 @@ impl GearMesh {
     pub fn apply(&self, contact: &Contact, out: &mut [f64]) {
         if let Some([a, b]) = self.coordinates.translation {
             for i in 0..2 {
-                out[a + i] -= contact.push[i];
-                out[b + i] += contact.push[i];
+                out[a + i] -= contact.centre_force[i];
+                out[b + i] += contact.centre_force[i];
             }
         }
         let [a, b] = self.coordinates.twist;

@@ -62,8 +62,8 @@ def test_error_decreases_with_the_order_of_the_element(
     for count in counts:
         system = single_shaft(gb.Bow.half_sine(BOW), elements=count, shear=shear)
         errors.append(abs(forward(system, ("s", 0.5), speed) / BOW / exact - 1))
-    # a slope of a finite refinement: within 0.2 of its limit (4.0 and 2.14 by the
-    # independent assembly; at finer ones the supports show)
+    # observed order of one refinement: within 0.2 of its limit (4.0 and 2.14 by the independent
+    # assembly; finer elements show the flexibility of the supports)
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.2)
 
 

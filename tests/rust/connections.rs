@@ -110,7 +110,7 @@ fn equilibrium_synchronous_response_and_step_limit_contain_connections() {
 }
 
 #[test]
-fn a_connection_is_named_where_it_takes_digits() {
+fn diagnostics_name_the_connection_that_causes_round_off() {
     let stiff = with_springs(&train(), 1e19, 0.0);
     let message = ill_conditioning(&stiff, 100.0).unwrap().unwrap();
     assert!(message.ends_with("a spring of 1.000e19 N/m"), "{message}");
@@ -138,7 +138,7 @@ fn runs_of_every_method_contain_connections() {
 }
 
 #[test]
-fn connections_act_as_loads_where_the_linear_motion_leaves_the_meshes_out() {
+fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
     let mut system = heavy();
     let teeth = r#"{ model = "parabolic", pair = 2e8, engagement = 0.2 }"#;
     let mesh = format!(
@@ -156,7 +156,7 @@ fn connections_act_as_loads_where_the_linear_motion_leaves_the_meshes_out() {
 }
 
 #[test]
-fn a_cubic_spring_is_the_same_to_the_exponential_method_and_to_runge_kutta() {
+fn exponential_method_and_runge_kutta_agree_for_a_cubic_spring() {
     // At the equilibrium displacements of about 1e-5 m, the cubic term is one third of the force.
     let cached = with_springs(&heavy(), STIFFNESS, 3e17);
     let rest = equilibrium(&cached, Geometry::Live, 100.0).unwrap();

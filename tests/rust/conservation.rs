@@ -102,7 +102,7 @@ fn the_gyroscopic_matrix_is_skew_and_does_no_work() {
 }
 
 #[test]
-fn the_rolling_momentum_is_conserved() {
+fn the_momentum_of_the_rigid_body_rotation_is_conserved() {
     // Balanced torques do no work on the rigid-body rotation, and live mesh forces have no component along it.
     let mut system = train();
     system.meshes.iter_mut().for_each(|mesh| mesh.centre_line_angle = Some(0.3));

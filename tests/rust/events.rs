@@ -260,7 +260,7 @@ proptest! {
     #![proptest_config(crate::common::cases(60))]
 
     #[test]
-    fn a_split_run_is_the_whole_run(
+    fn a_run_in_two_parts_equals_the_whole_run(
         mut stops in prop::collection::vec(0.0..8.0_f64, 0..6), height in 0.01..1.0_f64, exactly: bool,
     ) {
         // One stop may coincide with a contact change.

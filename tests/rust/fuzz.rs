@@ -269,7 +269,7 @@ fn texts() -> impl Strategy<Value = String> {
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 /// Memory limit of one file, bytes; the largest allowed scenes need a part of it.
 const MEMORY_LIMIT: u64 = 200 << 20;
-/// Largest number of degrees of freedom of a scene that is simulated. The test is about descriptions.
+/// Largest number of degrees of freedom of a scene that is simulated; larger ones would take too long.
 const MAX_SIMULATED_DOFS: usize = 80;
 
 /// The text that is being tried and its start time. A watchdog thread prints the text after the time limit.
@@ -295,7 +295,7 @@ fn scene(text: &str) -> Result<Model, SceneError> {
     Model::new(Scene::new(&SceneDescription::from_toml(text)?)?)
 }
 
-/// Simulates a few steps. An error is allowed.
+/// Simulates a few steps; the run may return an error, but must not panic.
 fn run(model: Model) {
     let n = model.len();
     let cached = CachedModel::new(model);

@@ -46,7 +46,7 @@ proptest! {
     #![proptest_config(crate::common::cases(500))]
 
     #[test]
-    fn flanks_stay_at_least_as_long_as_they_are_said_to(
+    fn flanks_keep_their_state_in_the_guaranteed_interval(
         amplitude in 0.0..4.0_f64, phase in 0.0..TAU, back: bool,
     ) {
         let cached = cached();

@@ -101,7 +101,7 @@ proptest! {
     #![proptest_config(crate::common::cases(100))]
 
     #[test]
-    fn the_cubic_goes_through_states_and_their_derivatives(
+    fn the_cubic_interpolates_states_and_their_derivatives(
         c in prop::array::uniform4(-1.0..1.0), start in -2.0..2.0_f64, step in 1e-3..2.0_f64, part in 0.0..=1.0_f64,
     ) {
         let value = |t: f64| c.iter().rev().fold(0.0, |sum, c| sum * (t - start) + c);
@@ -209,7 +209,7 @@ fn an_output_time_at_the_end_of_a_step_belongs_to_that_step() {
 }
 
 #[test]
-fn statistics_are_those_of_the_steps() {
+fn statistics_count_the_steps() {
     // The hardening spring requires short steps at large displacements. Elsewhere the step limit applies.
     let mut system = Particles::new(&[1.0], &[3.0]);
     let mut witness = Witness { end: Some(60.0), ..Witness::default() };
@@ -334,7 +334,7 @@ proptest! {
     #![proptest_config(crate::common::cases(50))]
 
     #[test]
-    fn a_split_run_is_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {
+    fn a_run_in_two_parts_equals_the_whole_run(mut stops in prop::collection::vec(0.0..10.0_f64, 0..6)) {
         stops.sort_by(f64::total_cmp);
         split(RK4, StepControl::Fixed(0.0123), &stops)?;
         split(DORMAND_PRINCE, adaptive(1e-6, 0.5), &stops)?;

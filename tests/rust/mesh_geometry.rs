@@ -182,7 +182,7 @@ proptest! {
     }
 
     #[test]
-    fn turning_the_pair_about_a_gear_leaves_it_undeflected(pair in pairs(), sigma in sigmas(), turn in -3.0..3.0_f64) {
+    fn rotating_the_pair_about_a_gear_causes_no_deflection(pair in pairs(), sigma in sigmas(), turn in -3.0..3.0_f64) {
         let (gear_mesh, distance) = (pair.gear_mesh(), pair.centre_distance());
         let (sin, cos) = pair.angle.sin_cos();
         let (turned_sin, turned_cos) = (pair.angle + turn).sin_cos();
@@ -236,7 +236,7 @@ proptest! {
     }
 
     #[test]
-    fn centres_are_where_they_are(pair in pairs(), numbers in prop::array::uniform6(-1.0..1.0)) {
+    fn reported_centres_are_the_positions_of_the_gears(pair in pairs(), numbers in prop::array::uniform6(-1.0..1.0)) {
         let (gear_mesh, q) = (pair.gear_mesh(), displaced(pair, numbers));
         let apart = [q[2] - q[0], q[3] - q[1]];
         let (sin, cos) = pair.angle.sin_cos();

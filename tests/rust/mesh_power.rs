@@ -145,7 +145,7 @@ proptest! {
     }
 
     #[test]
-    fn damping_acts_along_the_line_of_action_of_every_flank_that_presses(
+    fn damping_acts_along_the_line_of_action_of_every_loaded_flank(
         rotation in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
     ) {
         let [with, without] =

@@ -188,7 +188,7 @@ fn the_shaft_angle_keeps_its_accuracy_in_long_runs() {
 }
 
 #[test]
-fn norms_are_those_of_the_dense_matrices() {
+fn norms_agree_with_the_dense_matrices() {
     let cached = cached(&train());
     let model = &cached.model;
     let n = model.len();

@@ -132,7 +132,7 @@ fn a_harmonic_oscillates_about_its_mean() {
 }
 
 #[test]
-fn every_error_turns_with_its_own_shaft() {
+fn every_error_rotates_with_its_own_shaft() {
     let harmonics = gear_mesh(
         "stiffness = 3e8, error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }",
     );
@@ -331,7 +331,7 @@ fn compliance(gear: &Gear, bore: f64, rolling_displacement: f64) -> f64 {
 }
 
 #[test]
-fn a_tooth_is_a_cantilever_of_the_thickness_of_the_textbook() {
+fn a_tooth_is_a_cantilever_with_the_textbook_thickness() {
     // Root circles inside and outside the base circle, with and without profile shift.
     let scene = scene("", "", "stiffness = 3e8");
     for (teeth, profile_shift) in [(25, 0.0), (60, 0.0), (20, 0.4), (45, -0.3), (30, 0.5)] {
@@ -399,7 +399,7 @@ proptest! {
     #![proptest_config(crate::common::cases(200))]
 
     #[test]
-    fn what_is_stored_has_the_slopes_that_it_says(
+    fn derivatives_of_the_stored_energy_are_the_reported_ones(
         length in 0.05..2.5_f64, place in 0.0..1.0_f64, width in 0.1..0.5_f64, relieved: bool, uniform: bool,
         begins_at_base: bool, ends_at_base: bool, deflection in 1e-6..1e-4_f64,
     ) {
@@ -434,7 +434,7 @@ proptest! {
 }
 
 #[test]
-fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
+fn derivatives_with_shared_bodies_are_the_reported_ones() {
     let gear_mesh = gear_mesh(r#"stiffness = { model = "potential_energy", engagement = 0.3, foundation = "shared" }"#);
     let at_rest = gear_mesh.involute.path_at_rest();
     // The centre distance at rest, and two smaller ones at which the tips of the wheel, or of both gears, reach beyond
@@ -460,7 +460,7 @@ fn pairs_on_shared_bodies_have_the_slopes_that_they_say() {
 }
 
 #[test]
-fn pairs_carry_as_many_as_there_are() {
+fn the_stiffness_counts_the_pairs_in_contact() {
     let sharp = |relief: Option<Relief>| Stiffness::Pairs {
         pair: ToothPair::Uniform(2e8),
         engagement: Engagement::Sharp,
@@ -487,7 +487,7 @@ fn pairs_carry_as_many_as_there_are() {
 }
 
 #[test]
-fn the_back_flank_follows_by_the_thickness_of_the_tooth() {
+fn the_back_flank_is_one_tooth_thickness_behind_the_drive_flank() {
     // The tooth thickness on the pitch circle is m(π/2 + 2x tan α). The driver rotates by this arc between the passages
     // of the drive flank and the back flank through the pitch point.
     for shift in [0.0, 0.3, -0.2] {

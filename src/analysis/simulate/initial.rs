@@ -23,7 +23,7 @@ const FLOOR_FRACTION: f64 = 1e-9;
 /// never be reached.
 const MAX_REMAINING_ROTATION: f64 = 1e12;
 
-/// The beginning of a run.
+/// Initial conditions of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     /// Rotation of the reference shaft. Elapsed time counts from its origin.
@@ -98,7 +98,7 @@ fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), 
     Err(SceneError::new("initial", message))
 }
 
-/// The beginning of a run that continues another one.
+/// Returns the initial conditions of a run that continues another one.
 fn continued(
     cached: &CachedModel,
     options: &Options,
