@@ -92,7 +92,7 @@ impl Observer for NoObserver {
         Ok(())
     }
 
-    fn go_on(&mut self, _elapsed: f64) -> bool {
+    fn continues(&mut self, _elapsed: f64) -> bool {
         true
     }
 }

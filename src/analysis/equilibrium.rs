@@ -81,7 +81,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         }
         if converged {
             // A flank cannot pull: change to the opposite flank.
-            let pulls = pulling(model, geometry, speed, &flanks, &q)?;
+            let pulls = meshes_in_tension(model, geometry, speed, &flanks, &q)?;
             if pulls.is_empty() {
                 check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
                 return Ok(q);
@@ -208,7 +208,7 @@ fn connection_forces(
 }
 
 /// Indices of the meshes with backlash whose flank carries a tensile force.
-fn pulling(
+fn meshes_in_tension(
     model: &Model,
     geometry: Geometry,
     speed: f64,

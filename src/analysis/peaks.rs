@@ -72,12 +72,12 @@ pub fn peaks(
         upper: peak.upper.map(|speed| -speed),
         ..peak
     };
-    let found = from_standstill(&|speed| size(-speed), &backward)?.into_iter().rev().map(mirrored);
-    Ok(found.chain(from_standstill(&size, &forward)?).collect())
+    let found = peaks_from_zero_speed(&|speed| size(-speed), &backward)?.into_iter().rev().map(mirrored);
+    Ok(found.chain(peaks_from_zero_speed(&size, &forward)?).collect())
 }
 
 /// Finds the peaks of `size` between ascending, non-negative `speeds`.
-fn from_standstill(
+fn peaks_from_zero_speed(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
     speeds: &[f64],
 ) -> Result<Vec<Peak>, AnalysisError> {

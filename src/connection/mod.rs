@@ -108,7 +108,7 @@ impl Connection<'_> {
         match self {
             Self::Mesh(_, mesh, _) => {
                 let flanks = if mesh.backlash.is_some() { 2.0 } else { 1.0_f64 };
-                Bounds { excess_stiffness: mesh.stiffest - mesh.stiffness, damping: flanks * mesh.damping }
+                Bounds { excess_stiffness: mesh.largest_stiffness - mesh.stiffness, damping: flanks * mesh.damping }
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Spring(spring) => spring.bounds(),

@@ -93,7 +93,7 @@ impl Driver {
         while state.elapsed < end || observer.next().is_some() {
             // A run does not stop between two changes at one unit, because their count is not part of the state.
             checks += u64::from(self.changes_at_this_time == 0);
-            if self.changes_at_this_time == 0 && checks % CHECK_INTERVAL == 1 && !observer.go_on(state.elapsed) {
+            if self.changes_at_this_time == 0 && checks % CHECK_INTERVAL == 1 && !observer.continues(state.elapsed) {
                 return Err(Halt::Interrupted);
             }
             let accepted = self.attempt(stepper, state, statistics)?;

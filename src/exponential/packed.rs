@@ -51,7 +51,7 @@ impl Rows {
     pub fn new(rows: &[Vec<f64>], parts: &[Range<usize>]) -> Self {
         let mut by_parts: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
         for (index, row) in rows.iter().enumerate() {
-            let own: Vec<usize> = (0..parts.len()).filter(|part| touches(row, &parts[*part])).collect();
+            let own: Vec<usize> = (0..parts.len()).filter(|part| is_nonzero_on(row, &parts[*part])).collect();
             match by_parts.iter_mut().find(|(parts, _)| *parts == own) {
                 Some((_, members)) => members.push(index),
                 None => by_parts.push((own, vec![index])),
@@ -83,7 +83,7 @@ impl Rows {
 /// Columns over a state: for each part the columns that are not zero on it.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    pub(super) parts: Vec<Touched>,
+    pub(super) parts: Vec<NonzeroPart>,
     /// Entries, part after part and block after block; in a block, for every column the first coordinates of its slots, then
     /// the second ones.
     pub values: Aligned,
@@ -91,13 +91,13 @@ pub struct Columns {
 
 /// A part of the state with the columns that are not zero on it.
 #[derive(Clone, Debug)]
-pub(super) struct Touched {
+pub(super) struct NonzeroPart {
     slots: Range<usize>,
     /// Indices of the columns.
     pub columns: Vec<usize>,
 }
 
-impl Touched {
+impl NonzeroPart {
     /// Its slots in blocks of [`BLOCK`] slots; the last block may have [`WIDTH`] slots.
     pub fn blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let end = self.slots.end;
@@ -111,8 +111,8 @@ impl Columns {
         let mut values = Vec::new();
         let mut touched = Vec::with_capacity(parts.len());
         for part in parts {
-            let own: Vec<usize> = (0..columns.len()).filter(|k| touches(&columns[*k], part)).collect();
-            let part = Touched { slots: part.clone(), columns: own };
+            let own: Vec<usize> = (0..columns.len()).filter(|k| is_nonzero_on(&columns[*k], part)).collect();
+            let part = NonzeroPart { slots: part.clone(), columns: own };
             for block in part.blocks() {
                 for column in part.columns.iter().map(|k| &columns[*k]) {
                     for half in column.chunks_exact(column.len() / 2) {
@@ -171,7 +171,7 @@ impl Panel {
 }
 
 /// Whether a vector of the length of the state has a nonzero entry in the slots `part`, in either half.
-fn touches(vector: &[f64], part: &Range<usize>) -> bool {
+fn is_nonzero_on(vector: &[f64], part: &Range<usize>) -> bool {
     let (x, y) = vector.split_at(vector.len() / 2);
     [x, y].iter().any(|half| half[part.clone()].iter().any(|entry| *entry != 0.0))
 }

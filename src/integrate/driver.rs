@@ -70,7 +70,7 @@ fn take_steps<const S: usize>(
     while state.elapsed < end || observer.next().is_some() {
         // A run does not stop between two changes at one instant, because their count is not part of the state.
         checks += u64::from(changes_at_this_time == 0);
-        if changes_at_this_time == 0 && checks % CHECK_INTERVAL == 1 && !observer.go_on(state.elapsed) {
+        if changes_at_this_time == 0 && checks % CHECK_INTERVAL == 1 && !observer.continues(state.elapsed) {
             return Err(Halt::Interrupted);
         }
         let mut accepted = take_step((system, method), control, state, statistics)?;

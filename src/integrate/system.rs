@@ -99,5 +99,5 @@ pub trait Observer {
     fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _contact_modes: &[i64]) {}
 
     /// Whether to continue. The loop over steps asks at regular intervals of steps.
-    fn go_on(&mut self, elapsed: f64) -> bool;
+    fn continues(&mut self, elapsed: f64) -> bool;
 }

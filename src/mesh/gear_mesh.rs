@@ -77,7 +77,7 @@ pub struct GearMesh {
     /// Mean stiffness, N/m, used by modes, equilibrium and all linear analyses.
     pub stiffness: f64,
     /// Upper bound of the stiffness, N/m.
-    pub stiffest: f64,
+    pub largest_stiffness: f64,
     /// Damping c, N s/m.
     pub damping: f64,
     /// Backlash along the line of action, m; none for a mesh whose flanks never separate.
@@ -113,7 +113,7 @@ impl GearMesh {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
             stiffness: mean,
-            stiffest: flanks * teeth.largest(&at_rest).max(mean),
+            largest_stiffness: flanks * teeth.largest(&at_rest).max(mean),
             involute,
             teeth,
             phase: mesh.teeth.phase,

@@ -35,7 +35,7 @@ impl<'m> EquationOfMotion<'m> {
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn energies(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<Energies, (usize, Overlap)> {
         let mut unbent = std::mem::take(&mut self.scratch);
-        self.unbend(elapsed, q, &mut unbent);
+        self.subtract_bow(elapsed, q, &mut unbent);
         let shafts = self.model.shaft_form(&unbent) / 2.0;
         self.scratch = unbent;
         let meshes = self.mesh_energy(elapsed, q, v)?;
@@ -85,7 +85,7 @@ impl<'m> EquationOfMotion<'m> {
         let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
         let (mut drive, mut unbalance) = (0.0, 0.0);
         let mut unbent = std::mem::take(&mut self.scratch);
-        self.unbend(elapsed, q, &mut unbent);
+        self.subtract_bow(elapsed, q, &mut unbent);
         for (index, shaft) in model.shafts.iter().enumerate() {
             let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
@@ -138,7 +138,7 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.
-    fn unbend(&self, elapsed: f64, q: &[f64], unbent: &mut [f64]) {
+    fn subtract_bow(&self, elapsed: f64, q: &[f64], unbent: &mut [f64]) {
         unbent.copy_from_slice(q);
         for (index, shaft) in self.model.shafts.iter().enumerate() {
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {

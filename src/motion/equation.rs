@@ -250,7 +250,7 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
     pub fn highest_mesh_frequency(&self) -> f64 {
-        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.stiffest * self.mobility(mesh);
+        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.largest_stiffness * self.mobility(mesh);
         self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
     }
 

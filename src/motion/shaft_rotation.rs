@@ -84,7 +84,7 @@ struct SpeedPiece {
 
 /// The reference shaft at an instant.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instant {
+pub(super) struct RotationState {
     /// Angle since the origin, rad.
     pub angle: f64,
     /// Ω, rad/s.
@@ -121,14 +121,14 @@ impl VariableSpeed {
     /// constant, because an extrapolated cubic has no bound.
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
-    pub fn at(&self, elapsed: f64) -> Instant {
+    pub fn at(&self, elapsed: f64) -> RotationState {
         let piece = &self.pieces[self.current];
         let since = elapsed - piece.start;
         let ([a, b, c, d], t) = (piece.cubic, since.min(piece.length));
         let beyond = since - t;
         let (speed, acceleration) = (a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d)));
         let angle = piece.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));
-        Instant {
+        RotationState {
             angle: angle + beyond * (speed + acceleration * beyond / 2.0),
             speed: speed + acceleration * beyond,
             acceleration,

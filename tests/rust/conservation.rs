@@ -23,7 +23,7 @@ impl Observer for Nobody {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }

@@ -152,7 +152,7 @@ impl Observer for Changes {
         self.seen.push([elapsed, q[0], v[0]]);
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }

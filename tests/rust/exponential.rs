@@ -291,7 +291,7 @@ impl Observer for Edges {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }
@@ -315,7 +315,7 @@ impl Observer for Last {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }

@@ -191,7 +191,7 @@ impl Observer for Once {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }

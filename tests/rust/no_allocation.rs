@@ -37,7 +37,7 @@ impl Observer for Onlooker {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         true
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::super::AnalysisError;
 use super::Options;
 use super::initial::Start;
-use super::modal_setup::{ModalSetup, enter, leave};
+use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use crate::exponential::{
     LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
 };
@@ -74,14 +74,14 @@ pub(super) fn run(
         QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
     };
     let propagators = PropagatorCache::new(&linear, rule, maps, time_grid, nonlinear_loads.spins());
-    let mut state = enter(cached, &linear, &nonlinear_loads, start);
+    let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
     let mut stepper = Stepper::new(nonlinear_loads, propagators);
     let control = match options.step {
         None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
         _ => LevelControl::Fixed,
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
-    Ok((leave(state, &linear, stepper.nonlinear_loads()), outcome))
+    Ok((in_physical_coordinates(state, &linear, stepper.nonlinear_loads()), outcome))
 }
 
 /// The time grid of a run. Its longest step is the given fixed step, or a round number that resolves the excitation.

@@ -217,7 +217,7 @@ impl Observer for Heartbeat<'_> {
         Ok(())
     }
 
-    fn go_on(&mut self, _elapsed: f64) -> bool {
+    fn continues(&mut self, _elapsed: f64) -> bool {
         (self.0)(0.0)
     }
 }

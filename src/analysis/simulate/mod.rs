@@ -30,7 +30,7 @@ use crate::modal::CachedModel;
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
-use modal_setup::{ModalSetup, enter, leave};
+use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
 
 /// Interval at which a run asks whether to continue.
@@ -179,10 +179,10 @@ impl Run<'_> {
             return Ok(Ended { state, condition, outcome });
         }
         let ModalSetup { linear, nonlinear_loads, maps, output } = setup;
-        let mut state = enter(cached, &linear, &nonlinear_loads, start);
+        let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
         let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
         let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
-        Ok(Ended { state: leave(state, &linear, system.nonlinear_loads()), condition, outcome })
+        Ok(Ended { state: in_physical_coordinates(state, &linear, system.nonlinear_loads()), condition, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.
@@ -294,7 +294,7 @@ impl Observer for RunObserver<'_, '_> {
         self.recorder.switched(elapsed, read, contact_modes);
     }
 
-    fn go_on(&mut self, elapsed: f64) -> bool {
+    fn continues(&mut self, elapsed: f64) -> bool {
         if self.last_check.elapsed() < HEARTBEAT {
             return true;
         }

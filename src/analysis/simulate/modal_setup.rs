@@ -98,7 +98,7 @@ fn keep_modes(
 }
 
 /// Converts the initial state to modal coordinates.
-pub(super) fn enter(
+pub(super) fn in_modal_coordinates(
     cached: &CachedModel,
     linear: &ModalStateSpace,
     nonlinear_loads: &NonlinearLoads<'_>,
@@ -125,7 +125,11 @@ pub(super) fn enter(
 }
 
 /// Converts the final state to displacements and velocities, and keeps its modal coordinates.
-pub(super) fn leave(mut state: State, linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>) -> State {
+pub(super) fn in_physical_coordinates(
+    mut state: State,
+    linear: &ModalStateSpace,
+    nonlinear_loads: &NonlinearLoads<'_>,
+) -> State {
     let y = physical(linear, nonlinear_loads, state.elapsed, &state.y);
     state.modal = std::mem::replace(&mut state.y, y);
     state

@@ -261,7 +261,7 @@ pub struct Torque {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Whether this torque balances all others.
-    #[serde(default, skip_serializing_if = "is_no")]
+    #[serde(default, skip_serializing_if = "is_false")]
     pub balance: bool,
 }
 
@@ -303,6 +303,6 @@ impl SceneDescription {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
-fn is_no(flag: &bool) -> bool {
+fn is_false(flag: &bool) -> bool {
     !*flag
 }

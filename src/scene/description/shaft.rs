@@ -43,7 +43,7 @@ pub struct Shaft {
     #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
     /// Whether shear deformation is modelled; true by default.
-    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub shear: bool,
     /// Material; steel by default.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -117,7 +117,7 @@ fn yes() -> bool {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
-fn is_yes(flag: &bool) -> bool {
+fn is_true(flag: &bool) -> bool {
     *flag
 }
 

@@ -54,7 +54,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     }
     for (index, bearing) in scene.bearings.iter().enumerate() {
         let at = EntryPath::entry("bearings", index).field("stiffness");
-        found.check(&at, stiffest(&bearing.stiffness), &BEARING);
+        found.check(&at, largest_stiffness(&bearing.stiffness), &BEARING);
     }
     for (index, torque) in scene.torques.iter().enumerate() {
         let (shaft, node) = (&scene.shafts[torque.node.shaft], torque.node.node);
@@ -221,11 +221,11 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     let compliance = compliance / (length * shape.material.youngs_modulus);
     let radius = largest_radius(shape);
     found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SAG);
-    let total: f64 = bearings.iter().map(|(_, bearing)| stiffest(&bearing.stiffness)).sum();
+    let total: f64 = bearings.iter().map(|(_, bearing)| largest_stiffness(&bearing.stiffness)).sum();
     let settling = weight / total / radius;
     let own = 48.0 / (compliance * span.powi(3));
     for (index, bearing) in bearings {
-        let stiffness = stiffest(&bearing.stiffness);
+        let stiffness = largest_stiffness(&bearing.stiffness);
         if stiffness > 0.0 && stiffness < SOFT * own && settling > SETTLING {
             let message = format!(
                 "{} N/m is {} % of the stiffness of the shaft, and the weight of the shaft displaces it by {} % of its radius; is it in N/mm?",
@@ -285,6 +285,6 @@ fn second_moment(element: &super::Element) -> f64 {
 }
 
 /// The largest stiffness along y or z, at any speed, N/m.
-fn stiffest(stiffness: &BearingCoefficient) -> f64 {
+fn largest_stiffness(stiffness: &BearingCoefficient) -> f64 {
     stiffness.extremes().iter().map(|stiffness| stiffness[0][0].max(stiffness[1][1])).fold(0.0, f64::max)
 }

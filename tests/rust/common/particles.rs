@@ -94,7 +94,7 @@ impl Observer for Witness {
         Ok(())
     }
 
-    fn go_on(&mut self, _: f64) -> bool {
+    fn continues(&mut self, _: f64) -> bool {
         self.patience.as_mut().is_none_or(|patience| {
             *patience = patience.saturating_sub(1);
             *patience > 0
