@@ -197,12 +197,6 @@ impl GearMesh {
         let presses = |meeting: &FlankKinematics| {
             meeting.deflection > 0.0 && self.press(&approach, meeting, &contact_mode).force > 0.0
         };
-        let flank = match (presses(&drive), presses(&back)) {
-            (true, true) => Flank::Both,
-            (true, false) => Flank::Drive,
-            (false, true) => Flank::Back,
-            (false, false) => Flank::Apart,
-        };
-        Ok(ContactMode { flank, ..contact_mode })
+        Ok(ContactMode { flank: Flank::of(presses(&drive), presses(&back)), ..contact_mode })
     }
 }
