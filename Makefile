@@ -28,7 +28,7 @@ PYTEST_PARALLEL := -n logical --dist worksteal
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make random        check general properties on 2,000 new random scenes"
+	@echo "make random        check general properties on 2,000 new random scenes, and run all examples"
 	@echo "make fuzz          parse a million randomly changed descriptions"
 	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
