@@ -28,7 +28,7 @@ PYTEST_PARALLEL := -n logical --dist worksteal
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make random        check general properties on 2,000 new random scenes"
+	@echo "make random        check general properties on 2,000 new random scenes, and run all examples"
 	@echo "make fuzz          parse a million randomly changed descriptions"
 	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
@@ -58,7 +58,7 @@ test-python: $(VENV)/.dev
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
-	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_examples.py
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::

@@ -1,7 +1,7 @@
 """Results with read-only arrays, which prevent accidental changes."""
 
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,7 +26,10 @@ def read_only(data: T) -> T:
 
 
 class ReadOnly:
-    """Base of every dataclass that holds arrays of a result."""
+    """Base of every result that holds arrays: they are read-only, also in copies and pickles."""
 
     def __post_init__(self) -> None:
         read_only(vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(read_only(state))

@@ -39,6 +39,7 @@ class ModesData(TypedDict):
     damping_ratios: Array
     whirl: list[str]
     shapes: ComplexArray
+    kinetic_shares: Array
 
 
 class CampbellData(TypedDict):

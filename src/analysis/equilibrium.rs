@@ -80,16 +80,12 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             break;
         }
         if converged {
-            // A flank cannot pull: change to the opposite flank.
-            let pulls = meshes_in_tension(model, geometry, speed, &flanks, &q)?;
-            if pulls.is_empty() {
+            let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
+            if pressed == flanks {
                 check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
                 return Ok(q);
             }
-            for mesh in pulls {
-                flanks[mesh] = if flanks[mesh] == Flank::Drive { Flank::Back } else { Flank::Drive };
-            }
-            (previous, factors) = (f64::INFINITY, None);
+            (flanks, previous, factors) = (pressed, f64::INFINITY, None);
         }
     }
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
@@ -177,14 +173,16 @@ fn connection_forces(
     for connection in model.connections(speed) {
         match connection {
             Connection::Mesh(index, mesh, sigma) => {
-                let flank = flanks[index];
-                let (pressed, normal) = mesh
-                    .mean_tangent(geometry, sigma, flank, q.as_slice(), |row, column, value| {
-                        tangent.push((row, column, value))
-                    })
-                    .map_err(|overlap| overlapped(model, index, overlap))?;
-                let sigma = if flank == Flank::Back { -sigma } else { sigma };
-                mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+                let contacts = [(flanks[index].drives(), false), (flanks[index].holds_back(), true)];
+                for (_, back) in contacts.into_iter().filter(|(in_contact, _)| *in_contact) {
+                    let (pressed, normal) = mesh
+                        .mean_tangent(geometry, sigma, back, q.as_slice(), |row, column, value| {
+                            tangent.push((row, column, value))
+                        })
+                        .map_err(|overlap| overlapped(model, index, overlap))?;
+                    let sigma = if back { -sigma } else { sigma };
+                    mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+                }
             }
             Connection::Bearing(bearing) => {
                 let ([stiffness, _], first) = (bearing.at(speed), bearing.index);
@@ -207,27 +205,36 @@ fn connection_forces(
     Ok((force, tangent))
 }
 
-/// Indices of the meshes with backlash whose flank carries a tensile force.
-fn meshes_in_tension(
+/// The flanks of every mesh that are pressed at `q`, after an iteration with contact on `flanks`. A flank with backlash
+/// does not pull. Both flanks are pressed if the centre distance is smaller than the backlash allows. Flanks are never
+/// apart, because a mesh in equilibrium carries its torque: where neither is pressed, the opposite flank comes next.
+fn pressed_flanks(
     model: &Model,
     geometry: Geometry,
     speed: f64,
     flanks: &[Flank],
     q: &DVector<f64>,
-) -> Result<Vec<usize>, AnalysisError> {
-    let mut pulling = Vec::new();
-    for (index, (mesh, flank)) in model.meshes.iter().zip(flanks).enumerate() {
-        let sigma = model.sigma(index, speed);
-        let (force, _) = mesh
-            .mean_tangent(geometry, sigma, *flank, q.as_slice(), |_, _, _| {})
-            .map_err(|overlap| overlapped(model, index, overlap))?;
+) -> Result<Vec<Flank>, AnalysisError> {
+    let pressed = |(index, flank): (usize, &Flank)| {
+        let mesh = &model.meshes[index];
+        if mesh.backlash.is_none() {
+            return Ok(*flank);
+        }
+        let force = |back| {
+            mesh.mean_tangent(geometry, model.sigma(index, speed), back, q.as_slice(), |_, _, _| {})
+                .map(|(force, _)| force)
+                .map_err(|overlap| overlapped(model, index, overlap))
+        };
         // The force of an unloaded mesh is round-off.
         let scale = mesh.stiffness * mesh.involute.base_radius[0] * f64::EPSILON;
-        if mesh.backlash.is_some() && force < -scale {
-            pulling.push(index);
-        }
-    }
-    Ok(pulling)
+        let presses = |force: f64, in_contact: bool| force > if in_contact { -scale } else { scale };
+        let (drive, back) = (force(false)?, force(true)?);
+        Ok(match Flank::of(presses(drive, flank.drives()), presses(back, flank.holds_back())) {
+            Flank::Separated => Flank::of(!flank.drives(), flank.drives()),
+            pressed => pressed,
+        })
+    };
+    flanks.iter().enumerate().map(pressed).collect()
 }
 
 /// Fraction of a Newton step that keeps the base circles apart.
@@ -242,7 +249,7 @@ fn admissible(
     for (index, mesh) in model.meshes.iter().enumerate() {
         let sigma = model.sigma(index, speed);
         while let Err(overlap) =
-            mesh.mean_tangent(geometry, sigma, Flank::Drive, (q + step * fraction).as_slice(), |_, _, _| {})
+            mesh.mean_tangent(geometry, sigma, false, (q + step * fraction).as_slice(), |_, _, _| {})
         {
             fraction /= 2.0;
             if fraction < 1e-3 {

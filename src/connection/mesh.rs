@@ -171,21 +171,18 @@ impl MeshInterface {
         }
     }
 
-    /// Generalised forces of the mean stiffness at the reference, on the flank that carries load, and its force, N.
+    /// Generalised forces of the mean stiffness at the reference, on the flanks that carry load, and the mesh force, N.
     fn mean_force(&self, reference: &[f64]) -> Result<([f64; MAX_SCALARS], f64), Overlap> {
-        let pressed = |flank| self.gear_mesh.mean_tangent(self.geometry, self.sigma, flank, reference, |_, _, _| {});
-        let drive = pressed(Flank::Drive)?;
-        let ((force, [y, z]), sigma) = match self.gear_mesh.backlash {
-            Some(_) if drive.0 < 0.0 => (pressed(Flank::Back)?, -self.sigma),
-            _ => (drive, self.sigma),
-        };
-        let [ra, rb] = self.gear_mesh.involute.base_radius;
+        let [(drive, n), (back, m)] = self.gear_mesh.mean_forces(self.geometry, self.sigma, reference)?;
+        let force = drive - back;
+        let [y, z] = [drive * n[0] + back * m[0], drive * n[1] + back * m[1]];
+        let [ra, rb] = self.gear_mesh.involute.base_radius.map(|radius| -force * self.sigma * radius);
         let reference_force = match self.scalars {
-            Scalars::Deflection => [-force * sigma * self.sigma, 0.0, 0.0, 0.0],
-            Scalars::Plane => [force * y, force * z, -force * sigma, 0.0],
-            Scalars::PlaneAndTwists => [force * y, force * z, -force * sigma * ra, -force * sigma * rb],
+            Scalars::Deflection => [-force, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, -force * self.sigma, 0.0],
+            Scalars::PlaneAndTwists => [y, z, ra, rb],
         };
-        Ok((reference_force, force * sigma * self.sigma))
+        Ok((reference_force, force))
     }
 
     pub(super) fn reference_force(&self) -> &[f64] {

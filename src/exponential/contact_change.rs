@@ -123,8 +123,8 @@ impl ExponentialEventLocator {
         pending: f64,
     ) -> Result<Option<(f64, f64)>, Halt> {
         let since = step.begin + pending;
-        self.monitor.search(step.stepper, &self.unchanged);
         let mut low = (pending / step.length()).min(1.0);
+        self.monitor.search(step.stepper, &self.unchanged, low);
         for index in 0..=self.monitor.candidates.len() {
             let end = CandidateEvent { at: 1.0, is_minimum: false };
             let candidate = self.monitor.candidates.get(index).copied().unwrap_or(end);

@@ -10,6 +10,12 @@ const NEAR_FRACTION: f64 = 0.1;
 /// A minimum is refined on points that are closer together than the intervals by this factor.
 const REFINEMENT: f64 = 16.0;
 
+/// Flanks touch at the last contact change if the margin there is below this fraction of its range, the level of round-off.
+const TOUCHING_FRACTION: f64 = 1e-8;
+/// A minimum so soon after touching flanks, as a fraction of the step, is round-off of their margin: its depth is at most
+/// the square of this fraction of the range.
+const TOUCHING_TIME: f64 = 1e-4;
+
 /// An instant at which another contact mode may hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CandidateEvent {
@@ -34,24 +40,26 @@ impl ContactMonitor {
         Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * INTERVALS) }
     }
 
-    /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`.
-    pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool]) {
+    /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`. The current contact
+    /// modes hold from the fraction `since` of the step on.
+    pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool], since: f64) {
         self.candidates.clear();
         for (mesh, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
             for margins in stepper.margins(mesh) {
-                self.follow(&stepper.context.cache.rule, &margins);
+                self.follow(&stepper.context.cache.rule, &margins, since);
             }
         }
         self.candidates.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
     }
 
-    /// Adds the candidates of one flank with these margins.
-    fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues) {
+    /// Adds the candidates of one flank with these margins after the fraction `since` of the step.
+    fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues, since: f64) {
         let known = &margins[..rule.stages() + 2];
         let (least, most) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-        let near = NEAR_FRACTION * (most - least);
+        let range = most - least;
+        let near = NEAR_FRACTION * range;
         // The polynomial falls below its smallest known value by less than the range of the values.
-        if least > most - least {
+        if least > range {
             return;
         }
         let value =
@@ -70,7 +78,9 @@ impl ContactMonitor {
             let middle = at + vertex([before, here, after]) / INTERVALS as f64;
             let around = [middle - spacing, middle, middle + spacing].map(|at| value(&rule.through(at)));
             let minimum = middle + spacing * vertex(around).clamp(-1.0, 1.0);
-            if around[1] <= near && (0.0..=1.0).contains(&minimum) {
+            let touches = || value(&rule.through(since)).abs() <= TOUCHING_FRACTION * range;
+            let is_round_off = (minimum - since).abs() <= TOUCHING_TIME && touches();
+            if around[1] <= near && (0.0..=1.0).contains(&minimum) && !is_round_off {
                 self.candidates.push(CandidateEvent { at: minimum, is_minimum: true });
             }
         }
@@ -88,8 +98,8 @@ mod tests {
     use super::*;
     use crate::exponential::quadrature::MAX_STAGES;
 
-    /// Candidates of a flank whose margin over the step is a parabola with the minimum −`depth` at `bottom`.
-    fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
+    /// Candidates after `since` of a flank whose margin over the step is a parabola with the minimum −`depth` at `bottom`.
+    fn candidates_since(since: f64, stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
         let rule = QuadratureRule::gauss(stages);
         let mut contact_monitor = ContactMonitor::new(&rule, 1);
         let mut margins = [0.0; MAX_STAGES + 2];
@@ -97,8 +107,25 @@ mod tests {
         for (margin, at) in margins.iter_mut().zip(instants) {
             *margin = (at - bottom).powi(2) - depth;
         }
-        contact_monitor.follow(&rule, &margins);
+        contact_monitor.follow(&rule, &margins, since);
         contact_monitor.candidates
+    }
+
+    fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
+        candidates_since(0.0, stages, bottom, depth)
+    }
+
+    #[test]
+    fn round_off_of_touching_flanks_is_no_candidate() {
+        for stages in 1..=4 {
+            for since in [0.0, 0.04] {
+                assert_eq!(candidates_since(since, stages, since + 5e-6, 1e-11), [], "{stages} {since}");
+                // A deeper minimum, or a later one, can be a contact change.
+                for (bottom, depth) in [(since + 5e-6, 1e-7), (since + 5e-4, 1e-9)] {
+                    assert_eq!(candidates_since(since, stages, bottom, depth).len(), 1, "{stages} {since} {bottom}");
+                }
+            }
+        }
     }
 
     #[test]

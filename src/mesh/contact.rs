@@ -25,6 +25,16 @@ pub enum Flank {
 }
 
 impl Flank {
+    /// The flanks in contact, from whether the drive flank and the back flank are.
+    pub fn of(drives: bool, holds_back: bool) -> Self {
+        match (drives, holds_back) {
+            (true, true) => Self::Both,
+            (true, false) => Self::Drive,
+            (false, true) => Self::Back,
+            (false, false) => Self::Separated,
+        }
+    }
+
     /// Whether the drive flank is in contact.
     pub fn drives(self) -> bool {
         matches!(self, Self::Drive | Self::Both)

@@ -204,12 +204,6 @@ impl GearMesh {
         let presses = |flank: &FlankKinematics| {
             flank.deflection > 0.0 && self.flank_contact(&gears, flank, &contact_mode).force > 0.0
         };
-        let flank = match (presses(&drive), presses(&back)) {
-            (true, true) => Flank::Both,
-            (true, false) => Flank::Drive,
-            (false, true) => Flank::Back,
-            (false, false) => Flank::Separated,
-        };
-        Ok(ContactMode { flank, ..contact_mode })
+        Ok(ContactMode { flank: Flank::of(presses(&drive), presses(&back)), ..contact_mode })
     }
 }

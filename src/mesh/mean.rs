@@ -1,6 +1,6 @@
 //! The mesh with its mean stiffness, for modes, equilibrium and all linear analyses.
 
-use super::contact::{Flank, MeshState};
+use super::contact::MeshState;
 use super::gear_mesh::{GearMesh, Geometry, dot};
 use super::involute::Overlap;
 
@@ -17,7 +17,7 @@ impl GearMesh {
         self.at_rest[usize::from(sigma > 0.0)].normal
     }
 
-    /// Static force of the mean stiffness at the displacements `q`, on the drive flank or on the back flank, and the
+    /// Static force of the mean stiffness at the displacements `q`, on the drive flank or on the `back` flank, and the
     /// tangent of the generalised forces. Calls `visit(row, column, ∂(F ∂δ/∂q)/∂q)` with the terms k·ggᵀ and, in live
     /// geometry, F ∂²δ/∂q². Returns F and n.
     ///
@@ -27,15 +27,12 @@ impl GearMesh {
         &self,
         geometry: Geometry,
         sigma: f64,
-        flank: Flank,
+        back: bool,
         q: &[f64],
         mut visit: impl FnMut(usize, usize, f64),
     ) -> Result<(f64, [f64; 2]), Overlap> {
         let relative = self.relative(q);
-        let (sigma, clearance) = match flank {
-            Flank::Back => (-sigma, self.backlash.unwrap_or(0.0)),
-            _ => (sigma, 0.0),
-        };
+        let (sigma, clearance) = if back { (-sigma, self.backlash.unwrap_or(0.0)) } else { (sigma, 0.0) };
         let line = self.line(
             sigma,
             &self.centre_geometry(geometry, relative.relative_displacement)?,
@@ -63,19 +60,29 @@ impl GearMesh {
         Ok((force, line.normal))
     }
 
+    /// Static forces of the mean stiffness on drive flank and back flank at the displacements `q`, N, and n of both. Flanks
+    /// with backlash do not pull; without backlash the drive flank carries the whole force.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn mean_forces(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<[(f64, [f64; 2]); 2], Overlap> {
+        let drive = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
+        let back = self.mean_tangent(geometry, sigma, true, q, |_, _, _| {})?;
+        Ok(match self.backlash {
+            None => [drive, (0.0, back.1)],
+            Some(_) => [drive, back].map(|(force, normal)| (force.max(0.0), normal)),
+        })
+    }
+
     /// The reported quantities of a mesh in equilibrium with the mean stiffness at the displacements `q`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
         let relative = self.relative(q);
-        let (drive, _) = self.mean_tangent(geometry, sigma, Flank::Drive, q, |_, _, _| {})?;
-        let (back, _) = self.mean_tangent(geometry, sigma, Flank::Back, q, |_, _, _| {})?;
-        let force = match self.backlash {
-            None => drive,
-            Some(_) if drive >= 0.0 => drive,
-            Some(_) => -back.max(0.0),
-        };
+        let (elastic, _) = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
+        let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
+        let flanks = if drive > 0.0 && back > 0.0 { 2.0 } else { 1.0 };
         let centres = self.reported_centres(geometry, relative.relative_displacement)?;
         let line = self.line(
             sigma,
@@ -84,9 +91,9 @@ impl GearMesh {
         );
         let (first, last) = self.path(sigma, false, &line, 0.0, relative.twist[0]).engaged();
         Ok(MeshState {
-            deflection: drive / self.stiffness,
-            force,
-            stiffness: self.stiffness,
+            deflection: elastic / self.stiffness,
+            force: drive - back,
+            stiffness: flanks * self.stiffness,
             pairs_in_contact: (last - first + 1).max(0) as f64,
             centres,
         })

@@ -11,6 +11,7 @@ use super::first_order::FirstOrder;
 use super::real::RealModes;
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::{DecompositionError, eigen};
+use crate::model::Model;
 
 /// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
 /// phase. Modes of mirrored systems then have mirrored shapes.
@@ -37,6 +38,17 @@ impl Mode {
     pub fn damping_ratio(&self) -> f64 {
         let size = self.eigenvalue.norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalue.re / size }
+    }
+
+    /// Re(φ̄_i (Mφ)_i), the share of each coordinate in the kinetic energy, n entries in internal order with the sum 1.
+    pub fn kinetic_shares(&self, model: &Model) -> DVector<f64> {
+        let part = |part: fn(&Complex<f64>) -> f64| {
+            let values = self.shape.map(|value| part(&value));
+            let mut momentum = DVector::zeros(values.len());
+            model.multiply_mass(values.as_slice(), momentum.as_mut_slice());
+            values.component_mul(&momentum)
+        };
+        part(|value| value.re) + part(|value| value.im)
     }
 }
 

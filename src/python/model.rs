@@ -125,6 +125,12 @@ impl PyModel {
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
             modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
+        let model = self.model();
+        let shares = |mode: &modal::Mode| {
+            let shares = mode.kinetic_shares(model);
+            numbering.dofs().iter().map(|dof| shares[dof.index]).collect::<Vec<_>>()
+        };
+        let shares: Vec<f64> = modes.iter().flat_map(shares).collect();
         let list = |of: fn(&modal::Mode) -> f64| modes.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
         let eigenvalues: Vec<_> = modes.iter().map(|mode| mode.eigenvalue).collect();
         let whirl: Vec<_> = modes.iter().map(|mode| mode.whirl.to_string()).collect();
@@ -134,6 +140,7 @@ impl PyModel {
         dict.set_item("damping_ratios", list(modal::Mode::damping_ratio))?;
         dict.set_item("whirl", whirl)?;
         dict.set_item("shapes", table(py, shapes, modes.len(), numbering.len())?)?;
+        dict.set_item("kinetic_shares", table(py, shares, modes.len(), numbering.len())?)?;
         Ok(dict)
     }
 

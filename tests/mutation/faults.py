@@ -317,7 +317,7 @@ FAULTS: list[Fault] = [
         "results/modes.py",
         "tables",
         ('{"v": "v", "G": "v", "w": "w", "B": "w"', '{"v": "w", "G": "w", "w": "v", "B": "v"'),
-        ("self.shapes.conj() *", "self.shapes *"),
+        ("[other == group for other in groups]", "[other[0] == group[0] for other in groups]"),
         ("{100.0 * ratio:>11.3f}", "{ratio:>11.3f}"),
         ('"damping ratio": self.damping_ratios', '"damping ratio": 100.0 * self.damping_ratios'),
     ),

@@ -146,3 +146,48 @@ def test_a_campbell_diagram_of_a_braked_train_is_continuous_at_rest():
     assert np.all(np.isfinite(frequencies))
     # gyroscopic moments change a frequency by at most the speed
     assert np.abs(np.diff(frequencies, axis=0)).max() < 10.0 / (2 * np.pi)
+
+
+#: At rest, the torque moves the middle gear towards its neighbours by more than the backlash, so that both flanks press.
+TIGHT = replace(
+    TRAIN,
+    bows=(0j, 0j, 0j),
+    unbalance=0j,
+    gravity=(0.0, 0.0),
+    bearing=(1.0, 0.6, 0.1, 50.0),
+    mesh=("mean", 1e8, 0.3),
+    rayleigh=1e-5,
+    backlash=2e-5,
+    speed=100.0,
+)
+
+
+@pytest.mark.parametrize("geometry", ["live", "frozen"])
+@pytest.mark.parametrize("backlash", [0.0, 2e-5])
+def test_both_flanks_press_in_equilibrium_where_the_gears_come_closer(
+    backlash: float, geometry: str
+):
+    system = replace(TIGHT, backlash=backlash).system()
+    static = system.static(geometry, speed=100.0)
+    run = system.simulate(
+        0.25, 100.0, initial="rest", method="rk45", geometry=geometry, output_step=0.05
+    )
+    for pair in (("g0", "g1"), ("g1", "g2")):
+        still, last = static.mesh(*pair), run.mesh(*pair)
+        assert still.stiffness == last.stiffness[-1] == 2e8
+        # The slowest mode decays to below 1e-4 of its beginning.
+        assert still.force == pytest.approx(last.force[-1], rel=1e-4)
+        assert still.deflection == pytest.approx(last.deflection[-1], rel=1e-4)
+    assert static.displacement("g1") == pytest.approx(run.displacement("g1")[-1], rel=1e-4)
+    # The difference of both flank forces transmits the torque.
+    torque = static.mesh("g0", "g1").force * 0.0015 * 20 * np.cos(np.radians(20.0))
+    assert torque == pytest.approx(60.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["exponential", "rk45"])
+def test_a_run_from_an_equilibrium_on_both_flanks_stays_there(method: str):
+    run = TIGHT.system().simulate(
+        0.01, 100.0, initial="static", method=method, geometry="live", rtol=1e-8
+    )
+    assert run.events == ()
+    assert np.ptp(run.mesh("g0", "g1").force) < 1e-9 * run.mesh("g0", "g1").force[0]

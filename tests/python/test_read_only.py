@@ -46,7 +46,7 @@ def results():
         "response": response,
         "unsorted": system.simulate(1e-3, 10.0, times=[1e-3, 0.0]),
         "mesh": response.mesh("g1", "g2"),
-        "energy": response.energy_balance,
+        "energy": response.energy_balance(),
         "spectrum": response.spectrum("g1"),
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -311,3 +312,62 @@ def test_tables_survive_files_and_descriptions(tmp_path: Any):
         assert again.bearings == system.bearings
         assert again.description == system.description
         np.testing.assert_array_equal(again.modes(33.0).shapes, system.modes(33.0).shapes)
+
+
+#: Speeds of each shaft in its tables [rad/s]; the second shaft turns at 25/32 of the first.
+RANGES = {"a": (50.0, 150.0), "b": (20.0, 60.0)}
+LAST_COMMON = 60.0 * 32 / 25
+
+
+def two_ranges(outside: str = "error") -> gb.RotorSystem:
+    """Build a train whose shafts run in bearings with tables of different ranges."""
+    gear = {"module": 3e-3, "mass": 2.0, "diametral_inertia": 2e-3, "polar_inertia": 4e-3}
+    bow = gb.Bow.half_sine(1e-5)
+    return gb.RotorSystem(
+        [gb.Shaft(name, length=0.5, outer_diameter=0.03, elements=2, bow=bow) for name in RANGES],
+        [gb.Gear(f"g{n}", n, 0.25, teeth=z, **gear) for n, z in zip(RANGES, (25, 32), strict=True)],
+        [gb.Mesh("ga", "gb", stiffness=1e8, damping_ratio=0.03)],
+        [
+            gb.Bearing(
+                name,
+                x,
+                stiffness=gb.SpeedTable(list(speeds), [5e6, 2e7], outside=outside),
+                damping=1e3,
+            )
+            for name, speeds in RANGES.items()
+            for x in (0.0, 0.5)
+        ],
+        [gb.Torque("ga", 10.0), gb.Torque.balance("gb")],
+    )
+
+
+#: Analyses at a speed of the reference shaft; 60 rad/s is in all tables.
+ANALYSES: dict[str, Callable[[gb.RotorSystem, float], Any]] = {
+    "matrices": lambda system, v: system.matrices(v),
+    "modes": lambda system, v: system.modes(v),
+    "static": lambda system, v: system.static(speed=v),
+    "campbell": lambda system, v: system.campbell(sorted({60.0, v})),
+    "synchronous": lambda system, v: system.synchronous([60.0, v]),
+    "slow roll": lambda system, v: system.synchronous([60.0]).subtract_slow_roll(v),
+    "peaks": lambda system, v: system.synchronous(sorted({60.0, v})).peaks("ga"),
+    "balance": lambda system, v: system.balance(["ga"], v),
+    "run": lambda system, v: system.simulate(1e-4, v),
+    "run-up": lambda system, v: system.simulate(1e-4, gb.SpeedProfile.ramp(60.0, v, 1e-4)),
+    "continued": lambda system, v: system.simulate(1e-4, v, initial=system.simulate(1e-4, 60.0)),
+}
+
+
+@pytest.mark.parametrize("name", ANALYSES)
+def test_tables_of_different_ranges_limit_every_analysis_to_the_common_range(name: str):
+    system, analysis = two_ranges(), ANALYSES[name]
+    # Both ends belong to the range, also after a multiplication with the speed ratio.
+    for speed in (50.0, LAST_COMMON):
+        analysis(system, speed)
+    outside = {
+        40.0: r'bearings\[0\].stiffness: the table ranges from 50 to 150 rad/s, but the shaft "a" turns at 40 rad/s',
+        80.0: r'bearings\[2\].stiffness: the table ranges from 20 to 60 rad/s, but the shaft "b" turns at 62.5 rad/s',
+    }
+    for speed, message in outside.items():
+        with pytest.raises(gb.SceneError, match="^" + message):
+            analysis(system, speed)
+        analysis(two_ranges("hold"), speed)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import array, matrix, number
 from gearbow._core import check_speed
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
@@ -24,7 +25,7 @@ _SHORTEST = 2.0**-44
 
 
 @dataclass(frozen=True, eq=False)
-class SpeedProfile:
+class SpeedProfile(ReadOnly):
     """Speed of the reference shaft as a piecewise polynomial of time.
 
     The speed is constant before the first break and after the last one. The angle and the
@@ -60,9 +61,9 @@ class SpeedProfile:
             values = matrix(getattr(self, name), f"speed.{name}")
             if values.ndim != axes:
                 raise SceneError(f"speed.{name}: must have {axes} axes, got {values.ndim}")
-            values.flags.writeable = False
             object.__setattr__(self, name, values)
         check_speed(self.breaks.tolist(), self.coefficients.tolist())
+        super().__post_init__()
 
     @classmethod
     def ramp(

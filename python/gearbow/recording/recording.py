@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._lookup import locate
-from gearbow._read_only import read_only
+from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Record, RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Recording"]
 
 
-class Recording:
+class Recording(ReadOnly):
     """Recorded signals of a run at k times.
 
     Parameters

@@ -1,15 +1,15 @@
 """Natural modes at one speed, with names of their shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, ComplexArray, Dof, MatricesData
+from gearbow._types import Array, ComplexArray, Dof, ModesData
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError
 
@@ -21,13 +21,6 @@ __all__ = ["Modes"]
 
 #: Name of the motion to which each direction contributes: bending has the name of its translation.
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist"}
-
-
-class MatrixSource(Protocol):
-    """The compiled model, which assembles matrices on demand."""
-
-    def matrices(self, speed: float = 0.0) -> MatricesData:
-        """Assemble the matrices at a speed [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +45,6 @@ class Modes(ReadOnly):
         Shaft, position [m] and direction of each degree of freedom.
     layout : Layout
         Geometry of the train at rest.
-    source : MatrixSource
-        The compiled model, for the mass matrix.
 
     Examples
     --------
@@ -73,7 +64,46 @@ class Modes(ReadOnly):
     speed: float
     dofs: tuple[Dof, ...]
     layout: Layout = field(repr=False)
-    source: MatrixSource = field(repr=False)
+    _shares: Mapping[tuple[str, str], Array] = field(repr=False)
+
+    @classmethod
+    def from_data(
+        cls, data: ModesData, speed: float, dofs: tuple[Dof, ...], layout: Layout
+    ) -> "Modes":
+        """Make modes of the plain data of the core.
+
+        Parameters
+        ----------
+        data : mapping
+            Eigenvalues, shapes, and share of each degree of freedom in the kinetic energy.
+        speed : float
+            Speed of the reference shaft [rad/s].
+        dofs : tuple of (str, float, str)
+            Shaft, position [m] and direction of each degree of freedom.
+        layout : Layout
+            Geometry of the train at rest.
+
+        Returns
+        -------
+        Modes
+            The modes.
+        """
+        groups = [(shaft, _DIRECTION[direction]) for shaft, _, direction in dofs]
+        shares = data["kinetic_shares"]
+        return cls(
+            frequencies_hz=data["frequencies_hz"],
+            damping_ratios=data["damping_ratios"],
+            whirl=tuple(data["whirl"]),
+            shapes=data["shapes"],
+            eigenvalues=data["eigenvalues"],
+            speed=speed,
+            dofs=dofs,
+            layout=layout,
+            _shares={
+                group: shares[:, [other == group for other in groups]].sum(axis=1)
+                for group in dict.fromkeys(groups)
+            },
+        )
 
     def energy_shares(self) -> dict[tuple[str, str], Array]:
         """Share of each shaft and direction in the kinetic energy of each mode.
@@ -84,14 +114,7 @@ class Modes(ReadOnly):
             Share for each (shaft, "v" | "w" | "twist"). The rotation of a bent shaft belongs to
             its translation. The shares of a mode add up to 1.
         """
-        mass = self.source.matrices()["mass"]
-        energy = np.real(self.shapes.conj() * (self.shapes @ mass))
-        energy /= energy.sum(axis=1, keepdims=True)
-        groups = [(shaft, _DIRECTION[direction]) for shaft, _, direction in self.dofs]
-        return {
-            group: energy[:, [other == group for other in groups]].sum(axis=1)
-            for group in dict.fromkeys(groups)
-        }
+        return dict(self._shares)
 
     def names(self) -> list[str]:
         """Name each shape by its largest motions, e.g. "middle v" or "twist of output".

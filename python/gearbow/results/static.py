@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from gearbow._lookup import locate
-from gearbow._read_only import read_only
+from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, StaticData
 from gearbow.description.coordinates import Coordinates
 from gearbow.errors import ChannelError
@@ -46,7 +46,7 @@ class MeshState:
     pairs_in_contact: float
 
 
-class Static:
+class Static(ReadOnly):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
 
     Parameters

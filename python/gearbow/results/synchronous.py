@@ -1,16 +1,17 @@
 """Linear response to bow and unbalance: amplitudes, phases, peaks and bearing forces."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearbow._convert import number
+from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, At, ComplexArray, SynchronousData
+from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import place_label, places
 from gearbow.errors import ChannelError, GearbowError
@@ -19,24 +20,7 @@ from gearbow.results.peak import Peak, operating_range
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Synchronous", "SynchronousSolver"]
-
-
-class SynchronousSolver(Protocol):
-    """The compiled model, which solves for further speeds."""
-
-    def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData:
-        """Solve for the amplitudes at some speeds [rad/s]."""
-
-    def peaks(
-        self,
-        speeds: Array,
-        index: int,
-        source: int,
-        excitation: str,
-        slow_roll: float | None,
-    ) -> list[tuple[float, float, float, float]]:
-        """Find the peaks of an orbit between some speeds [rad/s]."""
+__all__ = ["Synchronous"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +43,8 @@ class Synchronous(ReadOnly):
         Speed [rad/s] of the subtracted slow-roll amplitudes; None if none were subtracted.
     coordinates : Coordinates
         Degrees of freedom of the system.
-    solver : SynchronousSolver
-        The compiled model, for slow roll and peaks.
+    description : mapping
+        The plain system, for slow roll and peaks.
 
     Examples
     --------
@@ -82,10 +66,14 @@ class Synchronous(ReadOnly):
     excitation: str
     slow_roll: float | None
     coordinates: Coordinates = field(repr=False)
-    solver: SynchronousSolver = field(repr=False)
+    description: Mapping[str, Plain] = field(repr=False)
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
+
+    def _model(self) -> Model:
+        """Compile the system again: a result is plain data, without the compiled model."""
+        return Model(dict(self.description))
 
     def displacement(self, name: At) -> ComplexArray:
         """Complex amplitudes of the lateral displacement of a place.
@@ -242,7 +230,7 @@ class Synchronous(ReadOnly):
             If the speed is not finite.
         """
         slow = number(speed, "speed")
-        run_out = self.solver.synchronous(np.array([slow]), self.excitation)["amplitudes"]
+        run_out = self._model().synchronous(np.array([slow]), self.excitation)["amplitudes"]
         return replace(self, amplitudes=self.amplitudes - run_out, slow_roll=slow)
 
     def peaks(
@@ -282,7 +270,7 @@ class Synchronous(ReadOnly):
         if shaft not in self.shafts:
             raise GearbowError(f"no shaft is called {shaft!r}; there are {list(self.shafts)}")
         span = operating_range(operating)
-        found = self.solver.peaks(
+        found = self._model().peaks(
             np.unique(self.speeds),
             indices[0],
             self.shafts.index(shaft),

@@ -64,17 +64,8 @@ class LinearAnalyses(SystemDescription):
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
-        return Modes(
-            frequencies_hz=data["frequencies_hz"],
-            damping_ratios=data["damping_ratios"],
-            whirl=tuple(data["whirl"]),
-            shapes=data["shapes"],
-            eigenvalues=data["eigenvalues"],
-            speed=speed,
-            dofs=self.dofs,
-            layout=layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings),
-            source=self._model,
-        )
+        parts = layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings)
+        return Modes.from_data(data, speed, self.dofs, parts)
 
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
         """Find the equilibrium under torque, gravity and the non-linear meshes.
@@ -200,7 +191,7 @@ class LinearAnalyses(SystemDescription):
             excitation=excitation,
             slow_roll=None,
             coordinates=self.coordinates,
-            solver=self._model,
+            description=self.description,
             _bearings=tuple(data["bearings"]),
             _bearing_force=data["bearing_force"],
             _bow=data["bow"],
