@@ -610,7 +610,7 @@ proptest! {
         for (flank, sign) in [(Flank::Drive, 1.0), (Flank::Back, -1.0)] {
             let mut tangent = Matrix6::zeros();
             let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
-            let (force, normal) = gear_mesh.mean_tangent(geometry, sigma, flank, q.as_slice(), add).unwrap();
+            let (force, normal) = gear_mesh.mean_tangent(geometry, sigma, flank == Flank::Back, q.as_slice(), add).unwrap();
             let (contact, acting) = forces(flank, &q);
             // Forces are at most 1e5 N; the tolerance is their round-off.
             prop_assert!((force - sign * contact.force).abs() < 1e-9, "{force} {}", contact.force);
