@@ -100,7 +100,7 @@ impl ExponentialEventLocator {
         };
         let change = match self.correct(step, sampler, (begin, high))? {
             Some(change) => Some(change),
-            // The polynomial differs from the motion by more than the motion near the change.
+            // The polynomial differs from the motion by more than the motion near the change, or flanks touch at the beginning.
             None => self.bisect(step, sampler, pending, (begin, high))?,
         };
         self.interpolation_error.fill(0.0);
@@ -146,7 +146,7 @@ impl ExponentialEventLocator {
 
     /// Locates the change on the polynomial of the interface state, corrects the polynomial by its difference to the
     /// motion at the change, and repeats until the instant is final. Returns the fraction of the step, or none if the
-    /// corrections do not converge.
+    /// corrections do not converge or the change is at the beginning.
     fn correct(
         &mut self,
         step: &CompletedStep<'_, '_>,
@@ -156,9 +156,12 @@ impl ExponentialEventLocator {
         let mut change = self.narrow(step, (begin, high))?;
         self.keep_modes(step, change)?;
         for _ in 0..MAX_CORRECTIONS {
-            let is_exact = !step.stepper.nonlinear_loads().motion.motion_changes_contact_modes();
-            if is_exact || change - begin <= FINAL_SHIFT {
+            if !step.stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
                 return Ok(Some(change));
+            }
+            // Round-off may decide on the contact modes so close to the beginning.
+            if change - begin <= FINAL_SHIFT {
+                return Ok(None);
             }
             self.measure_error(step, sampler, change);
             let near = ((change - MAX_SHIFT).max(begin), (change + MAX_SHIFT).min(1.0));
@@ -194,8 +197,8 @@ impl ExponentialEventLocator {
                 return Ok(None);
             }
         }
-        if self.differs_on_motion(step, sampler, low)? {
-            let begin = (pending / step.length()).min(1.0);
+        let begin = (pending / step.length()).min(1.0);
+        if low <= begin || self.differs_on_motion(step, sampler, low)? {
             match self.first_unchanged(step, sampler, (begin, &mut high))? {
                 Some(unchanged) => low = unchanged,
                 None => return Ok(Some(begin)),

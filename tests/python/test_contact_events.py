@@ -90,9 +90,10 @@ def test_events_do_not_depend_on_the_recorded_quantities(method: str):
     assert contact[0] == contact[1]
 
 
-def test_round_off_of_touching_flanks_does_not_delay_their_contact():
+@pytest.mark.parametrize("seed", [31, 239, 253])
+def test_round_off_of_touching_flanks_does_not_delay_their_contact(seed: int):
     """Two meshes touch at rest: round-off of both margins must not exhaust the changes at one instant."""
-    drawn = scene(31)
+    drawn = scene(seed)
     undamped = replace(
         drawn, bearing=(*drawn.bearing[:3], 0.0), mesh=(*drawn.mesh[:2], 0.0), rayleigh=0.0
     )
@@ -104,7 +105,7 @@ def test_round_off_of_touching_flanks_does_not_delay_their_contact():
         forces = np.stack([run.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))])
         found.append(([(e.driver, e.kind) for e in run.events if e.kind in CONTACT], forces))
     (wanted, exact), *others = found
-    assert len(wanted) > 10
+    assert len(wanted) >= 5
     for events, forces in others:
         assert events == wanted
         # A contact that is late by 3 microseconds changes the forces by 6e-5.
