@@ -16,7 +16,9 @@ from reference.scenes import PAIR
 from test_elements import STEPS, stepped, stepped_reference
 
 LENGTH = sum(length for length, _, _ in STEPS)
-BENT = replace(PAIR, elements=2, degree=3, bows={"input": HalfSine(1e-4), "output": HalfSine(5e-5, 1.0)})
+BENT = replace(
+    PAIR, elements=2, degree=3, bows={"input": HalfSine(1e-4), "output": HalfSine(5e-5, 1.0)}
+)
 #: Displacements and amplitude angles of a measured bow.
 POINTS = (np.array([0.0, 0.1, 0.33, 0.5, 0.75]), np.array([0.0, 3e-5, -1e-4j, 5e-5, 2e-5j]))
 
@@ -134,7 +136,9 @@ def test_a_run_of_a_train_follows_its_matrices(motion: str | None):
 @pytest.mark.parametrize("method", ["rk45", "exponential"])
 def test_energy_is_neither_made_nor_lost(method: str):
     system = BENT.package()
-    found = system.simulate(0.01, 300.0, initial="rest", record=["energy"], method=method, rtol=1e-8)
+    found = system.simulate(
+        0.01, 300.0, initial="rest", record=["energy"], method=method, rtol=1e-8
+    )
     balance = found.energy_balance()
     scale = np.abs(balance.total).max() + np.ptp(balance.work)
     assert np.abs(balance.residual).max() <= 1e-6 * scale
@@ -156,7 +160,9 @@ def test_a_run_continues_as_if_it_had_not_stopped(options: dict[str, Any]):
 
 def test_a_state_of_another_degree_is_refused():
     short = BENT.package().simulate(1e-4, 300.0, record=["g1"])
-    with pytest.raises(gb.SceneError, match="initial: has 78 degrees of freedom, this system has 58"):
+    with pytest.raises(
+        gb.SceneError, match="initial: has 78 degrees of freedom, this system has 58"
+    ):
         replace(BENT, degree=2).package().simulate(1e-4, 300.0, initial=short, record=["g1"])
 
 

@@ -93,7 +93,7 @@ class Shaft(Part):
         and torque becomes a node: the element there is split.
     degree : int, optional
         Degree p of the elements, 1 to 8; None is 1. The relative error of natural frequencies
-        decreases as (element length)^(2p). Static displacements of nodes are exact for every degree.
+        decreases as (element length)^(2p). Static displacements of nodes are exact for any degree.
     segments : sequence of Segment
         The segments from x = 0 on, instead of length, diameters and number of elements.
     material : Material
