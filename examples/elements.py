@@ -2,8 +2,8 @@
 
 ``python examples/elements.py frequencies`` prints the errors of natural frequencies of a shaft on
 bearings, ``python examples/elements.py force`` the errors of the mesh forces of the double-stage
-train of ``examples/tradeoff.py``. docs/formulation.md contains these tables; ``make measure``
-updates them.
+train of ``examples/tradeoff.py``, and ``python examples/elements.py conditioning`` what limits the
+degree. docs/formulation.md contains these tables; ``make measure`` updates them.
 """
 
 import argparse
@@ -89,12 +89,29 @@ def force_rows() -> Iterator[str]:
         yield f"| {elements} | {degree} | {size} | {one:.1e} | {two:.1e} | {seconds:.2g} |"
 
 
+def conditioning_rows() -> Iterator[str]:
+    """Yield a Markdown table of the condition and the highest frequency of four elements."""
+    yield "| degree p | condition number of the scaled mass matrix | highest frequency [Hz] |"
+    yield "|---|---|---|"
+    for degree in (1, 2, 4, 8):
+        system = rotor(4, degree)
+        mass = system.matrices().mass
+        size = np.sqrt(np.diag(mass))
+        values = np.linalg.eigvalsh(mass / np.outer(size, size))
+        highest = system.modes().frequencies_hz[-1]
+        yield f"| {degree} | {values[-1] / values[0]:.1e} | {highest:.1e} |"
+
+
 def main() -> None:
     """Print one table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("table", choices=("frequencies", "force"))
-    rows = frequency_rows() if parser.parse_args().table == "frequencies" else force_rows()
-    for row in rows:
+    tables = {
+        "frequencies": frequency_rows,
+        "force": force_rows,
+        "conditioning": conditioning_rows,
+    }
+    parser.add_argument("table", choices=tables)
+    for row in tables[parser.parse_args().table]():
         print(row)
 
 
