@@ -52,7 +52,7 @@ pub(super) struct Classifier<'m> {
     speed: f64,
     /// Mass matrix, n × n.
     mass: DMatrix<f64>,
-    /// Whether each internal coordinate belongs to bending, n entries.
+    /// Whether each coordinate of the core belongs to bending, n entries.
     lateral: Vec<bool>,
 }
 
@@ -65,7 +65,7 @@ impl<'m> Classifier<'m> {
         Self { model, speed, mass: model.mass_matrix(), lateral }
     }
 
-    /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in internal order.
+    /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in the order of the core.
     pub fn classify(&self, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
         if eigenvalue == Complex::new(0.0, 0.0) {
             return Whirl::Rigid;
@@ -79,7 +79,7 @@ impl<'m> Classifier<'m> {
             return Whirl::Coupled;
         }
         let (mut forward, mut backward) = (0.0, 0.0);
-        for dof in self.model.numbering.dofs().iter().filter(|dof| dof.kind == DofKind::V) {
+        for dof in self.model.numbering.nodal_dofs().iter().filter(|dof| dof.kind == DofKind::V) {
             let (v, w) = (shape[dof.index], shape[dof.index + 1]);
             let rotated = w * Complex::i();
             let (positive, negative) = ((v + rotated).norm_sqr(), (v - rotated).norm_sqr());

@@ -6,6 +6,9 @@ use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 /// Positions closer than this fraction of the length of the shaft share a node.
 const SAME_POSITION: f64 = 1e-9;
 
+/// Largest degree of an element.
+pub const MAX_DEGREE: usize = 8;
+
 /// A hollow circular cylinder between two nodes of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
@@ -30,6 +33,8 @@ pub struct Shaft {
     pub material: Material,
     /// Whether shear deformation is modelled.
     pub shear: bool,
+    /// Degree p of the elements.
+    pub degree: usize,
     /// Residual bow.
     pub bow: Option<Bow>,
 }
@@ -60,18 +65,27 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>
     for (index, given) in system.shafts.iter().enumerate() {
         let at = EntryPath::entry("shafts", index);
         let segments = segments(given, &at)?;
-        for segment in &segments {
-            elements = segment.elements.saturating_add(elements);
-        }
-        elements = elements.saturating_add(stations[index].len());
+        let degree = degree(given, &at)?;
+        let own = segments.iter().fold(stations[index].len(), |sum, segment| segment.elements.saturating_add(sum));
+        elements = own.saturating_mul(degree).saturating_add(elements);
         if elements > MAX_ELEMENTS {
+            let counted = if degree > 1 { ", counted by their degree" } else { "" };
             return Err(at.error(format!(
-                "the shafts up to this one have {elements} elements and positions, a system may have at most {MAX_ELEMENTS}; use fewer elements"
+                "the shafts up to this one have {elements} elements and positions{counted}, a system may have at most {MAX_ELEMENTS}; use fewer elements"
             )));
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
     }
     Ok(shafts)
+}
+
+/// The degree of the elements of a shaft.
+fn degree(given: &description::Shaft, at: &EntryPath) -> Result<usize, SceneError> {
+    let degree = given.degree.unwrap_or(1);
+    if (1..=MAX_DEGREE).contains(&degree) {
+        return Ok(degree);
+    }
+    Err(at.field("degree").error(format!("must be from 1 to {MAX_DEGREE}, got {degree}")))
 }
 
 /// The segments of a shaft. A uniform shaft is one segment.
@@ -165,6 +179,7 @@ fn shaft(
         nodes,
         material: Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?,
         shear: given.shear,
+        degree: degree(given, at)?,
         bow,
     })
 }
