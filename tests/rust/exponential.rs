@@ -392,8 +392,8 @@ fn modal_and_dense_runs_are_equal() {
             let shafts = cached.linear_without_meshes(SPEED).unwrap().unwrap();
             let gap = apart(&of_modes, &motion(&shafts, &[2e-3]));
             // Without the meshes every step also adds an error to the mesh oscillation, and event times are accurate to
-            // 1e-6.
-            assert!(gap < 1e-5, "{name}, {geometry:?}, in parts: {gap:e}");
+            // 1e-6. Contact amplifies the difference: 1.3e-5 with backlash, which decreases to 1e-6 at a tolerance of 1e-12.
+            assert!(gap < 3e-5, "{name}, {geometry:?}, in parts: {gap:e}");
             assert_eq!(motion(&shafts, &[8.3e-4, 2e-3]), motion(&shafts, &[2e-3]), "{name}, {geometry:?}");
         }
     }

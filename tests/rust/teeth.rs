@@ -634,8 +634,9 @@ proptest! {
         let state = gear_mesh.state_at_rest(geometry, sigma, q.as_slice()).unwrap();
         let (drive, back) = (forces(Flank::Drive, &q).0, forces(Flank::Back, &q).0);
         prop_assert!((state.deflection - drive.deflection).abs() < 1e-17);
-        // If both flanks are pressed, the drive flank is used, because a loaded pair at rest touches on one flank.
-        let expected = if drive.force >= 0.0 { drive.force } else { back.force.min(0.0) };
+        // Both flanks are pressed if the centres are closer than the backlash allows. The pressed back flank has a negative
+        // force.
+        let expected = drive.force.max(0.0) + back.force.min(0.0);
         prop_assert!((state.force - expected).abs() < 1e-9, "{} {expected}", state.force);
     }
 }
