@@ -71,6 +71,11 @@ impl RealModes {
         model.numbering.parts().map(modes_of_part).collect()
     }
 
+    /// Modes from their shapes, which are orthonormal in M; the first `null` ones are rigid-body modes.
+    pub(super) fn of_shapes(model: &Model, speed: f64, vectors: DMatrix<f64>, null: usize) -> Self {
+        Self::ascending(model, vectors, null, |shape| model.elastic_form(shape, |mesh| model.sigma(mesh, speed)))
+    }
+
     /// Sorts modes, of which the first `known` are rigid-body modes, by frequency; `elastic_form` gives φᵀKφ.
     fn ascending(model: &Model, vectors: DMatrix<f64>, known: usize, elastic_form: impl Fn(&[f64]) -> f64) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);

@@ -15,6 +15,7 @@ use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
 /// The parts of a run in modal coordinates.
+#[derive(Clone)]
 pub(super) struct ModalSetup<'m> {
     /// The linear motion ż = A z.
     pub linear: Arc<ModalStateSpace>,
@@ -63,38 +64,9 @@ impl<'m> ModalSetup<'m> {
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
-        let (linear, maps) = match options.modes {
-            Some(count) => keep_modes(cached, &linear, &nonlinear_loads, &maps, count)?,
-            None => (linear, maps),
-        };
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
         Ok(Self { linear, nonlinear_loads, maps, output })
     }
-}
-
-/// Reduces the linear motion and its maps to the modes that the loads excite most. The equilibrium and the synchronous
-/// motion keep all modes.
-fn keep_modes(
-    cached: &CachedModel,
-    linear: &ModalStateSpace,
-    nonlinear_loads: &NonlinearLoads<'_>,
-    maps: &InterfaceMaps,
-    count: usize,
-) -> Result<(Arc<ModalStateSpace>, InterfaceMaps), AnalysisError> {
-    let constant: Vec<(usize, f64)> = cached.model.constant_load.iter().copied().enumerate().collect();
-    let motion = &nonlinear_loads.motion;
-    let turning = motion.sources().flat_map(|shaft| motion.turning_forces(shaft));
-    let other = turning.chain([constant]).map(|load| linear.column(&load));
-    let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
-    let slots = linear.most_excited(&loads, count);
-    let Some(kept) = linear.select_pairs(&slots) else {
-        let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
-        return Err(SceneError::new("modes", message).into());
-    };
-    let pick = |row: &Vec<f64>| kept.select_entries(row, &slots);
-    let [rows, columns] = [&maps.rows, &maps.columns].map(|list| list.iter().map(pick).collect());
-    let maps = InterfaceMaps { rows, columns, parts: kept.parts.clone(), ..maps.clone() };
-    Ok((Arc::new(kept), maps))
 }
 
 /// Converts the initial state to modal coordinates.
