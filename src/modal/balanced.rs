@@ -14,9 +14,12 @@ use num_complex::Complex64;
 
 use super::pairs::ModePair;
 use super::projected::Projected;
-use super::state_space::{Form, ModalStateSpace};
+use super::state_space::ModalStateSpace;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::Model;
+
+/// A static displacement whose part independent of the others is below this fraction is left out.
+const DEPENDENT: f64 = 1e-6;
 
 /// Directions of the elastic displacements in the order of their importance.
 #[derive(Clone, Debug)]
@@ -46,20 +49,17 @@ struct Coordinate {
 }
 
 impl Directions {
-    /// Ranks the directions of a model; `linear` is its state-space model. The responses have the `horizon`, s.
+    /// Ranks the directions of a model; `linear` is its state-space model with the given `pairs`. The responses have the `horizon`, s.
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the Gramian fails.
     pub fn new(
         model: &Model,
         projected: &Projected,
-        linear: &ModalStateSpace,
+        (linear, pairs): (&ModalStateSpace, &[ModePair]),
         ports: &Ports,
         horizon: f64,
-    ) -> Result<Option<Self>, DecompositionError> {
-        let Form::Pairs(pairs) = &linear.form else {
-            return Ok(None);
-        };
+    ) -> Result<Self, DecompositionError> {
         let (size, shift) = (linear.len(), 1.0 / horizon);
         let (coordinates, dual) = (coordinates(pairs, false), coordinates(pairs, true));
         let null = projected.modes.null;
@@ -80,7 +80,27 @@ impl Directions {
             }
         }
         let statics = statics(&coordinates, &ports.columns, size);
-        Ok(Some(Self::ranked(&total, &(&position * statics))?))
+        Self::ranked(&total, &(&position * statics))
+    }
+
+    /// Number of directions after which the remaining ones have this share in the size of the motion.
+    pub fn count(&self, share: f64) -> usize {
+        self.first_below(share * self.tail(0).sqrt())
+    }
+
+    /// Number of directions after which the size of the remaining motion is smaller by the factor `excess` than after
+    /// `count` directions.
+    pub fn further(&self, count: usize, excess: f64) -> usize {
+        self.first_below(self.tail(count).sqrt() / excess)
+    }
+
+    fn first_below(&self, size: f64) -> usize {
+        (0..self.shares.len()).find(|count| self.tail(*count).sqrt() <= size).unwrap_or(self.shares.len())
+    }
+
+    /// Sum of the shares after `count` directions, without the static ones.
+    fn tail(&self, count: usize) -> f64 {
+        self.shares.iter().skip(count).filter(|share| share.is_finite()).sum()
     }
 
     /// The directions of `first`, then the eigenvectors of the rest of a Gramian.
@@ -94,7 +114,7 @@ impl Directions {
                     rest.axpy(-known.dot(&rest), known, 1.0);
                 }
             }
-            if rest.norm() > 1e-6 * column.norm() {
+            if rest.norm() > DEPENDENT * column.norm() {
                 vectors.push(rest.normalize());
             }
         }
@@ -187,9 +207,6 @@ fn statics(coordinates: &[Coordinate], columns: &[Vec<f64>], size: usize) -> DMa
     statics
 }
 
-/// Smallest size of a group of signals, relative to the largest one, that is scaled to one.
-const SMALLEST_SIGNAL: f64 = 1e-3;
-
 /// Rows divided by the size of their group in the motion with this Gramian.
 fn scaled(groups: &[Vec<Vec<f64>>], gramian: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let size = |row: &Vec<f64>| {
@@ -204,6 +221,5 @@ fn scaled(groups: &[Vec<Vec<f64>>], gramian: &DMatrix<f64>) -> Vec<Vec<f64>> {
             rows.extend(group.iter().map(|row| row.iter().map(|value| value / norm).collect::<Vec<f64>>()));
         }
     }
-    let _ = SMALLEST_SIGNAL;
     rows
 }

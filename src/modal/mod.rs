@@ -8,6 +8,7 @@
 
 mod balanced;
 mod cached;
+mod components;
 mod damped;
 mod eigenpairs;
 mod first_order;

@@ -7,6 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::cached::CachedModel;
+use super::components::modes_of_components;
 use super::first_order::FirstOrder;
 use super::real::RealModes;
 use super::state_space::ModalStateSpace;
@@ -36,9 +37,18 @@ impl Projected {
         Ok(Self::new(&cached.model, cached.real_modes(speed)?.clone(), &damping))
     }
 
-    /// The model in the subspace of undamped `modes` that are not those of the complete model. Modal damping acts on
-    /// them.
-    pub(super) fn in_modes(model: &Model, modes: RealModes, speed: f64) -> Self {
+    /// The model in the modes of its components up to `limit`, rad/s, and in the static displacements under loads at the
+    /// coordinates `loaded`, at `speed` of the reference shaft, rad/s. Modal damping acts on the modes of this subspace.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes cannot be computed.
+    pub fn of_components(
+        model: &Model,
+        speed: f64,
+        loaded: &[usize],
+        limit: f64,
+    ) -> Result<Self, DecompositionError> {
+        let modes = modes_of_components(model, speed, loaded, limit)?;
         let damping = model.damping_matrix(speed) + model.gyroscopic_matrix() * speed;
         let mut projected = Self::new(model, modes, &damping);
         let ratio = model.scene.modal_damping;
@@ -46,7 +56,7 @@ impl Projected {
             projected.damping[(index, index)] += 2.0 * ratio * frequency;
         }
         projected.undamped &= ratio == 0.0;
-        projected
+        Ok(projected)
     }
 
     fn new(model: &Model, modes: RealModes, damping: &DMatrix<f64>) -> Self {

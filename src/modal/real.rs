@@ -148,7 +148,7 @@ fn separate_equal_modes(
 
 /// Rigid-body modes, one per column and orthonormal in M: the combinations of `rigid` motions (columns) that deflect no
 /// spring. Each row of `deflections` gives the deflection of one spring per coordinate.
-fn rigid_body_modes(
+pub(super) fn rigid_body_modes(
     rigid: &DMatrix<f64>,
     deflections: &DMatrix<f64>,
     mass: &DMatrix<f64>,
@@ -177,7 +177,7 @@ fn rigid_body_modes(
 /// Deflection of every bearing direction and of every mesh per coordinate, one spring per row, n columns.
 ///
 /// `speed` (reference shaft, rad/s) selects the loaded tooth flanks; without it the meshes are left out.
-fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
+pub(super) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
     let mut rows = Vec::new();
     for support in &model.supports {
         for [along_v, along_w] in support.directions() {
@@ -197,7 +197,7 @@ fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
 }
 
 /// Rigid motions of every single shaft, one per column, n rows.
-fn rigid_motions(model: &Model) -> DMatrix<f64> {
+pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
     let mut columns = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
         let middle = given.length() / 2.0;

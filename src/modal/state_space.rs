@@ -39,6 +39,8 @@ pub struct ModalStateSpace {
     pub form: Form,
     /// Entries a, b, c, d of the blocks [[a, b], [c, d]] of A, one per slot, 1/s; empty if A is dense.
     pub blocks: [Vec<f64>; 4],
+    /// Number of modes.
+    pub modes: usize,
     /// Number of slots with padding; z has twice as many entries.
     pub slots: usize,
     /// Condition number of the modes, the largest ‖left vectors‖·‖right vectors‖; 1 for orthogonal modes.
@@ -109,6 +111,7 @@ impl ModalStateSpace {
     /// Combines uncoupled parts and pads their slots; a dense part is the only one.
     fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Maps)>) -> Self {
         let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
+        let modes = given.iter().map(|(_, maps)| maps.slots()).sum();
         for (_, maps) in &given {
             let begin = parts.last().map_or(0, |before| before.end);
             parts.push(begin..begin + maps.slots().next_multiple_of(LANES));
@@ -136,6 +139,7 @@ impl ModalStateSpace {
             blocks: blocks(&form),
             radius: radius(&form),
             form,
+            modes,
             slots,
             condition,
             meshed,

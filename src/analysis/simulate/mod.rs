@@ -179,8 +179,7 @@ impl Run<'_> {
             let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
             return Ok(Ended { state, condition: None, reduction: None, outcome });
         }
-        let setup = ModalSetup::new(cached, options, motion, start, plan.selection(&cached.model))?;
-        let (setup, reduction) = reduction::reduced(self, setup, start, plan, observer)?;
+        let (setup, reduction) = reduction::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
         if is_exponential {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;

@@ -10,7 +10,7 @@ use super::initial::Start;
 use super::{Method, Options};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::modal::{CachedModel, ModalStateSpace};
+use crate::modal::{CachedModel, ModalStateSpace, Projected};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
@@ -28,13 +28,15 @@ pub(super) struct ModalSetup<'m> {
 }
 
 impl<'m> ModalSetup<'m> {
-    /// Sets up a run of a motion that records a selection of coordinates.
+    /// Sets up a run of a motion that records a selection of coordinates. The linear motion is that of `subspace`, or of
+    /// the complete model if there is none. The equilibrium and the synchronous motion are those of the complete model.
     pub fn new(
         cached: &'m CachedModel,
         options: &Options,
         motion: EquationOfMotion<'m>,
         start: &Start,
         selection: Selection,
+        subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
             let message = format!(
@@ -46,15 +48,20 @@ impl<'m> ModalSetup<'m> {
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
         let linear = match options.method {
-            Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
+            Method::Exponential if subspace.is_none() && options.modes.is_none() && motion.parts_and_varies() => {
                 cached.linear_without_meshes(speed)?
             }
             _ => None,
         };
-        let linear = linear.map_or_else(|| cached.linear(speed), Ok)?;
+        let linear = match (subspace, linear) {
+            (Some(subspace), _) => Arc::new(subspace.state_space()?),
+            (None, Some(linear)) => linear,
+            (None, None) => cached.linear(speed)?,
+        };
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-            let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
+            let forces = || motion.turning_forces(shaft);
+            let known = subspace.is_none().then(|| linear.synchronous(motion.spin(shaft), &forces())).flatten();
             let amplitude =
                 known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
@@ -78,11 +85,7 @@ pub(super) fn enter(
 ) -> State {
     let mut state = start.state.clone();
     let modal = std::mem::take(&mut state.modal);
-    // The stored z is used only if it gives exactly the stored displacements and velocities.
-    let resumes = start.resumes
-        && modal.len() == linear.len()
-        && physical(linear, nonlinear_loads, state.elapsed, &modal) == state.y;
-    if resumes {
+    if resumes(linear, nonlinear_loads, start) {
         return State { y: modal, ..state };
     }
     let (reference_q, reference_v) = nonlinear_loads.reference_motion(state.elapsed);
@@ -94,6 +97,12 @@ pub(super) fn enter(
     let y = linear.state(&cached.model, &q, &v).as_slice().to_vec();
     // The step count starts at zero.
     State { elapsed: state.elapsed, ..State::new(y) }
+}
+
+/// Whether the stored z of an initial state gives exactly its displacements and velocities, so that a run continues from z.
+pub(super) fn resumes(linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>, start: &Start) -> bool {
+    let State { elapsed, y, modal, .. } = &start.state;
+    start.resumes && modal.len() == linear.len() && physical(linear, nonlinear_loads, *elapsed, modal) == *y
 }
 
 /// Converts the final state to displacements and velocities, and keeps its modal coordinates.

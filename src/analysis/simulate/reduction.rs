@@ -1,71 +1,364 @@
 //! Reduction of the linear motion to fewer modes, with a measured error.
+//!
+//! Large models are reduced twice. The modes of the components ([`Projected::of_components`]) give a subspace that the
+//! accuracy of a run needs, without a large eigenvalue problem. In it, [`Directions`] finds those displacements that
+//! carry the loads of this run to its recorded signals.
+//!
+//! The error is measured: the first part of the run is integrated with the reduced and with the unreduced motion, and
+//! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
+//! synchronous motion are those of the complete model.
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use nalgebra::DVector;
+use num_complex::Complex64;
+
 use super::initial::Start;
-use super::modal_setup::ModalSetup;
+use super::modal_setup::{ModalSetup, resumes};
 use super::record::{Record, Recorder};
-use super::{HEARTBEAT, RecordPlan, Run, RunObserver, exponential, sample_step};
+use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
 use crate::analysis::AnalysisError;
+use crate::connection::Connection;
 use crate::exponential::{InterfaceMaps, OutputMap, Selection};
 use crate::integrate::{Halt, Observer, Statistics};
-use crate::modal::{Directions, ModalStateSpace, Ports, Projected};
+use crate::modal::{Directions, Form, LANES, ModalStateSpace, Ports, Projected};
 use crate::model::Model;
+use crate::motion::EquationOfMotion;
 use crate::scene::{Node, SceneError};
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 const PILOT_DURATION: f64 = 0.1;
-/// Largest number of samples of a pilot run.
-const MAX_SAMPLES: f64 = 4000.0;
+/// Smallest and largest number of samples of a pilot run.
+const PILOT_SAMPLES: [f64; 2] = [20.0, 4000.0];
+/// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
+const SHORT_RUN: f64 = 3.0;
+/// Number of coordinates from which on the modes of the components replace those of the complete model.
+const LARGE_MODEL: usize = 250;
+/// Largest part of all modes that a reduced model has; a larger one saves too little.
+const LARGEST_PART: f64 = 0.75;
+/// Number of mode counts that are tried before the run keeps all modes.
+const MAX_TRIALS: usize = 4;
+/// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
+const MAX_RECORDED: usize = 64;
+/// Errors of displacements and mesh forces that determine the modes of the components without a given target.
+const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
+/// Error of the mesh force for component modes up to the highest frequency that the teeth excite, in a train with sharp
+/// engagement. It decreases with the square of the frequency limit, because the load of a tooth that engages is a step.
+const COMPONENT_ERROR: f64 = 0.15;
+/// Smallest frequency limit of the component modes, in multiples of the frequency that the teeth excite.
+const SMALLEST_LIMIT: f64 = 3.0;
+/// Ratio of successive frequency limits, and their number, until the error is below the target.
+const NEXT_LIMIT: f64 = 1.6;
+const MAX_LIMITS: usize = 4;
+/// Ratio of the frequency limits of which the error is estimated.
+const COARSER: f64 = 2.0;
+/// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
+const FIRST_SHARE: f64 = 0.1;
+/// Largest errors, in multiples of the target, with which a continued run keeps its modes.
+const CONTINUED: f64 = 3.0;
+/// Harmonics of the tooth meshing frequency that count as excited.
+const HARMONICS: f64 = 10.0;
+/// Variation of a signal, relative to its size, below which it is round-off.
+const ROUND_OFF: f64 = 1e-9;
+/// Weight of loads across the line of action relative to those along it.
+const ACROSS: f64 = 0.03;
 
 /// A reduction of the linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// Number of modes that the run keeps.
     pub modes: usize,
-    /// Error of displacements, of mesh forces.
+    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
+    /// variation, for the worst recorded signal.
     pub errors: [f64; 2],
 }
 
-/// Reduces the set-up of a run as its options ask.
-pub(super) fn reduced<'m>(
-    run: &Run<'_>,
-    complete: ModalSetup<'m>,
+/// Sets up a run, and reduces its linear motion as the options ask.
+pub(super) fn set_up<'m>(
+    run: &Run<'m>,
+    motion: EquationOfMotion<'m>,
     start: &Start,
     plan: &RecordPlan,
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
-    let Some(count) = run.options.modes else {
-        return Ok((complete, None));
+    let (options, model) = (run.options, &run.cached.model);
+    let is_large = model.len() >= LARGE_MODEL;
+    let is_short = options.duration < SHORT_RUN * PILOT_DURATION && !start.is_reduced(model);
+    let keeps_all = match (options.modes, options.reduction) {
+        (Some(_), _) => false,
+        (None, Some(_)) => plan.energy || !is_large && (is_short || motion.parts_and_varies()),
+        (None, None) => true,
     };
-    let model = &run.cached.model;
-    let speed = run.options.fastest();
-    let projected = Projected::complete(run.cached, speed)?;
-    let selection = plan.selection(model);
-    let ports = ports(model, &complete, &selection);
-    let t0 = Instant::now();
-    let found = Directions::new(model, &projected, &complete.linear, &ports, PILOT_DURATION)?;
-    if std::env::var("RED_T").is_ok() { eprintln!("directions {:?}", t0.elapsed()); }
-    let Some(directions) = found else {
-        let condition = complete.linear.condition;
-        let message = format!("cannot be left out: they do not carry the motion, condition {condition:.1e}");
-        return Err(SceneError::new("modes", message).into());
+    if keeps_all {
+        return Ok((run.complete(motion, start, plan, None)?, None));
+    }
+    let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
+        if options.modes.is_some() {
+            let message = "cannot be left out: nearly parallel modes do not carry the motion";
+            return Err(SceneError::new("modes", message).into());
+        }
+        return Ok((run.complete(motion, start, plan, None)?, None));
     };
-    let elastic = count.saturating_sub(projected.modes.null).min(directions.vectors.ncols());
-    let kept = directions.vectors.columns(0, elastic).into_owned();
-    let t0 = Instant::now();
-    let linear = projected.restricted(model, speed, &kept)?.state_space()?;
-    let small = with_linear(model, &complete, linear, selection);
-    if std::env::var("RED_T").is_ok() { eprintln!("restrict {:?}", t0.elapsed()); }
-    let t0 = Instant::now();
-    let exact = pilot(run, complete.clone(), start, plan, observer)?;
-    if std::env::var("RED_T").is_ok() { eprintln!("pilot exact {:?}", t0.elapsed()); }
-    let t0 = Instant::now();
-    let found = pilot(run, small.clone(), start, plan, observer)?;
-    if std::env::var("RED_T").is_ok() { eprintln!("pilot reduced {:?}", t0.elapsed()); }
-    let errors = differences(&found, &exact);
-    Ok((small, Some(Reduction { modes: count, errors })))
+    match (options.modes, options.reduction) {
+        (None, Some(target)) if !is_short => reducer.choose(target, observer),
+        (None, _) => Ok(reducer.unreduced()),
+        (Some(count), _) => {
+            let setup = reducer.reduced(count)?;
+            let reduction = reducer.measured(&setup, observer)?;
+            Ok((setup, Some(reduction)))
+        }
+    }
+}
+
+impl<'m> Run<'m> {
+    /// The set-up of the run in a subspace, or with the complete model.
+    fn complete(
+        &self,
+        motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+        subspace: Option<&Projected>,
+    ) -> Result<ModalSetup<'m>, AnalysisError> {
+        let selection = plan.selection(&self.cached.model);
+        ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
+    }
+}
+
+/// What a reduction needs.
+struct Reducer<'a, 'm> {
+    run: &'a Run<'m>,
+    start: &'a Start,
+    plan: &'a RecordPlan,
+    /// The linear motion of the complete model, or of the modes of its components.
+    projected: Projected,
+    /// The set-up of a run with this linear motion.
+    unreduced: ModalSetup<'m>,
+    /// The signals of this run.
+    exact: Record,
+    /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
+    components: Option<[f64; 2]>,
+    /// Directions of the displacements in the order of their importance.
+    directions: Directions,
+}
+
+impl<'a, 'm> Reducer<'a, 'm> {
+    /// Prepares the reduction of a run; `None` if the modes are nearly parallel.
+    fn new(
+        run: &'a Run<'m>,
+        motion: &EquationOfMotion<'m>,
+        start: &'a Start,
+        plan: &'a RecordPlan,
+        observer: &mut impl Observer,
+    ) -> Result<Option<Self>, AnalysisError> {
+        let (options, model) = (run.options, &run.cached.model);
+        let target = options.reduction.unwrap_or(DEFAULT_TARGET);
+        let prepared = |limit: f64| Self::prepared(run, motion, start, plan, limit);
+        if model.len() < LARGE_MODEL {
+            let Some(mut reducer) = prepared(0.0)? else {
+                return Ok(None);
+            };
+            reducer.exact = reducer.pilot(&reducer.unreduced, observer)?;
+            return Ok(Some(reducer));
+        }
+        let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
+        let limits = || std::iter::successors(Some(first), |limit| Some(limit * NEXT_LIMIT)).take(MAX_LIMITS);
+        // A continued run uses the component modes of the run before it, so that it continues bit by bit.
+        if start.is_reduced(model) {
+            for limit in limits() {
+                let Some(mut reducer) = prepared(limit)? else {
+                    return Ok(None);
+                };
+                if reducer.resumes()? {
+                    reducer.measure_components(motion, limit, observer)?;
+                    return Ok(Some(reducer));
+                }
+            }
+        }
+        let mut last = None;
+        for limit in limits() {
+            let Some(mut reducer) = prepared(limit)? else {
+                return Ok(None);
+            };
+            reducer.measure_components(motion, limit, observer)?;
+            let is_accurate = reducer.excess([0.0; 2], target) <= 1.0;
+            let is_complete = reducer.unreduced.linear.modes as f64 >= LARGEST_PART * model.len() as f64;
+            last = Some(reducer);
+            if is_accurate || is_complete {
+                break;
+            }
+        }
+        Ok(last)
+    }
+
+    /// The linear motion and its directions; `limit` is the frequency limit of the component modes of a large model, in
+    /// multiples of the frequency that the teeth excite.
+    fn prepared(
+        run: &'a Run<'m>,
+        motion: &EquationOfMotion<'m>,
+        start: &'a Start,
+        plan: &'a RecordPlan,
+        limit: f64,
+    ) -> Result<Option<Self>, AnalysisError> {
+        let model = &run.cached.model;
+        let is_large = limit > 0.0;
+        let projected = match is_large {
+            true => of_components(run, motion, plan, limit)?,
+            false => Projected::complete(run.cached, run.options.fastest())?,
+        };
+        let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
+        let Form::Pairs(pairs) = &unreduced.linear.form else {
+            return Ok(None);
+        };
+        let ports = ports(model, &unreduced, &plan.selection(model));
+        let directions = Directions::new(model, &projected, (&unreduced.linear, pairs), &ports, PILOT_DURATION)?;
+        let exact = Record::default();
+        Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
+    }
+
+    /// Whether this run continues bit by bit a run with the same component modes.
+    fn resumes(&self) -> Result<bool, AnalysisError> {
+        let count = self.start.state.modal.len() / 2;
+        let setup = if count < self.unreduced.linear.slots { self.reduced(count)? } else { self.unreduced.clone() };
+        Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
+    }
+
+    /// Runs a pilot, and estimates the error of the component modes up to `limit` from that of a lower limit: the errors
+    /// 4e of half of the limit and e of the limit differ by 3e.
+    fn measure_components(
+        &mut self,
+        motion: &EquationOfMotion<'m>,
+        limit: f64,
+        observer: &mut impl Observer,
+    ) -> Result<(), AnalysisError> {
+        self.exact = self.pilot(&self.unreduced, observer)?;
+        let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
+        let model = &self.run.cached.model;
+        let coarse = with_linear(model, &self.unreduced, coarse, self.plan.selection(model));
+        let found = differences(&self.pilot(&coarse, observer)?, &self.exact);
+        self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
+        Ok(())
+    }
+
+    /// The run without a further reduction.
+    fn unreduced(self) -> (ModalSetup<'m>, Option<Reduction>) {
+        let modes = self.unreduced.linear.modes;
+        (self.unreduced, self.components.map(|errors| Reduction { modes, errors }))
+    }
+
+    /// The run with the smallest tried number of modes whose errors of displacements and mesh forces are at most
+    /// `target`; without a further reduction if that saves little.
+    fn choose(
+        &mut self,
+        target: [f64; 2],
+        observer: &mut impl Observer,
+    ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
+        let null = self.projected.modes.null;
+        let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
+        let first = self.directions.count(FIRST_SHARE * target[1]) + null;
+        // A continued run keeps the modes of the run before it, so that it continues bit by bit.
+        let before = self.start.is_reduced(&self.run.cached.model).then(|| self.start.state.modal.len() / 2);
+        let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
+        for _ in 0..MAX_TRIALS {
+            count = count.next_multiple_of(LANES);
+            if count > largest {
+                break;
+            }
+            let setup = self.reduced(count)?;
+            let reduction = self.measured(&setup, observer)?;
+            let excess = self.excess(reduction.errors, target);
+            if excess <= allowed {
+                return Ok((setup, Some(reduction)));
+            }
+            allowed = 1.0;
+            count = (count + 1).max(self.directions.further(count - null, excess) + null);
+        }
+        let modes = self.unreduced.linear.modes;
+        Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
+    }
+
+    /// Largest ratio of the errors, with those from the modes of the components, to their target.
+    fn excess(&self, errors: [f64; 2], target: [f64; 2]) -> f64 {
+        let components = self.components.unwrap_or_default();
+        let ratio = |kind: usize| errors[kind].max(components[kind]) / target[kind];
+        ratio(0).max(ratio(1))
+    }
+
+    /// The set-up with `count` modes, rigid-body modes included.
+    fn reduced(&self, count: usize) -> Result<ModalSetup<'m>, AnalysisError> {
+        let model = &self.run.cached.model;
+        let elastic = count.saturating_sub(self.projected.modes.null).min(self.directions.vectors.ncols());
+        let kept = self.directions.vectors.columns(0, elastic).into_owned();
+        let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
+        Ok(with_linear(model, &self.unreduced, linear, self.plan.selection(model)))
+    }
+
+    /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
+    /// independent, so that their squares add up.
+    fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
+        let found = differences(&self.pilot(setup, observer)?, &self.exact);
+        let components = self.components.unwrap_or_default();
+        let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
+        Ok(Reduction { modes: setup.linear.modes, errors })
+    }
+
+    /// The signals of the first part of the run, sampled at equal intervals.
+    fn pilot(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Record, AnalysisError> {
+        let Run { cached, options, .. } = *self.run;
+        let origin = self.start.course.origin;
+        let duration = options.duration.min(PILOT_DURATION);
+        let [least, most] = PILOT_SAMPLES;
+        let intervals = (duration / sample_step(&cached.model, options.fastest())).ceil().clamp(least, most);
+        let times: Vec<f64> =
+            (1..=intervals as usize).map(|index| options.start + duration * index as f64 / intervals).collect();
+        let begin = options.start - origin;
+        let plan = RecordPlan { energy: false, ..self.plan.clone() };
+        let mut pilot = RunObserver {
+            recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
+            watch: &mut |_| observer.go_on(begin),
+            span: (begin, begin + duration),
+            last_check: Instant::now(),
+        };
+        let end = begin + duration;
+        let mut counts = Statistics::new();
+        let (_, outcome) =
+            exponential::run(cached, options, setup.clone(), self.start, end, &mut pilot, &mut counts)?;
+        if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
+            return Err(AnalysisError::Interrupted);
+        }
+        Ok(pilot.recorder.finish().0)
+    }
+}
+
+/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite.
+fn of_components(
+    run: &Run<'_>,
+    motion: &EquationOfMotion<'_>,
+    plan: &RecordPlan,
+    limit: f64,
+) -> Result<Projected, AnalysisError> {
+    let (model, speed) = (&run.cached.model, run.options.fastest());
+    let loaded = loaded(model, speed, &plan.selection(model));
+    Ok(Projected::of_components(model, speed, &loaded, limit * excited_frequency(motion, speed))?)
+}
+
+/// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
+/// the tooth meshing frequency.
+fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
+    motion.fastest_swing().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
+}
+
+/// Coordinates on which loads act, or that are recorded.
+fn loaded(model: &Model, speed: f64, selection: &Selection) -> Vec<usize> {
+    let rows = model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows());
+    let mut loaded: Vec<usize> = rows.flatten().map(|(index, _)| index).collect();
+    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    if selection.displacements.len() <= MAX_RECORDED {
+        loaded.extend(&selection.displacements);
+    }
+    loaded.sort_unstable();
+    loaded.dedup();
+    loaded
 }
 
 /// The set-up with a reduced linear motion.
@@ -77,8 +370,8 @@ fn with_linear<'m>(
 ) -> ModalSetup<'m> {
     let embedding = complete.linear.map_from(model, &linear);
     let restriction = linear.map_from(model, &complete.linear);
-    let row = |row: &Vec<f64>| embedding.tr_mul(&nalgebra::DVector::from_column_slice(row)).as_slice().to_vec();
-    let column = |column: &Vec<f64>| (&restriction * nalgebra::DVector::from_column_slice(column)).as_slice().to_vec();
+    let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
+    let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
     let maps = &complete.maps;
     let maps = InterfaceMaps {
         rows: maps.rows.iter().map(row).collect(),
@@ -102,13 +395,12 @@ fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports 
         sum
     };
     let mut ports = Ports::default();
-    let across: f64 = std::env::var("RED_ACROSS").ok().and_then(|v| v.parse().ok()).unwrap_or(0.1);
     for tangent in &maps.tangents {
         ports.columns.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
         ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
     }
     for column in &maps.columns[..maps.meshes] {
-        ports.columns.push(column.iter().map(|value| across * value).collect());
+        ports.columns.push(column.iter().map(|value| ACROSS * value).collect());
     }
     ports.columns.extend(maps.columns[maps.meshes..].iter().cloned());
     let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
@@ -124,7 +416,7 @@ fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports 
     let rest = vec![0.0; model.len()];
     ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
     for source in 0..nonlinear_loads.source_count() {
-        for part in [|value: num_complex::Complex64| value.re, |value: num_complex::Complex64| value.im] {
+        for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
             let values = |rate: bool| -> Vec<f64> {
                 (0..model.len()).map(|index| part(nonlinear_loads.amplitude(source, index, rate))).collect()
             };
@@ -134,65 +426,34 @@ fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports 
     ports
 }
 
-/// The first part of a run, sampled at equal intervals.
-fn pilot(
-    run: &Run<'_>,
-    setup: ModalSetup<'_>,
-    start: &Start,
-    plan: &RecordPlan,
-    observer: &mut impl Observer,
-) -> Result<Record, AnalysisError> {
-    let (options, model) = (run.options, &run.cached.model);
-    let origin = start.course.origin;
-    let duration = options.duration.min(PILOT_DURATION);
-    let intervals = (duration / sample_step(model, options.fastest())).ceil().clamp(20.0, MAX_SAMPLES);
-    let times: Vec<f64> =
-        (1..=intervals as usize).map(|index| options.start + duration * index as f64 / intervals).collect();
-    let begin = options.start - origin;
-    let end = begin + duration;
-    let plan = RecordPlan { energy: false, ..plan.clone() };
-    let mut pilot = RunObserver {
-        recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
-        watch: &mut |_| observer.go_on(begin),
-        span: (begin, end),
-        last_check: Instant::now() - HEARTBEAT,
-    };
-    let (_, outcome) =
-        exponential::run(run.cached, options, setup, start, end, &mut pilot, &mut Statistics::new())?;
-    if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
-        return Err(AnalysisError::Interrupted);
-    }
-    Ok(pilot.recorder.finish().0)
-}
-
-/// RMS of the difference over the RMS of the variation, of displacements and of mesh forces, for the worst signal.
+/// RMS of the difference over RMS of the variation, of displacements and of mesh forces, for the worst signal.
 fn differences(found: &Record, exact: &Record) -> [f64; 2] {
-    let samples = found.time.len().min(exact.time.len());
-    let worst = |found: &[f64], exact: &[f64], width: usize| {
-        let channels = exact.len() / exact_len(exact, samples, width);
-        (0..channels / width)
-            .map(|signal| {
-                let values = |all: &[f64], lane: usize| -> Vec<f64> {
-                    (0..samples).map(|sample| all[sample * channels + signal * width + lane]).collect()
-                };
-                let (mut difference, mut variation, mut size) = (0.0, 0.0, 0.0);
-                for lane in 0..width {
-                    let (found, exact) = (values(found, lane), values(exact, lane));
-                    let mean = exact.iter().sum::<f64>() / samples as f64;
-                    for (a, b) in found.iter().zip(&exact) {
-                        difference += (a - b) * (a - b);
-                        variation += (b - mean) * (b - mean);
-                        size += b * b;
-                    }
-                }
-                if difference > 0.0 { (difference / variation.max(1e-18 * size)).sqrt() } else { 0.0 }
-            })
-            .fold(0.0, f64::max)
+    let samples = found.time.len().min(exact.time.len()).max(1);
+    let worst = |found: &[f64], exact: &[f64], lanes: usize| {
+        let channels = exact.len() / samples;
+        let errors = (0..channels / lanes).map(|signal| {
+            let sums = (signal * lanes..(signal + 1) * lanes)
+                .map(|channel| squares(&found[channel..], &exact[channel..], channels, samples));
+            let [difference, variation, size] =
+                sums.fold([0.0; 3], |sum, own| std::array::from_fn(|index| sum[index] + own[index]));
+            let variation = variation.max(ROUND_OFF * ROUND_OFF * size);
+            if difference > 0.0 { (difference / variation).sqrt() } else { 0.0 }
+        });
+        errors.fold(0.0, f64::max)
     };
-    let [_, force, ..] = &exact.mesh;
-    [worst(&found.displacement, &exact.displacement, 2), worst(&found.mesh[1], force, 1)]
+    let ([_, force, ..], [_, exact_force, ..]) = (&found.mesh, &exact.mesh);
+    [worst(&found.displacement, &exact.displacement, 2), worst(force, exact_force, 1)]
 }
 
-fn exact_len(all: &[f64], samples: usize, width: usize) -> usize {
-    if all.is_empty() { 1 } else { samples.max(width.min(1)).max(1) }
+/// Sums of squares of one channel: of the difference, of the variation about the mean, and of the values.
+fn squares(found: &[f64], exact: &[f64], channels: usize, samples: usize) -> [f64; 3] {
+    let values = |all: &'_ [f64]| all.iter().copied().step_by(channels).take(samples).collect::<Vec<f64>>();
+    let (found, exact) = (values(found), values(exact));
+    let mean = exact.iter().sum::<f64>() / samples as f64;
+    let mut sums = [0.0; 3];
+    for (found, exact) in found.iter().zip(&exact) {
+        let terms = [found - exact, exact - mean, *exact];
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term * term);
+    }
+    sums
 }
