@@ -103,6 +103,44 @@ impl Directions {
         self.shares.iter().skip(count).filter(|share| share.is_finite()).sum()
     }
 
+    /// Ranks the directions of a model for the forces and signals with the entries `ports`, as if each undamped mode had
+    /// only its own damping. No eigenvalue problem of the damped system is necessary.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition of the Gramian fails.
+    pub fn of_undamped(
+        projected: &Projected,
+        ports: &[Vec<(usize, f64)>],
+        horizon: f64,
+    ) -> Result<Self, DecompositionError> {
+        let (modes, null, shift) = (&projected.modes, projected.modes.null, 1.0 / horizon);
+        let size = modes.frequencies.len() - null;
+        // The entries of z are ωη and η̇ of every mode.
+        let pair = |index: usize| {
+            let frequency = modes.frequencies[null + index];
+            ModePair::Oscillation(Complex64::new(-projected.damping_of(null + index) / 2.0, frequency))
+        };
+        let pairs: Vec<ModePair> = (0..size).map(pair).collect();
+        let coordinates = coordinates(&pairs, false);
+        let load = |port: &Vec<(usize, f64)>| -> Vec<f64> {
+            let force = |mode: usize| port.iter().map(|(row, value)| modes.vectors[(*row, null + mode)] * value).sum();
+            std::iter::repeat_n(0.0, size).chain((0..size).map(force)).collect()
+        };
+        let columns: Vec<Vec<f64>> = ports.iter().map(load).collect();
+        let displacement = |matrix: &DMatrix<f64>| {
+            DMatrix::from_fn(size, matrix.ncols(), |row, column| matrix[(row, column)] / modes.frequencies[null + row])
+        };
+        let mut total = DMatrix::zeros(size, size);
+        for column in &columns {
+            let steps = responses(&coordinates, std::slice::from_ref(column), Some(shift));
+            let half = displacement(&gramian(&coordinates, &steps, shift, 2 * size).view((0, 0), (size, size)).into());
+            let form = displacement(&half.transpose());
+            total += &form / form.trace().max(f64::MIN_POSITIVE);
+        }
+        let statics = statics(&coordinates, &columns, 2 * size).rows(0, size).into_owned();
+        Self::ranked(&total, &displacement(&statics))
+    }
+
     /// The directions of `first`, then the eigenvectors of the rest of a Gramian.
     fn ranked(gramian: &DMatrix<f64>, first: &DMatrix<f64>) -> Result<Self, DecompositionError> {
         let size = gramian.nrows();

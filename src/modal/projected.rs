@@ -42,12 +42,7 @@ impl Projected {
     ///
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.
-    pub fn of_components(
-        model: &Model,
-        speed: f64,
-        loaded: &[usize],
-        limit: f64,
-    ) -> Result<Self, DecompositionError> {
+    pub fn of_components(model: &Model, speed: f64, loaded: &[usize], limit: f64) -> Result<Self, DecompositionError> {
         let modes = modes_of_components(model, speed, loaded, limit)?;
         let damping = model.damping_matrix(speed) + model.gyroscopic_matrix() * speed;
         let mut projected = Self::new(model, modes, &damping);
@@ -69,17 +64,17 @@ impl Projected {
         }
     }
 
+    /// Damping of an undamped mode by itself, 1/s.
+    pub(super) fn damping_of(&self, mode: usize) -> f64 {
+        self.damping[(mode, mode)]
+    }
+
     /// The model in a subspace of this one; `directions` are its orthonormal directions in the coordinates η of the
     /// elastic modes, one per column. Rigid-body modes are always in the subspace.
     ///
     /// # Errors
     /// [`DecompositionError`] if the undamped modes of the subspace cannot be computed.
-    pub fn restricted(
-        &self,
-        model: &Model,
-        speed: f64,
-        directions: &DMatrix<f64>,
-    ) -> Result<Self, DecompositionError> {
+    pub fn restricted(&self, model: &Model, speed: f64, directions: &DMatrix<f64>) -> Result<Self, DecompositionError> {
         let (null, elastic) = (self.modes.null, self.modes.frequencies.len() - self.modes.null);
         let frequencies = self.modes.frequencies.rows(null, elastic);
         let scaled = DMatrix::from_fn(elastic, directions.ncols(), |i, j| frequencies[i] * directions[(i, j)]);

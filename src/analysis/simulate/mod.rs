@@ -7,6 +7,7 @@ mod exponential;
 mod initial;
 mod modal_setup;
 mod options;
+mod pilot;
 mod record;
 mod record_plan;
 mod reduction;
@@ -116,7 +117,8 @@ pub fn simulate(
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
     let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
-    let Ended { state, condition, reduction, outcome } = run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
+    let Ended { state, condition, reduction, outcome } =
+        run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
     // A run that was stopped continues from the state that it reached.
     let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
     let (record, recorder_state) = observer.recorder.finish();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, ExcitationPart};
@@ -11,6 +11,7 @@ use super::{Method, Options};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
+use crate::model::Model;
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
@@ -73,6 +74,25 @@ impl<'m> ModalSetup<'m> {
         })?;
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
         Ok(Self { linear, nonlinear_loads, maps, output })
+    }
+}
+
+impl<'m> ModalSetup<'m> {
+    /// The same run with the linear motion of a subspace.
+    pub fn with_linear(&self, model: &Model, linear: ModalStateSpace, selection: Selection) -> Self {
+        let embedding = self.linear.map_from(model, &linear);
+        let restriction = linear.map_from(model, &self.linear);
+        let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
+        let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
+        let maps = InterfaceMaps {
+            rows: self.maps.rows.iter().map(row).collect(),
+            columns: self.maps.columns.iter().map(column).collect(),
+            parts: linear.parts.clone(),
+            ..self.maps.clone()
+        };
+        let nonlinear_loads = self.nonlinear_loads.clone();
+        let output = OutputMap::new(&nonlinear_loads, &linear, selection);
+        Self { linear: Arc::new(linear), nonlinear_loads, maps, output }
     }
 }
 

@@ -8,29 +8,22 @@
 //! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
 //! synchronous motion are those of the complete model.
 
-use std::sync::Arc;
-use std::time::Instant;
-
-use nalgebra::DVector;
 use num_complex::Complex64;
 
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
-use super::record::{Record, Recorder};
-use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
+use super::pilot::{PILOT_DURATION, differences, pilot};
+use super::record::Record;
+use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::connection::Connection;
-use crate::exponential::{InterfaceMaps, OutputMap, Selection};
-use crate::integrate::{Halt, Observer, Statistics};
-use crate::modal::{Directions, Form, LANES, ModalStateSpace, Ports, Projected};
+use crate::exponential::Selection;
+use crate::integrate::Observer;
+use crate::modal::{Directions, Form, LANES, Ports, Projected};
 use crate::model::Model;
 use crate::motion::EquationOfMotion;
 use crate::scene::{Node, SceneError};
 
-/// Longest duration of a pilot run, s: the time over which errors are compared.
-const PILOT_DURATION: f64 = 0.1;
-/// Smallest and largest number of samples of a pilot run.
-const PILOT_SAMPLES: [f64; 2] = [20.0, 4000.0];
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
 /// Number of coordinates from which on the modes of the components replace those of the complete model.
@@ -45,12 +38,14 @@ const MAX_RECORDED: usize = 64;
 const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
 /// Error of the mesh force for component modes up to the highest frequency that the teeth excite, in a train with sharp
 /// engagement. It decreases with the square of the frequency limit, because the load of a tooth that engages is a step.
-const COMPONENT_ERROR: f64 = 0.15;
+const COMPONENT_ERROR: f64 = 0.3;
 /// Smallest frequency limit of the component modes, in multiples of the frequency that the teeth excite.
 const SMALLEST_LIMIT: f64 = 3.0;
 /// Ratio of successive frequency limits, and their number, until the error is below the target.
 const NEXT_LIMIT: f64 = 1.6;
 const MAX_LIMITS: usize = 4;
+/// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
+const COMPONENT_SHARE: f64 = 0.01;
 /// Ratio of the frequency limits of which the error is estimated.
 const COARSER: f64 = 2.0;
 /// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
@@ -59,8 +54,6 @@ const FIRST_SHARE: f64 = 0.1;
 const CONTINUED: f64 = 3.0;
 /// Harmonics of the tooth meshing frequency that count as excited.
 const HARMONICS: f64 = 10.0;
-/// Variation of a signal, relative to its size, below which it is round-off.
-const ROUND_OFF: f64 = 1e-9;
 /// Weight of loads across the line of action relative to those along it.
 const ACROSS: f64 = 0.03;
 
@@ -158,7 +151,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             let Some(mut reducer) = prepared(0.0)? else {
                 return Ok(None);
             };
-            reducer.exact = reducer.pilot(&reducer.unreduced, observer)?;
+            reducer.exact = pilot(run, &reducer.unreduced, start, plan, observer)?;
             return Ok(Some(reducer));
         }
         let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
@@ -231,11 +224,11 @@ impl<'a, 'm> Reducer<'a, 'm> {
         limit: f64,
         observer: &mut impl Observer,
     ) -> Result<(), AnalysisError> {
-        self.exact = self.pilot(&self.unreduced, observer)?;
+        self.exact = pilot(self.run, &self.unreduced, self.start, self.plan, observer)?;
         let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
         let model = &self.run.cached.model;
-        let coarse = with_linear(model, &self.unreduced, coarse, self.plan.selection(model));
-        let found = differences(&self.pilot(&coarse, observer)?, &self.exact);
+        let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
+        let found = differences(&pilot(self.run, &coarse, self.start, self.plan, observer)?, &self.exact);
         self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
         Ok(())
     }
@@ -290,47 +283,21 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let elastic = count.saturating_sub(self.projected.modes.null).min(self.directions.vectors.ncols());
         let kept = self.directions.vectors.columns(0, elastic).into_owned();
         let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
-        Ok(with_linear(model, &self.unreduced, linear, self.plan.selection(model)))
+        Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
 
     /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
     /// independent, so that their squares add up.
     fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
-        let found = differences(&self.pilot(setup, observer)?, &self.exact);
+        let found = differences(&pilot(self.run, setup, self.start, self.plan, observer)?, &self.exact);
         let components = self.components.unwrap_or_default();
         let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
         Ok(Reduction { modes: setup.linear.modes, errors })
     }
-
-    /// The signals of the first part of the run, sampled at equal intervals.
-    fn pilot(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Record, AnalysisError> {
-        let Run { cached, options, .. } = *self.run;
-        let origin = self.start.course.origin;
-        let duration = options.duration.min(PILOT_DURATION);
-        let [least, most] = PILOT_SAMPLES;
-        let intervals = (duration / sample_step(&cached.model, options.fastest())).ceil().clamp(least, most);
-        let times: Vec<f64> =
-            (1..=intervals as usize).map(|index| options.start + duration * index as f64 / intervals).collect();
-        let begin = options.start - origin;
-        let plan = RecordPlan { energy: false, ..self.plan.clone() };
-        let mut pilot = RunObserver {
-            recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
-            watch: &mut |_| observer.go_on(begin),
-            span: (begin, begin + duration),
-            last_check: Instant::now(),
-        };
-        let end = begin + duration;
-        let mut counts = Statistics::new();
-        let (_, outcome) =
-            exponential::run(cached, options, setup.clone(), self.start, end, &mut pilot, &mut counts)?;
-        if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
-            return Err(AnalysisError::Interrupted);
-        }
-        Ok(pilot.recorder.finish().0)
-    }
 }
 
-/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite.
+/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite, and in
+/// it in the directions that matter for the loads and the recorded coordinates.
 fn of_components(
     run: &Run<'_>,
     motion: &EquationOfMotion<'_>,
@@ -338,8 +305,15 @@ fn of_components(
     limit: f64,
 ) -> Result<Projected, AnalysisError> {
     let (model, speed) = (&run.cached.model, run.options.fastest());
-    let loaded = loaded(model, speed, &plan.selection(model));
-    Ok(Projected::of_components(model, speed, &loaded, limit * excited_frequency(motion, speed))?)
+    let ports = interface(model, speed, &plan.selection(model));
+    let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
+    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    loaded.sort_unstable();
+    loaded.dedup();
+    let projected = Projected::of_components(model, speed, &loaded, limit * excited_frequency(motion, speed))?;
+    let directions = Directions::of_undamped(&projected, &ports, PILOT_DURATION)?;
+    let kept = directions.vectors.columns(0, directions.count(COMPONENT_SHARE / (limit * limit))).into_owned();
+    Ok(projected.restricted(model, speed, &kept)?)
 }
 
 /// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
@@ -348,40 +322,14 @@ fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
     motion.fastest_swing().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
 }
 
-/// Coordinates on which loads act, or that are recorded.
-fn loaded(model: &Model, speed: f64, selection: &Selection) -> Vec<usize> {
-    let rows = model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows());
-    let mut loaded: Vec<usize> = rows.flatten().map(|(index, _)| index).collect();
-    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+/// Scalars on which loads act or that are recorded, as entries (index, coefficient) over the displacements.
+fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec<Vec<(usize, f64)>> {
+    let mut scalars: Vec<_> =
+        model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
     if selection.displacements.len() <= MAX_RECORDED {
-        loaded.extend(&selection.displacements);
+        scalars.extend(selection.displacements.iter().map(|index| vec![(*index, 1.0)]));
     }
-    loaded.sort_unstable();
-    loaded.dedup();
-    loaded
-}
-
-/// The set-up with a reduced linear motion.
-fn with_linear<'m>(
-    model: &Model,
-    complete: &ModalSetup<'m>,
-    linear: ModalStateSpace,
-    selection: Selection,
-) -> ModalSetup<'m> {
-    let embedding = complete.linear.map_from(model, &linear);
-    let restriction = linear.map_from(model, &complete.linear);
-    let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
-    let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
-    let maps = &complete.maps;
-    let maps = InterfaceMaps {
-        rows: maps.rows.iter().map(row).collect(),
-        columns: maps.columns.iter().map(column).collect(),
-        parts: linear.parts.clone(),
-        ..maps.clone()
-    };
-    let nonlinear_loads = complete.nonlinear_loads.clone();
-    let output = OutputMap::new(&nonlinear_loads, &linear, selection);
-    ModalSetup { linear: Arc::new(linear), nonlinear_loads, maps, output }
+    scalars
 }
 
 /// What the reduced motion carries: mesh forces, recorded displacements, and the states in which a run can begin.
@@ -424,36 +372,4 @@ fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports 
         }
     }
     ports
-}
-
-/// RMS of the difference over RMS of the variation, of displacements and of mesh forces, for the worst signal.
-fn differences(found: &Record, exact: &Record) -> [f64; 2] {
-    let samples = found.time.len().min(exact.time.len()).max(1);
-    let worst = |found: &[f64], exact: &[f64], lanes: usize| {
-        let channels = exact.len() / samples;
-        let errors = (0..channels / lanes).map(|signal| {
-            let sums = (signal * lanes..(signal + 1) * lanes)
-                .map(|channel| squares(&found[channel..], &exact[channel..], channels, samples));
-            let [difference, variation, size] =
-                sums.fold([0.0; 3], |sum, own| std::array::from_fn(|index| sum[index] + own[index]));
-            let variation = variation.max(ROUND_OFF * ROUND_OFF * size);
-            if difference > 0.0 { (difference / variation).sqrt() } else { 0.0 }
-        });
-        errors.fold(0.0, f64::max)
-    };
-    let ([_, force, ..], [_, exact_force, ..]) = (&found.mesh, &exact.mesh);
-    [worst(&found.displacement, &exact.displacement, 2), worst(force, exact_force, 1)]
-}
-
-/// Sums of squares of one channel: of the difference, of the variation about the mean, and of the values.
-fn squares(found: &[f64], exact: &[f64], channels: usize, samples: usize) -> [f64; 3] {
-    let values = |all: &'_ [f64]| all.iter().copied().step_by(channels).take(samples).collect::<Vec<f64>>();
-    let (found, exact) = (values(found), values(exact));
-    let mean = exact.iter().sum::<f64>() / samples as f64;
-    let mut sums = [0.0; 3];
-    for (found, exact) in found.iter().zip(&exact) {
-        let terms = [found - exact, exact - mean, *exact];
-        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term * term);
-    }
-    sums
 }
