@@ -14,7 +14,7 @@ use num_complex::Complex64;
 
 use super::pairs::ModePair;
 use super::projected::Projected;
-use super::state_space::ModalStateSpace;
+use super::state_space::{Form, ModalStateSpace};
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::Model;
 
@@ -49,17 +49,18 @@ struct Coordinate {
 }
 
 impl Directions {
-    /// Ranks the directions of a model; `linear` is its state-space model with the given `pairs`. The responses have the `horizon`, s.
+    /// Ranks the directions of a model; `linear` is its state-space model, in pairs. The responses have the `horizon`, s.
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the Gramian fails.
     pub fn new(
         model: &Model,
         projected: &Projected,
-        (linear, pairs): (&ModalStateSpace, &[ModePair]),
+        linear: &ModalStateSpace,
         ports: &Ports,
         horizon: f64,
     ) -> Result<Self, DecompositionError> {
+        let pairs = if let Form::Pairs(pairs) = &linear.form { &pairs[..] } else { &[] };
         let (size, shift) = (linear.len(), 1.0 / horizon);
         let (coordinates, dual) = (coordinates(pairs, false), coordinates(pairs, true));
         let null = projected.modes.null;

@@ -4,6 +4,8 @@
 //! stays positive semidefinite, and the gyroscopic matrix stays skew-symmetric. A reduced model therefore has no growing
 //! motion that the complete model does not have. The projection is repeatable: a subspace of a subspace is one too.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::DMatrix;
 
 use super::cached::CachedModel;
@@ -25,6 +27,8 @@ pub struct Projected {
     skew_part: DMatrix<f64>,
     /// Whether C + ΩG and K − K_symmetric are zero.
     undamped: bool,
+    /// State-space model, computed at the first use.
+    linear: OnceLock<Arc<ModalStateSpace>>,
 }
 
 impl Projected {
@@ -61,6 +65,7 @@ impl Projected {
             skew_part: modes.project(&skew_part),
             undamped: damping.amax() == 0.0 && skew_part.amax() == 0.0,
             modes,
+            linear: OnceLock::new(),
         }
     }
 
@@ -89,15 +94,19 @@ impl Projected {
         let coordinates = self.modes.vectors.tr_mul(&model.mass_times(&modes.vectors));
         let project = |matrix: &DMatrix<f64>| coordinates.tr_mul(&(matrix * &coordinates));
         let (damping, skew_part) = (project(&self.damping), project(&self.skew_part));
-        Ok(Self { modes, damping, skew_part, undamped: self.undamped })
+        Ok(Self { modes, damping, skew_part, undamped: self.undamped, linear: OnceLock::new() })
     }
 
     /// State-space model of the subspace.
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition fails.
-    pub fn state_space(&self) -> Result<ModalStateSpace, DecompositionError> {
+    pub fn state_space(&self) -> Result<Arc<ModalStateSpace>, DecompositionError> {
+        if let Some(known) = self.linear.get() {
+            return Ok(Arc::clone(known));
+        }
         let order = FirstOrder::projected(&self.modes, &self.damping, &self.skew_part, self.undamped);
-        ModalStateSpace::new(&self.modes, &order)
+        let found = Arc::new(ModalStateSpace::new(&self.modes, &order)?);
+        Ok(Arc::clone(self.linear.get_or_init(|| found)))
     }
 }

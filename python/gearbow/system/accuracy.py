@@ -124,7 +124,7 @@ def accuracy_of(word: object, given: Mapping[str, Any], *, constant: bool = True
 
 
 def check_reduction(statistics: Statistics, level: Accuracy | None) -> None:
-    """Warn if the error of a reduction to fewer modes exceeds an accuracy level.
+    """Warn if the error of a reduction to a given number of modes exceeds an accuracy level.
 
     Parameters
     ----------

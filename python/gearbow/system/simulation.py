@@ -188,7 +188,8 @@ class Simulation(LinearAnalyses):
             if level is not None:
                 response.expected_error = level.error
                 response.accuracy = level.explanation(response.events)
-            check_reduction(response.statistics, level)
+            if modes is not None:
+                check_reduction(response.statistics, level)
             if file is not None:
                 file.finish(response.to_record())
         return response

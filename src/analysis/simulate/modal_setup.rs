@@ -55,7 +55,7 @@ impl<'m> ModalSetup<'m> {
             _ => None,
         };
         let linear = match (subspace, linear) {
-            (Some(subspace), _) => Arc::new(subspace.state_space()?),
+            (Some(subspace), _) => subspace.state_space()?,
             (None, Some(linear)) => linear,
             (None, None) => cached.linear(speed)?,
         };
@@ -79,7 +79,7 @@ impl<'m> ModalSetup<'m> {
 
 impl<'m> ModalSetup<'m> {
     /// The same run with the linear motion of a subspace.
-    pub fn with_linear(&self, model: &Model, linear: ModalStateSpace, selection: Selection) -> Self {
+    pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
         let embedding = self.linear.map_from(model, &linear);
         let restriction = linear.map_from(model, &self.linear);
         let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
@@ -92,7 +92,7 @@ impl<'m> ModalSetup<'m> {
         };
         let nonlinear_loads = self.nonlinear_loads.clone();
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
-        Self { linear: Arc::new(linear), nonlinear_loads, maps, output }
+        Self { linear, nonlinear_loads, maps, output }
     }
 }
 

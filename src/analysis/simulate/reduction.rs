@@ -10,6 +10,9 @@
 
 use num_complex::Complex64;
 
+use std::cell::OnceCell;
+use std::sync::Arc;
+
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
 use super::pilot::{PILOT_DURATION, differences, pilot};
@@ -40,14 +43,14 @@ const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
 /// engagement. It decreases with the square of the frequency limit, because the load of a tooth that engages is a step.
 const COMPONENT_ERROR: f64 = 0.3;
 /// Smallest frequency limit of the component modes, in multiples of the frequency that the teeth excite.
-const SMALLEST_LIMIT: f64 = 3.0;
+const SMALLEST_LIMIT: f64 = 4.0;
 /// Ratio of successive frequency limits, and their number, until the error is below the target.
 const NEXT_LIMIT: f64 = 1.6;
 const MAX_LIMITS: usize = 4;
 /// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
 const COMPONENT_SHARE: f64 = 0.01;
 /// Ratio of the frequency limits of which the error is estimated.
-const COARSER: f64 = 2.0;
+const COARSER: f64 = 1.5;
 /// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
 const FIRST_SHARE: f64 = 0.1;
 /// Largest errors, in multiples of the target, with which a continued run keeps its modes.
@@ -77,9 +80,9 @@ pub(super) fn set_up<'m>(
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
     let (options, model) = (run.options, &run.cached.model);
     let is_large = model.len() >= LARGE_MODEL;
-    let is_short = options.duration < SHORT_RUN * PILOT_DURATION && !start.is_reduced(model);
+    let is_short = is_short(run, start);
     let keeps_all = match (options.modes, options.reduction) {
-        (Some(_), _) => false,
+        (Some(count), _) => count >= model.len(),
         (None, Some(_)) => plan.energy || !is_large && (is_short || motion.parts_and_varies()),
         (None, None) => true,
     };
@@ -104,6 +107,11 @@ pub(super) fn set_up<'m>(
     }
 }
 
+/// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
+fn is_short(run: &Run<'_>, start: &Start) -> bool {
+    run.options.duration < SHORT_RUN * PILOT_DURATION && !start.is_reduced(&run.cached.model)
+}
+
 impl<'m> Run<'m> {
     /// The set-up of the run in a subspace, or with the complete model.
     fn complete(
@@ -124,15 +132,15 @@ struct Reducer<'a, 'm> {
     start: &'a Start,
     plan: &'a RecordPlan,
     /// The linear motion of the complete model, or of the modes of its components.
-    projected: Projected,
+    projected: Arc<Projected>,
     /// The set-up of a run with this linear motion.
     unreduced: ModalSetup<'m>,
     /// The signals of this run.
     exact: Record,
     /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
     components: Option<[f64; 2]>,
-    /// Directions of the displacements in the order of their importance.
-    directions: Directions,
+    /// Directions of the displacements in the order of their importance; found at the first use.
+    directions: OnceCell<Directions>,
 }
 
 impl<'a, 'm> Reducer<'a, 'm> {
@@ -177,7 +185,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             let is_accurate = reducer.excess([0.0; 2], target) <= 1.0;
             let is_complete = reducer.unreduced.linear.modes as f64 >= LARGEST_PART * model.len() as f64;
             last = Some(reducer);
-            if is_accurate || is_complete {
+            if is_accurate || is_complete || is_short(run, start) {
                 break;
             }
         }
@@ -193,18 +201,16 @@ impl<'a, 'm> Reducer<'a, 'm> {
         plan: &'a RecordPlan,
         limit: f64,
     ) -> Result<Option<Self>, AnalysisError> {
-        let model = &run.cached.model;
         let is_large = limit > 0.0;
         let projected = match is_large {
             true => of_components(run, motion, plan, limit)?,
-            false => Projected::complete(run.cached, run.options.fastest())?,
+            false => Arc::new(Projected::complete(run.cached, run.options.fastest())?),
         };
         let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
-        let Form::Pairs(pairs) = &unreduced.linear.form else {
+        if matches!(unreduced.linear.form, Form::Dense(_)) {
             return Ok(None);
-        };
-        let ports = ports(model, &unreduced, &plan.selection(model));
-        let directions = Directions::new(model, &projected, (&unreduced.linear, pairs), &ports, PILOT_DURATION)?;
+        }
+        let directions = OnceCell::new();
         let exact = Record::default();
         Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
     }
@@ -216,8 +222,8 @@ impl<'a, 'm> Reducer<'a, 'm> {
         Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
     }
 
-    /// Runs a pilot, and estimates the error of the component modes up to `limit` from that of a lower limit: the errors
-    /// 4e of half of the limit and e of the limit differ by 3e.
+    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from that of a lower limit: the errors
+    /// c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
     fn measure_components(
         &mut self,
         motion: &EquationOfMotion<'m>,
@@ -248,7 +254,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
         let null = self.projected.modes.null;
         let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
-        let first = self.directions.count(FIRST_SHARE * target[1]) + null;
+        let first = self.directions()?.count(FIRST_SHARE * target[1]) + null;
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
         let before = self.start.is_reduced(&self.run.cached.model).then(|| self.start.state.modal.len() / 2);
         let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
@@ -264,7 +270,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
                 return Ok((setup, Some(reduction)));
             }
             allowed = 1.0;
-            count = (count + 1).max(self.directions.further(count - null, excess) + null);
+            count = (count + 1).max(self.directions()?.further(count - null, excess) + null);
         }
         let modes = self.unreduced.linear.modes;
         Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
@@ -277,11 +283,25 @@ impl<'a, 'm> Reducer<'a, 'm> {
         ratio(0).max(ratio(1))
     }
 
+    /// Directions of the displacements in the order of their importance.
+    fn directions(&self) -> Result<&Directions, AnalysisError> {
+        if let Some(known) = self.directions.get() {
+            return Ok(known);
+        }
+        let (model, linear) = (&self.run.cached.model, &self.unreduced.linear);
+        let ports = ports(model, &self.unreduced, &self.plan.selection(model));
+        let found = Directions::new(model, &self.projected, linear, &ports, PILOT_DURATION)?;
+        Ok(self.directions.get_or_init(|| found))
+    }
+
     /// The set-up with `count` modes, rigid-body modes included.
     fn reduced(&self, count: usize) -> Result<ModalSetup<'m>, AnalysisError> {
         let model = &self.run.cached.model;
-        let elastic = count.saturating_sub(self.projected.modes.null).min(self.directions.vectors.ncols());
-        let kept = self.directions.vectors.columns(0, elastic).into_owned();
+        if count >= self.unreduced.linear.modes {
+            return Ok(self.unreduced.clone());
+        }
+        let elastic = count.saturating_sub(self.projected.modes.null);
+        let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
         let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
         Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
@@ -303,17 +323,22 @@ fn of_components(
     motion: &EquationOfMotion<'_>,
     plan: &RecordPlan,
     limit: f64,
-) -> Result<Projected, AnalysisError> {
+) -> Result<Arc<Projected>, AnalysisError> {
     let (model, speed) = (&run.cached.model, run.options.fastest());
     let ports = interface(model, speed, &plan.selection(model));
     let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
     loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
     loaded.sort_unstable();
     loaded.dedup();
-    let projected = Projected::of_components(model, speed, &loaded, limit * excited_frequency(motion, speed))?;
-    let directions = Directions::of_undamped(&projected, &ports, PILOT_DURATION)?;
-    let kept = directions.vectors.columns(0, directions.count(COMPONENT_SHARE / (limit * limit))).into_owned();
-    Ok(projected.restricted(model, speed, &kept)?)
+    let highest = limit * excited_frequency(motion, speed);
+    let share = COMPONENT_SHARE / (limit * limit);
+    let found = run.cached.subspace((speed, highest, ports), |ports| {
+        let projected = Projected::of_components(model, speed, &loaded, highest)?;
+        let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
+        let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
+        projected.restricted(model, speed, &kept)
+    });
+    Ok(found?)
 }
 
 /// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
