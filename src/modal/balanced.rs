@@ -262,3 +262,45 @@ fn scaled(groups: &[Vec<Vec<f64>>], gramian: &DMatrix<f64>) -> Vec<Vec<f64>> {
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use num_complex::Complex64;
+
+    use super::{coordinates, gramian, responses};
+    use crate::modal::ModePair;
+
+    /// The Gramian P of ż = A z with the load b solves (A − σ)P + P(A − σ)ᵀ + b bᵀ = 0, and that of its dual the same with
+    /// Aᵀ.
+    #[test]
+    fn a_gramian_solves_the_lyapunov_equation() {
+        let pairs = [
+            ModePair::Oscillation(Complex64::new(-0.3, 7.0)),
+            ModePair::Real([-2.0, -0.5]),
+            ModePair::Oscillation(Complex64::new(0.0, 11.0)),
+        ];
+        let (size, shift) = (6, 0.25);
+        let mut matrix = DMatrix::zeros(size, size);
+        for (slot, pair) in pairs.iter().enumerate() {
+            let block = pair.block();
+            for (i, row) in block.iter().enumerate() {
+                for (j, value) in row.iter().enumerate() {
+                    matrix[(slot + 3 * i, slot + 3 * j)] = *value;
+                }
+            }
+            matrix[(slot, slot)] -= shift;
+            matrix[(slot + 3, slot + 3)] -= shift;
+        }
+        let column = vec![1.0, -0.4, 0.7, 0.2, 1.3, -0.6];
+        let load = DVector::from_column_slice(&column);
+        for (dual, matrix) in [(false, matrix.clone()), (true, matrix.transpose())] {
+            let coordinates = coordinates(&pairs, dual);
+            let given = responses(&coordinates, std::slice::from_ref(&column), None);
+            let found = gramian(&coordinates, &given, shift, size);
+            let residual = &matrix * &found + &found * matrix.transpose() + &load * load.transpose();
+            // Round-off of products of order ten.
+            assert!(residual.amax() < 1e-13, "{residual}");
+        }
+    }
+}

@@ -129,6 +129,15 @@ impl CachedModel {
         Ok(linear)
     }
 
+    /// The complete model at `speed` of the reference shaft, rad/s, in its undamped modes.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be computed.
+    pub fn projected(&self, speed: f64) -> Result<Projected, DecompositionError> {
+        let damping = self.damping_matrix(speed)? + self.model.gyroscopic_matrix() * speed;
+        Ok(Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping))
+    }
+
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.
     ///
     /// # Errors

@@ -8,7 +8,6 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::DMatrix;
 
-use super::cached::CachedModel;
 use super::components::modes_of_components;
 use super::first_order::FirstOrder;
 use super::real::RealModes;
@@ -32,15 +31,6 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// The complete model at `speed` of the reference shaft, rad/s.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if the undamped modes cannot be computed.
-    pub fn complete(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
-        let damping = cached.damping_matrix(speed)? + cached.model.gyroscopic_matrix() * speed;
-        Ok(Self::new(&cached.model, cached.real_modes(speed)?.clone(), &damping))
-    }
-
     /// The model in the modes of its components up to `limit`, rad/s, and in the static displacements under loads at the
     /// coordinates `loaded`, at `speed` of the reference shaft, rad/s. Modal damping acts on the modes of this subspace.
     ///
@@ -58,7 +48,8 @@ impl Projected {
         Ok(projected)
     }
 
-    fn new(model: &Model, modes: RealModes, damping: &DMatrix<f64>) -> Self {
+    /// The model in undamped `modes`, with the n × n matrix `damping` of C + ΩG.
+    pub(super) fn new(model: &Model, modes: RealModes, damping: &DMatrix<f64>) -> Self {
         let skew_part = model.skew_part_matrix();
         Self {
             damping: modes.project(damping),

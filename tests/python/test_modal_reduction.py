@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.system.accuracy import ACCURACIES, check_reduction
 
 SPEED = 100.0
 GEARS = ("g1", "g2", "g3", "g4")
@@ -128,6 +130,24 @@ def test_a_warning_above_the_level():
     with warnings.catch_warnings():
         warnings.simplefilter("error", gb.AccuracyWarning)
         system.simulate(0.01, SPEED, modes=60, accuracy="draft")
+
+
+@pytest.mark.parametrize(
+    ("given", "kind"), [((2e-3, 9e-3), "displacements"), ((9e-4, 2e-2), "mesh forces"), ((9e-4, 9e-3), None)]
+)
+def test_which_error_is_above_the_level(given: tuple[float, float], kind: str | None):
+    statistics = train().simulate(0.0, SPEED).statistics
+    statistics = replace(statistics, modes=9, modes_error=given)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check_reduction(statistics, None)
+    assert [f"in {kind}, above" in str(each.message) for each in caught] == [True] * (kind is not None)
+
+
+def test_a_reduction_may_use_a_third_of_the_total_error():
+    assert ACCURACIES["engineering"].reduction == pytest.approx((1e-3 / 3, 1e-2 / 3))
+    assert ACCURACIES["draft"].reduction == pytest.approx((1e-2 / 3, 1e-1 / 3))
+    assert ACCURACIES["reference"].reduction is None
 
 
 def test_small_systems_and_default_runs_keep_all_modes():

@@ -16,7 +16,7 @@ const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The signals of the first part of a run, sampled at equal intervals.
+/// The signals of the first part of a run, sampled at equal intervals; empty for a run without duration.
 pub(super) fn pilot(
     run: &Run<'_>,
     setup: &ModalSetup<'_>,
@@ -25,6 +25,9 @@ pub(super) fn pilot(
     observer: &mut impl Observer,
 ) -> Result<Record, AnalysisError> {
     let Run { cached, options, .. } = *run;
+    if options.duration <= 0.0 {
+        return Ok(Record::default());
+    }
     let origin = start.course.origin;
     let duration = options.duration.min(PILOT_DURATION);
     let [least, most] = PILOT_SAMPLES;

@@ -204,7 +204,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let is_large = limit > 0.0;
         let projected = match is_large {
             true => of_components(run, motion, plan, limit)?,
-            false => Arc::new(Projected::complete(run.cached, run.options.fastest())?),
+            false => Arc::new(run.cached.projected(run.options.fastest())?),
         };
         let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
         if matches!(unreduced.linear.form, Form::Dense(_)) {
@@ -256,7 +256,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
         let first = self.directions()?.count(FIRST_SHARE * target[1]) + null;
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
-        let before = self.start.is_reduced(&self.run.cached.model).then(|| self.start.state.modal.len() / 2);
+        let before = self.start.is_reduced(&self.run.cached.model).then_some(self.start.state.modal.len() / 2);
         let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
         for _ in 0..MAX_TRIALS {
             count = count.next_multiple_of(LANES);
