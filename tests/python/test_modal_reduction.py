@@ -125,7 +125,9 @@ def test_the_error_falls_fast_with_the_number_of_modes():
 
 def test_a_warning_above_the_level():
     system = train()
-    with pytest.warns(gb.AccuracyWarning, match=r"^modes: 16 modes leave .* accuracy 'engineering'"):
+    with pytest.warns(
+        gb.AccuracyWarning, match=r"^modes: 16 modes leave .* accuracy 'engineering'"
+    ):
         system.simulate(0.01, SPEED, modes=16)
     with warnings.catch_warnings():
         warnings.simplefilter("error", gb.AccuracyWarning)
@@ -133,7 +135,8 @@ def test_a_warning_above_the_level():
 
 
 @pytest.mark.parametrize(
-    ("given", "kind"), [((2e-3, 9e-3), "displacements"), ((9e-4, 2e-2), "mesh forces"), ((9e-4, 9e-3), None)]
+    ("given", "kind"),
+    [((2e-3, 9e-3), "displacements"), ((9e-4, 2e-2), "mesh forces"), ((9e-4, 9e-3), None)],
 )
 def test_which_error_is_above_the_level(given: tuple[float, float], kind: str | None):
     statistics = train().simulate(0.0, SPEED).statistics
@@ -141,7 +144,9 @@ def test_which_error_is_above_the_level(given: tuple[float, float], kind: str | 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_reduction(statistics, None)
-    assert [f"in {kind}, above" in str(each.message) for each in caught] == [True] * (kind is not None)
+    assert [f"in {kind}, above" in str(each.message) for each in caught] == [True] * (
+        kind is not None
+    )
 
 
 def test_a_reduction_may_use_a_third_of_the_total_error():
