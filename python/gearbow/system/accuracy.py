@@ -47,7 +47,13 @@ class Accuracy:
 
     @property
     def reduction(self) -> tuple[float, float] | None:
-        """Largest errors from a reduction to fewer modes; None keeps all modes."""
+        """Give the largest errors from a reduction to fewer modes.
+
+        Returns
+        -------
+        tuple of float, optional
+            Errors of displacements and of mesh forces; None keeps all modes.
+        """
         if self.word == "reference":
             return None
         displacement, mesh_force = self.total
