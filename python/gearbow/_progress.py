@@ -59,9 +59,11 @@ class _Estimate:
         if self._report is not None:
             self._report(fraction)
         now = time.perf_counter()
-        # A continued run begins with a completed fraction. The set-up before the first report does
+        # A continued run begins with a completed fraction. The set-up before the first progress does
         # not count.
-        begin, done = self._first = self._first or (now, fraction)
+        if self._first is None or fraction <= self._first[1]:
+            self._first = (now, fraction)
+        begin, done = self._first
         elapsed = now - begin
         if self._warned or elapsed < WATCHED or fraction <= done:
             return

@@ -44,6 +44,8 @@ _METADATA = record(
         **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
         **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
         limited_by=text,
+        modes=optional(whole),
+        modes_error=optional(row(any_number, any_number)),
     ),
     events=each(row(number, text, text, text)),
     final=record(),
@@ -141,6 +143,9 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             raise GearbowError(
                 f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
             )
+        if isinstance(about.get("statistics"), dict):
+            # A file may leave out the reduction of a run with all modes.
+            about["statistics"] = {"modes": None, "modes_error": None, **about["statistics"]}
         _METADATA(about, "")
         (_PROFILE if isinstance(about.get("speed"), dict) else number)(about.get("speed"), "speed")
         arrays = _read_arrays(file, about)

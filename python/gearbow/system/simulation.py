@@ -16,7 +16,7 @@ from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import SceneError
 from gearbow.results.response import Response
-from gearbow.system.accuracy import accuracy_of
+from gearbow.system.accuracy import accuracy_of, check_reduction
 from gearbow.system.checkpoint import Checkpoint
 from gearbow.system.linear import LinearAnalyses
 from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
@@ -60,8 +60,9 @@ class Simulation(LinearAnalyses):
             speed may start or end at zero, but must not change its sign. The torque that
             accelerates a section of a shaft acts on this section.
         accuracy : {"draft", "engineering", "reference"}, optional
-            Settings with a measured error, instead of method, step, rtol, stages and modes.
-            `Response.expected_error` and `Response.accuracy` give the expected error.
+            Settings with a measured error, instead of method, step, rtol and stages.
+            `Response.expected_error` and `Response.accuracy` give the expected error. "draft" and
+            "engineering" keep as many modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss
             collocation; it is the default at constant speed. "rk45" is the Dormand–Prince 5(4)
@@ -79,8 +80,9 @@ class Simulation(LinearAnalyses):
             Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
             number. None is 3.
         modes : int, optional
-            Number of modes of "exponential" and "etdrk4". The modes with the largest response to
-            the loads are kept. None is all.
+            Number of modes of "exponential" and "etdrk4": the displacements that carry the loads to
+            the recorded signals are kept. None is all, or as many as `accuracy` needs.
+            `Statistics.modes_error` gives the error.
         initial : {"synchronous", "static", "rest"} or Response
             Initial state: static equilibrium plus linear synchronous response, static equilibrium,
             or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. A
@@ -131,6 +133,8 @@ class Simulation(LinearAnalyses):
 
         Warns
         -----
+        AccuracyWarning
+            If the error of a reduction to `modes` exceeds the accuracy level.
         CheckpointWarning
             If the checkpoint cannot be written, for example on a full disk. The run continues, and
             the file does not change.
@@ -156,7 +160,7 @@ class Simulation(LinearAnalyses):
         level = None
         if accuracy is not None:
             given = {"method": method, "step": step, "rtol": rtol}
-            given |= {"stages": stages, "modes": modes}
+            given |= {"stages": stages}
             level = accuracy_of(accuracy, given, constant=isinstance(profile, float))
             method, rtol = level.method, level.rtol
         if method is None:
@@ -174,6 +178,7 @@ class Simulation(LinearAnalyses):
             "geometry": text(geometry, "geometry"),
             "start": begin,
         }
+        arguments["reduction"] = None if level is None else level.reduction
         wanted, rows = self._times(arguments, output_step, times)
         identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
         with self._checkpoint(checkpoint, checkpoint_interval, identity) as file:
@@ -183,6 +188,8 @@ class Simulation(LinearAnalyses):
             if level is not None:
                 response.expected_error = level.error
                 response.accuracy = level.explanation(response.events)
+            if modes is not None:
+                check_reduction(response.statistics, level)
             if file is not None:
                 file.finish(response.to_record())
         return response
