@@ -61,7 +61,7 @@ class _Estimate:
         now = time.perf_counter()
         # A continued run begins with a completed fraction. Set-up and pilot runs, which complete no
         # part of the run, do not count.
-        if self._first is None or fraction <= self._first[1]:
+        if self._first is None or fraction <= 0.0:
             self._first = (now, fraction)
         begin, done = self._first
         elapsed = now - begin
