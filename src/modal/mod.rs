@@ -10,6 +10,7 @@ mod cached;
 mod damped;
 mod eigenpairs;
 mod first_order;
+mod gyroscopic;
 mod pairs;
 mod quadratic;
 mod real;
@@ -19,6 +20,7 @@ mod whirl;
 
 pub use cached::{AtSpeed, CachedModel};
 pub use damped::{Mode, modes, whirl};
+pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};
 pub use real::RealModes;

@@ -11,7 +11,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::shaft_rotation::{Changing, ShaftRotation};
+use super::shaft_rotation::{Changing, ReferenceShaft, ShaftRotation};
 use crate::connection::{Connection, Instant};
 use crate::integrate::{FirstOrderSystem, Halt};
 use crate::linalg::DecompositionError;
@@ -177,6 +177,28 @@ impl<'m> EquationOfMotion<'m> {
                 (now.speed, now.acceleration)
             }
         }
+    }
+
+    /// The reference shaft at an instant, if the speed is variable.
+    pub fn reference_shaft(&self, elapsed: f64) -> Option<ReferenceShaft> {
+        self.changing.as_ref().map(|changing| changing.at(elapsed))
+    }
+
+    /// Lets steps cross the borders between pieces of a variable speed at which the acceleration is continuous.
+    pub fn join_smooth_pieces(&mut self) {
+        if let Some(changing) = &mut self.changing {
+            changing.join_smooth_pieces();
+        }
+    }
+
+    /// Index of the piece of a variable speed at an instant; none at a constant speed.
+    pub fn piece_at(&self, elapsed: f64) -> Option<i64> {
+        self.changing.as_ref().map(|changing| changing.piece_at(elapsed))
+    }
+
+    /// Whether a variable speed has another piece at an instant than in the step.
+    pub fn leaves_piece(&self, elapsed: f64) -> bool {
+        self.changing.as_ref().is_some_and(|changing| changing.leaves_piece(elapsed))
     }
 
     /// Force of the shaft on the bearings of a node, components (y, z), N.
@@ -354,8 +376,9 @@ impl<'m> EquationOfMotion<'m> {
             Ok(())
         })?;
         if let Some(damping) = &self.modal_damping {
-            for (column, rate) in damping.column_iter().zip(v) {
-                for (force, entry) in force.iter_mut().zip(column.iter()) {
+            // Columns as slices, because iterators over matrix views do not vectorise.
+            for (column, rate) in damping.as_slice().chunks_exact(force.len()).zip(v) {
+                for (force, entry) in force.iter_mut().zip(column) {
                     *force -= entry * rate;
                 }
             }

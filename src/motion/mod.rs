@@ -9,5 +9,5 @@ mod speed;
 pub use energy::{Energies, SOURCES};
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phase};
-pub use shaft_rotation::{Anchor, ShaftRotation};
+pub use shaft_rotation::{Anchor, ReferenceShaft, ShaftRotation};
 pub use speed::{Profile, Speed};

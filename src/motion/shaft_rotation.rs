@@ -64,12 +64,17 @@ impl ShaftRotation {
     }
 }
 
+/// Accelerations on both sides of a border whose difference is below this fraction of the largest acceleration count as
+/// equal: profiles that are sampled from a smooth function have smaller jumps.
+const SMOOTH: f64 = 1e-6;
+
 /// A variable speed as a function of elapsed time. The current piece is fixed within a step, so that no step crosses a
 /// kink and an evaluation needs no search.
 #[derive(Clone, Debug)]
 pub(super) struct Changing {
     stretches: Vec<Stretch>,
-    holds: usize,
+    /// First and last stretch of the current piece: a single stretch, or the stretches between two kinks.
+    holds: (usize, usize),
 }
 
 /// A cubic polynomial of Ω in the elapsed time since the start of the piece.
@@ -81,11 +86,13 @@ struct Stretch {
     /// Angle since the origin, rad.
     angle: f64,
     cubic: [f64; 4],
+    /// Index of the first stretch of its piece.
+    piece: usize,
 }
 
 /// The reference shaft at an instant.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instant {
+pub struct ReferenceShaft {
     /// Angle since the origin, rad.
     pub angle: f64,
     /// Ω, rad/s.
@@ -94,42 +101,79 @@ pub(super) struct Instant {
     pub acceleration: f64,
 }
 
+impl Stretch {
+    /// Ω̇ at the time `since` its start, rad/s².
+    fn acceleration(&self, since: f64) -> f64 {
+        let [_, b, c, d] = self.cubic;
+        b + since * (2.0 * c + since * (3.0 * d))
+    }
+
+    /// Ω̇ at its end, rad/s²; at its start if it has no end.
+    fn last_acceleration(&self) -> f64 {
+        self.acceleration(if self.length.is_finite() { self.length } else { 0.0 })
+    }
+}
+
 impl Changing {
     fn new(profile: &Profile, origin: f64) -> Self {
-        let stretches = profile.pieces().filter(|(_, end)| *end > origin).map(|(piece, end)| {
+        let pieces = profile.pieces().filter(|(_, end)| *end > origin);
+        let stretches = pieces.enumerate().map(|(index, (piece, end))| {
             let begin = piece.begin.max(origin);
             Stretch {
                 start: begin - origin,
                 length: end - begin,
                 angle: profile.turned(origin, begin).high,
                 cubic: piece.moved_to(begin),
+                piece: index,
             }
         });
-        Self { stretches: stretches.collect(), holds: 0 }
+        Self { stretches: stretches.collect(), holds: (0, 0) }
     }
 
-    /// Index of the piece at an elapsed time.
+    /// Joins stretches at whose border Ω̇ does not jump to one piece.
+    pub fn join_smooth_pieces(&mut self) {
+        let ends = |stretch: &Stretch| stretch.acceleration(0.0).abs().max(stretch.last_acceleration().abs());
+        let largest = self.stretches.iter().map(ends).fold(0.0, f64::max);
+        for index in 1..self.stretches.len() {
+            let before = self.stretches[index - 1];
+            let jump = self.stretches[index].acceleration(0.0) - before.last_acceleration();
+            self.stretches[index].piece = if jump.abs() > SMOOTH * largest { index } else { before.piece };
+        }
+        self.hold(0);
+    }
+
+    /// Index of the piece at an elapsed time: that of its first stretch.
     pub fn piece_at(&self, elapsed: f64) -> i64 {
-        self.stretches.partition_point(|stretch| stretch.start <= elapsed).saturating_sub(1) as i64
+        let stretch = self.stretches.partition_point(|stretch| stretch.start <= elapsed).saturating_sub(1);
+        self.stretches[stretch].piece as i64
+    }
+
+    /// Whether another piece than the current one holds at an elapsed time.
+    pub fn leaves_piece(&self, elapsed: f64) -> bool {
+        self.stretches.get(self.holds.1 + 1).is_some_and(|next| next.start <= elapsed)
     }
 
     /// Sets the piece for the following steps.
     pub fn hold(&mut self, piece: i64) {
-        self.holds = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
+        let first = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
+        let last = self.stretches.partition_point(|stretch| stretch.piece <= first).saturating_sub(1);
+        self.holds = (first, last.max(first));
     }
 
     /// The reference shaft at an instant of the current piece. A trial step may end after the piece. There Ω̇ is
     /// constant, because an extrapolated cubic has no bound.
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
-    pub fn at(&self, elapsed: f64) -> Instant {
-        let stretch = &self.stretches[self.holds];
+    pub fn at(&self, elapsed: f64) -> ReferenceShaft {
+        let (first, last) = self.holds;
+        let later = self.stretches[first + 1..=last].partition_point(|stretch| stretch.start <= elapsed);
+        let stretch = &self.stretches[first + later];
         let since = elapsed - stretch.start;
         let ([a, b, c, d], t) = (stretch.cubic, since.min(stretch.length));
         let beyond = since - t;
         let (speed, acceleration) = (a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d)));
         let angle = stretch.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));
-        Instant {
+        ReferenceShaft {
             angle: angle + beyond * (speed + acceleration * beyond / 2.0),
             speed: speed + acceleration * beyond,
             acceleration,

@@ -7,6 +7,7 @@ mod exponential;
 mod initial;
 mod modal_setup;
 mod options;
+mod ramp;
 mod record;
 mod record_plan;
 

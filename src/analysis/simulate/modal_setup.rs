@@ -7,9 +7,10 @@ use nalgebra::{Complex, DMatrix};
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, ExcitationPart};
 use super::initial::Start;
-use super::{Method, Options};
+use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
+use crate::mesh::Overlap;
 use crate::modal::{CachedModel, ModalStateSpace};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
@@ -36,11 +37,7 @@ impl<'m> ModalSetup<'m> {
         selection: Selection,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
-            let message = format!(
-                "\"{}\" needs a constant speed, whose modes carry the motion; use \"rk45\" or \"rk4\"",
-                options.method.name()
-            );
-            return Err(SceneError::new("method", message).into());
+            return ramp::set_up(cached, options, motion, start, selection);
         };
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
@@ -59,10 +56,25 @@ impl<'m> ModalSetup<'m> {
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (nonlinear_loads, maps) = loads.map_err(|(mesh, overlap)| {
+        let (nonlinear_loads, maps) = Self::without_overlap(cached, loads)?;
+        Self::reduced(cached, options, (linear, nonlinear_loads, maps), selection)
+    }
+
+    /// The loads, or the error of base circles that overlap.
+    pub fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
+        loads.map_err(|(mesh, overlap)| {
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
-        })?;
+        })
+    }
+
+    /// Reduces linear motion and maps to the modes that the options ask for.
+    pub fn reduced(
+        cached: &CachedModel,
+        options: &Options,
+        (linear, nonlinear_loads, maps): (Arc<ModalStateSpace>, NonlinearLoads<'m>, InterfaceMaps),
+        selection: Selection,
+    ) -> Result<Self, AnalysisError> {
         let (linear, maps) = match options.modes {
             Some(count) => keep_modes(cached, &linear, &nonlinear_loads, &maps, count)?,
             None => (linear, maps),
@@ -85,7 +97,9 @@ fn keep_modes(
     let motion = &nonlinear_loads.motion;
     let turning = motion.sources().flat_map(|shaft| motion.turning_forces(shaft));
     let other = turning.chain([constant]).map(|load| linear.column(&load));
-    let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
+    // Modes are not chosen for the loads by which a changing speed couples them.
+    let acting = maps.columns[..maps.scalars].iter().chain(&maps.columns[maps.meshes..]);
+    let loads: Vec<Vec<f64>> = acting.cloned().chain(other).collect();
     let slots = linear.most_excited(&loads, count);
     let Some(kept) = linear.select_pairs(&slots) else {
         let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);

@@ -1,0 +1,75 @@
+//! Set-up of a run of the exponential method at a changing speed.
+//!
+//! One linear motion carries the whole run: the one at the middle Ω_ref of all speeds of the profile. It depends on the
+//! profile only, so that a continued run has the same one. The gyroscopic difference ΔΩ = Ω − Ω_ref acts as loads.
+
+use nalgebra::DMatrix;
+
+use super::super::AnalysisError;
+use super::Options;
+use super::exponential::{excitation_frequency, rotation_of_longest_step};
+use super::initial::Start;
+use super::modal_setup::ModalSetup;
+use crate::exponential::{NonlinearLoads, Selection, SpeedChange};
+use crate::modal::{CachedModel, RealModes, gyroscopic_pairs};
+use crate::model::Model;
+use crate::motion::EquationOfMotion;
+
+/// A gyroscopic coupling is neglected if its acceleration, relative to that of the motion, is below this multiple of the
+/// tolerance.
+const NEGLECTED: f64 = 1.0;
+/// Tolerance of the gyroscopic couplings with fixed steps.
+const FIXED_TOLERANCE: f64 = 1e-10;
+
+/// Sets up a run of a motion that records a selection of coordinates.
+pub(super) fn set_up<'m>(
+    cached: &'m CachedModel,
+    options: &Options,
+    motion: EquationOfMotion<'m>,
+    start: &Start,
+    selection: Selection,
+) -> Result<ModalSetup<'m>, AnalysisError> {
+    // Modal damping and the linear motion contain the bearings at the largest speed.
+    let fastest = options.fastest();
+    let at_fastest = cached.at_speed(fastest)?;
+    let [slowest, largest] = options.speed.magnitudes();
+    let reference_speed = ((slowest + largest) / 2.0).copysign(fastest);
+    let linear = match motion.parts_and_varies() && options.modes.is_none() {
+        true => at_fastest.linear_without_meshes(reference_speed)?,
+        false => None,
+    };
+    let linear = linear.map_or_else(|| at_fastest.linear(reference_speed), Ok)?;
+    let real = at_fastest.real_modes(fastest)?;
+    let corner = corner_frequency(&cached.model, real, fastest);
+    let tolerance = if options.step.is_some() { FIXED_TOLERANCE } else { options.tolerance() };
+    let env = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap_or(d));
+    let corner = corner * env("GB_WC", 1.0);
+    let difference = (largest - slowest) / 2.0;
+    let pairs = if difference > 0.0 {
+        let smallest = env("GB_C", NEGLECTED) * tolerance * corner / difference;
+        gyroscopic_pairs(&cached.model, real, corner, smallest)?
+    } else {
+        Vec::new()
+    };
+    if std::env::var("GB_V").is_ok() { eprintln!("pairs {} corner {corner}", pairs.len()); }
+    let change = SpeedChange {
+        reference_speed,
+        bearing_speed: fastest,
+        pairs,
+        longest_rotation: match options.step {
+            Some(_) => f64::INFINITY,
+            None => rotation_of_longest_step(&cached.model),
+        },
+    };
+    let synchronous = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
+    let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &synchronous);
+    let (mut nonlinear_loads, mut maps) = ModalSetup::without_overlap(cached, loads)?;
+    nonlinear_loads.add_changing_speed(&linear, &change, &mut maps);
+    ModalSetup::reduced(cached, options, (linear, nonlinear_loads, maps), selection)
+}
+
+/// Angular frequency up to which a run excites modes, rad/s: tooth passing, rotation and the lowest mode.
+fn corner_frequency(model: &Model, real: &RealModes, fastest: f64) -> f64 {
+    let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
+    excitation_frequency(model, fastest, 1.0).max(lowest)
+}
