@@ -17,7 +17,7 @@ use crate::motion::EquationOfMotion;
 
 /// A gyroscopic coupling is neglected if its acceleration, relative to that of the motion, is below this multiple of the
 /// tolerance.
-const NEGLECTED: f64 = 1.0;
+const NEGLECTED: f64 = 10.0;
 /// Tolerance of the gyroscopic couplings with fixed steps.
 const FIXED_TOLERANCE: f64 = 1e-10;
 
@@ -42,16 +42,13 @@ pub(super) fn set_up<'m>(
     let real = at_fastest.real_modes(fastest)?;
     let corner = corner_frequency(&cached.model, real, fastest);
     let tolerance = if options.step.is_some() { FIXED_TOLERANCE } else { options.tolerance() };
-    let env = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap_or(d));
-    let corner = corner * env("GB_WC", 1.0);
     let difference = (largest - slowest) / 2.0;
     let pairs = if difference > 0.0 {
-        let smallest = env("GB_C", NEGLECTED) * tolerance * corner / difference;
+        let smallest = NEGLECTED * tolerance * corner / difference;
         gyroscopic_pairs(&cached.model, real, corner, smallest)?
     } else {
         Vec::new()
     };
-    if std::env::var("GB_V").is_ok() { eprintln!("pairs {} corner {corner}", pairs.len()); }
     let change = SpeedChange {
         reference_speed,
         bearing_speed: fastest,
