@@ -105,8 +105,7 @@ impl<'m> NonlinearLoads<'m> {
         nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.meshed);
         let (parts, synchronous) = (linear.parts.clone(), nonlinear_loads.interface_amplitudes.clone());
         let (scalars, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
-        let maps =
-            InterfaceMaps { rows, scalars, has_rates, columns, meshes: scalars, parts, tangents, synchronous };
+        let maps = InterfaceMaps { rows, scalars, has_rates, columns, meshes: scalars, parts, tangents, synchronous };
         Ok((nonlinear_loads, maps))
     }
 
@@ -115,7 +114,6 @@ impl<'m> NonlinearLoads<'m> {
         let loads = ChangingSpeedLoads::new(&self.motion, linear, &self.reference, change, maps);
         self.changing_counts = [loads.scalars(), loads.coupled(), loads.load_count()];
         self.changing = Some(Box::new(loads));
-        self.motion.join_smooth_pieces();
     }
 
     /// Longest step from an instant on, s, where the time grid has steps of up to `longest`; infinite at a constant

@@ -66,7 +66,9 @@ impl ShaftRotation {
 
 /// Accelerations on both sides of a border whose difference is below this fraction of the largest acceleration count as
 /// equal: profiles that are sampled from a smooth function have smaller jumps.
-const SMOOTH: f64 = 1e-6;
+const SMOOTH: f64 = 1e-4;
+/// Duration of a stretch, s, below which its acceleration is round-off: a function with a kink is sampled in such stretches.
+const SHORTEST: f64 = 1e-9;
 
 /// A variable speed as a function of elapsed time. The current piece is fixed within a step, so that no step crosses a
 /// kink and an evaluation needs no search.
@@ -130,14 +132,25 @@ impl Changing {
         Self { stretches: stretches.collect(), holds: (0, 0) }
     }
 
-    /// Joins stretches at whose border Ω̇ does not jump to one piece.
+    /// Joins stretches at whose border Ω̇ does not jump to one piece. A very short stretch joins the next one, and counts
+    /// as a part of the border before it.
     pub fn join_smooth_pieces(&mut self) {
+        let long: Vec<Stretch> = self.stretches.iter().copied().filter(|stretch| stretch.length > SHORTEST).collect();
         let ends = |stretch: &Stretch| stretch.acceleration(0.0).abs().max(stretch.last_acceleration().abs());
-        let largest = self.stretches.iter().map(ends).fold(0.0, f64::max);
-        for index in 1..self.stretches.len() {
-            let before = self.stretches[index - 1];
-            let jump = self.stretches[index].acceleration(0.0) - before.last_acceleration();
-            self.stretches[index].piece = if jump.abs() > SMOOTH * largest { index } else { before.piece };
+        let largest = long.iter().map(ends).fold(0.0, f64::max);
+        let mut passed = 0_usize;
+        for index in 0..self.stretches.len() {
+            let after_short = index > 0 && self.stretches[index - 1].length <= SHORTEST;
+            let jumps = match (passed.checked_sub(1).map(|last| long[last]), long.get(passed)) {
+                (Some(before), Some(after)) => {
+                    (after.acceleration(0.0) - before.last_acceleration()).abs() > SMOOTH * largest
+                }
+                _ => false,
+            };
+            if index > 0 && (after_short || !jumps) {
+                self.stretches[index].piece = self.stretches[index - 1].piece;
+            }
+            passed += usize::from(self.stretches[index].length > SHORTEST);
         }
         self.hold(0);
     }
@@ -157,11 +170,14 @@ impl Changing {
     pub fn hold(&mut self, piece: i64) {
         let first = usize::try_from(piece).unwrap_or(0).min(self.stretches.len() - 1);
         let last = self.stretches.partition_point(|stretch| stretch.piece <= first).saturating_sub(1);
-        self.holds = (first, last.max(first));
+        let last = last.max(first);
+        // The law of the piece before its begin is that of its first long stretch.
+        let is_long = |index: &usize| self.stretches[*index].length > SHORTEST;
+        self.holds = ((first..=last).find(is_long).unwrap_or(first), last);
     }
 
-    /// The reference shaft at an instant of the current piece. A trial step may end after the piece. There Ω̇ is
-    /// constant, because an extrapolated cubic has no bound.
+    /// The reference shaft at an instant of the current piece. A trial step may end after the piece, and may begin before it
+    /// if it begins at the last unit of time before a kink. There Ω̇ is constant, because an extrapolated cubic has no bound.
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
     pub fn at(&self, elapsed: f64) -> ReferenceShaft {
@@ -169,7 +185,7 @@ impl Changing {
         let later = self.stretches[first + 1..=last].partition_point(|stretch| stretch.start <= elapsed);
         let stretch = &self.stretches[first + later];
         let since = elapsed - stretch.start;
-        let ([a, b, c, d], t) = (stretch.cubic, since.min(stretch.length));
+        let ([a, b, c, d], t) = (stretch.cubic, since.clamp(0.0, stretch.length));
         let beyond = since - t;
         let (speed, acceleration) = (a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d)));
         let angle = stretch.angle + t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0))));

@@ -174,7 +174,7 @@ def test_energy_is_accounted_for_while_the_speed_changes():
     assert min(np.ptp(balance.drive), np.ptp(balance.unbalance)) > 1e4 * allowed
 
 
-@pytest.mark.parametrize("method", ["rk45", "rk4"])
+@pytest.mark.parametrize("method", ["exponential", "rk45", "rk4"])
 def test_teeth_that_turn_at_a_changing_speed(method: str):
     # tooth engagement times follow from the shaft angle
     mesh = gb.Mesh("g1", "g2", stiffness=gb.Stiffness.square(mean=2e8), error=gb.TransmissionError(tooth=[(1e-6, 0.0)]))  # fmt: skip
@@ -262,7 +262,7 @@ class TestProfiles:
         assert run(0.0) == pytest.approx(scalar(1.0), rel=1e-12)
         assert run(9.0) == pytest.approx(scalar(3.0), rel=1e-12)
 
-    @pytest.mark.parametrize("method", ["rk45", "rk4"])
+    @pytest.mark.parametrize("method", ["exponential", "rk45", "rk4"])
     def test_a_kink_of_a_function_is_that_of_a_table(self, method: str):
         # intervals of 1e-13 s about the kink; a step of 1e-6 s must not pass the end of one
         system = GEARED.package()
@@ -376,7 +376,7 @@ class TestProfiles:
 class TestContinuation:
     """Continue a response."""
 
-    @pytest.mark.parametrize("method", ["rk45", "rk4"])
+    @pytest.mark.parametrize("method", ["exponential", "rk45", "rk4"])
     def test_the_same_profile_goes_on_to_the_last_bit(self, method: str):
         system, run = GEARED.package(), gb.SpeedProfile.ramp(100.0, 300.0, 2e-3, begin=1e-3)
         whole = system.simulate(4e-3, run, method=method)

@@ -92,7 +92,10 @@ pub fn simulate(
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.course.origin;
-    let motion = EquationOfMotion::along(cached, options.geometry, &start.course, start.equilibrium.clone())?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.course, start.equilibrium.clone())?;
+    if options.method == Method::Exponential {
+        motion.join_smooth_pieces();
+    }
     if !motion.accepts_laws(&start.state.contact_modes) {
         let contact_modes = start.state.contact_modes.len();
         let message = format!(
