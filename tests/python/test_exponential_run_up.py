@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from test_contact_events import scene
 from test_random_scenes import Drawn
 
 #: Largest difference from rk45 at rtol 1e-10: of a displacement, and of a mesh force, divided by the RMS of
@@ -120,8 +121,8 @@ def test_errors_are_in_proportion_to_the_tolerance():
     exact = scene.simulate(0.01, profile, method="rk45", rtol=1e-12, **options)
     for rtol in (1e-4, 1e-6, 1e-8):
         found = scene.simulate(0.01, profile, rtol=rtol, **options)
-        # 30: a coupling is neglected up to ten times the tolerance, and errors of steps add
-        assert max(difference(found, exact)) < 30 * rtol
+        # 100: as at constant speed; couplings are neglected up to ten times the tolerance
+        assert max(difference(found, exact)) < 100 * rtol
 
 
 def test_steps_follow_the_speed():
@@ -220,6 +221,38 @@ class TestContinuation:
         exact = scene.simulate(7e-3, profile, initial=exact, method="rk45", rtol=1e-10)
         exact = scene.simulate(3e-3, 200.0, initial=exact, rtol=1e-9)
         assert max(difference(third, exact)) < DISPLACEMENT
+
+
+def test_it_is_the_default():
+    assert system().simulate(1e-4, UP, initial="rest").final["method"] == "exponential"
+
+
+@pytest.mark.implausible
+@pytest.mark.parametrize("seed", range(12))
+def test_random_scenes(seed: int):
+    drawn = scene(seed)
+    slow, fast = (factor * (drawn.speed or 200.0) for factor in (0.5, 1.5))
+    profile, times = gb.SpeedProfile.ramp(slow, fast, 1e-3), np.linspace(0.0, 1e-3, 11)
+    options = {"initial": "rest", "times": times, "record": ["gears"]}
+    for backlash in (None, drawn.backlash):
+        train = replace(drawn, backlash=backlash).system()
+        found = train.simulate(1e-3, profile, rtol=1e-9, **options)
+        exact = train.simulate(1e-3, profile, rtol=1e-10, method="rk45", **options)
+        for gear in ("g0", "g1"):
+            error = np.abs(found.displacement(gear) - exact.displacement(gear)).max()
+            # Impacts amplify the tolerance.
+            assert error < 1e-5 * np.abs(exact.displacement(gear)).max()
+
+
+@pytest.mark.parametrize("bearing", [1e4, 1e11])
+@pytest.mark.parametrize("largest", [1.0, 3e3])
+def test_extreme_bearings_and_speeds(bearing: float, largest: float):
+    drawn = replace(PAIR, bearing=(bearing / 1e8, bearing / 1e8, 0.0, 0.2), lengths=(0.4, 0.1))
+    profile = gb.SpeedProfile.ramp(largest, 0.0, 2e-3)
+    options = {"initial": "rest", "times": np.linspace(0.0, 2e-3, 101)}
+    found = drawn.system().simulate(2e-3, profile, rtol=1e-8, **options)
+    exact = drawn.system().simulate(2e-3, profile, rtol=1e-10, method="rk45", **options)
+    assert max(difference(found, exact)) < 1e-5
 
 
 def test_what_is_not_supported_is_named():

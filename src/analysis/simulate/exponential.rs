@@ -137,7 +137,7 @@ fn time_grid(
 
 /// Angular frequency of shafts and teeth at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
 /// per revolution in multiples of [`STEPS_PER_CYCLE`].
-pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
+fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
     let speed = speed.abs();
     let turning = model.max_speed_ratio() * speed * turning;
     let travelling = model.max_mesh_order_of(GearMesh::depends_on_tooth_position) * speed;

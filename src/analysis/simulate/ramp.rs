@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::super::AnalysisError;
 use super::Options;
-use super::exponential::{excitation_frequency, rotation_of_longest_step};
+use super::exponential::rotation_of_longest_step;
 use super::initial::Start;
 use super::modal_setup::ModalSetup;
 use crate::exponential::{NonlinearLoads, Selection, SpeedChange};
@@ -16,7 +16,7 @@ use crate::model::Model;
 use crate::motion::EquationOfMotion;
 
 /// A gyroscopic coupling is neglected if its acceleration, relative to that of the motion, is below this multiple of the
-/// tolerance.
+/// tolerance. Tolerances limit the error of a step; the error of a run is about ten times as large.
 const NEGLECTED: f64 = 10.0;
 /// Tolerance of the gyroscopic couplings with fixed steps.
 const FIXED_TOLERANCE: f64 = 1e-10;
@@ -65,8 +65,9 @@ pub(super) fn set_up<'m>(
     ModalSetup::reduced(cached, options, (linear, nonlinear_loads, maps), selection)
 }
 
-/// Angular frequency up to which a run excites modes, rad/s: tooth passing, rotation and the lowest mode.
+/// Angular frequency up to which modes carry most of the motion, rad/s: that of the lowest mode, or of the fastest shaft.
+/// With the frequencies of the teeth, couplings between high modes would displace those between the modes that move most.
 fn corner_frequency(model: &Model, real: &RealModes, fastest: f64) -> f64 {
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    excitation_frequency(model, fastest, 1.0).max(lowest)
+    (model.max_speed_ratio() * fastest.abs()).max(lowest)
 }
