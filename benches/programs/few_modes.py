@@ -1,5 +1,7 @@
 """One shaft on its lowest modes, as a careful user of SciPy would write it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.linalg import eigh
 
@@ -45,7 +47,7 @@ class FewModes:
         self.rate, self.speed = (float(value) for value in scene.speed.coefficients[-2:, 0])
 
     @staticmethod
-    def _is_lateral(dofs: list[tuple[str, float, str]], shape: Array) -> bool:
+    def _is_lateral(dofs: Sequence[tuple[str, float, str]], shape: Array) -> bool:
         """Return whether a mode bends the shaft."""
         return dofs[int(np.argmax(np.abs(shape)))][2] != "twist"
 

@@ -48,8 +48,8 @@ def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
 
     def prepare(scene: Scene) -> Prepare:
         system = scene.build()
-        begin = {"initial": "rest", "geometry": scene.geometry}
-        spectrum = system.simulate(0.0, scene.speed, **begin).statistics
+        rest = system.simulate(0.0, scene.speed, initial="rest", geometry=scene.geometry)
+        spectrum = rest.statistics
 
         def with_setting(duration: float, setting: dict[str, float], _: float) -> Run:
             options: dict[str, Any] = dict(setting)

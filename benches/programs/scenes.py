@@ -171,7 +171,7 @@ SCENES = {
         speed=gb.SpeedProfile.ramp(20.0, 200.0, 8.0),
     ),
     "run-up": Scene(
-        "Double-stage train, square mesh stiffness, 2 % modal damping, live geometry, run-up, n = 240",
+        "Double-stage train, square mesh stiffness, 2 % modal damping, live geometry, run-up",
         functools.partial(geared, TRAIN, STAGES, SMOOTH, 0.05, modal_damping=0.02),
         places(TRAIN),
         geometry="live",

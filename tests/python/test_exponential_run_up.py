@@ -196,7 +196,10 @@ class TestContinuation:
 
     def test_a_stopped_run_goes_on_from_its_checkpoint(self, tmp_path):
         scene = system(modal_damping=0.02)
-        options: dict[str, Any] = {"times": np.linspace(0.0, 0.02, 201), "record": ["gears", "energy"]}
+        options: dict[str, Any] = {
+            "times": np.linspace(0.0, 0.02, 201),
+            "record": ["gears", "energy"],
+        }
         whole = scene.simulate(0.02, UP, **options)
         kept = {"checkpoint": tmp_path / "run.npz", "checkpoint_interval": 1e-9}
 
@@ -252,11 +255,14 @@ def test_extreme_bearings_and_speeds(bearing: float, largest: float):
     options = {"initial": "rest", "times": np.linspace(0.0, 2e-3, 101)}
     found = drawn.system().simulate(2e-3, profile, rtol=1e-8, **options)
     exact = drawn.system().simulate(2e-3, profile, rtol=1e-10, method="rk45", **options)
-    assert max(difference(found, exact)) < 1e-5
+    displacement, force = difference(found, exact)
+    # On soft bearings the lowest mode carries hardly any force; see the limits in docs/methods.md.
+    assert displacement < 1e-5
+    assert force < 1e-4
 
 
 def test_what_is_not_supported_is_named():
-    with pytest.raises(gb.SceneError, match='^method: "etdrk4" needs a constant speed; use'):
+    with pytest.raises(gb.SceneError, match=r'^method: "etdrk4" needs a constant speed; use'):
         system().simulate(0.01, UP, method="etdrk4")
-    with pytest.raises(gb.SceneError, match="^speed: changes its sign at 0.005 s"):
+    with pytest.raises(gb.SceneError, match=r"^speed: changes its sign at 0.005 s"):
         system().simulate(0.01, gb.SpeedProfile.ramp(-50.0, 50.0, 0.01))
