@@ -156,7 +156,7 @@ def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> Non
     rows = []
     for method in methods:
         offers = (scene.ross or not method.ross) and method.only in {"", name}
-        if offers and (not scene.own or method.program == "gearbow"):
+        if offers and (not scene.own or method.program == "gearbow" or method.only == name):
             rows.append((method, apart(method.title, name, folder, quick=quick)))
     again = [
         (method, row)

@@ -11,6 +11,7 @@ use gearbow::integrate::{Adaptive, FirstOrderSystem as _, RungeKutta, State, Sta
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{self, CachedModel};
 use gearbow::model::Model;
+use gearbow::motion::{Profile, Speed};
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 
@@ -38,6 +39,7 @@ pub const KERNELS: &[Kernel] = &[
     ("2000 records, n = 60", recording),
     ("0.05 s of exponential, frozen, square, n = 240", || exponential(Geometry::Frozen)),
     ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
+    ("0.05 s of exponential, run-up, live, square, n = 135", run_up),
 ];
 
 /// Elements per shaft of the train with 60 degrees of freedom.
@@ -151,6 +153,25 @@ fn exponential(geometry: Geometry) -> Work {
         rtol: Some(1e-4),
         times: (0..=50).map(|i| 1e-3 * f64::from(i)).collect(),
         geometry,
+        ..options(0.05)
+    };
+    Box::new(move || {
+        black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
+    })
+}
+
+/// A run-up of the exponential method with few records. The first call caches the modes.
+fn run_up() -> Work {
+    let mut description = system(MIDDLE, true);
+    set_teeth(&mut description, StiffnessKind::Square);
+    let cached = leak(cached_from(&description));
+    let plan = RecordPlan::new(&cached.model, &[Request::Name("gears".to_owned())]).unwrap();
+    let ramp = Profile::new(vec![0.0, 0.05], &[[0.0, 4000.0, 0.0, 0.0]]).unwrap();
+    let options = Options {
+        speed: Speed::Changing(ramp),
+        method: Method::Exponential,
+        rtol: Some(1e-5),
+        times: (0..=50).map(|i| 1e-3 * f64::from(i)).collect(),
         ..options(0.05)
     };
     Box::new(move || {

@@ -35,7 +35,7 @@ class Method:
     settings: Settings
     short: bool = False  # whether it simulates only a part of the duration
     ross: bool = False  # whether it can simulate only the scenes that ROSS supports
-    only: str = ""  # the only scene of this method; empty: all scenes
+    only: str = ""  # the only scene of this method; empty: all scenes that the program can model
 
     @property
     def title(self) -> str:
@@ -48,7 +48,8 @@ def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
 
     def prepare(scene: Scene) -> Prepare:
         system = scene.build()
-        spectrum = system.simulate(0.0, SPEED, initial="rest", geometry=scene.geometry).statistics
+        rest = system.simulate(0.0, scene.speed, initial="rest", geometry=scene.geometry)
+        spectrum = rest.statistics
 
         def with_setting(duration: float, setting: dict[str, float], _: float) -> Run:
             options: dict[str, Any] = dict(setting)
@@ -58,7 +59,7 @@ def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
             def run() -> Array:
                 response = system.simulate(
                     duration,
-                    SPEED,
+                    scene.speed,
                     method=method,
                     initial="rest",
                     times=scene.times(duration),
@@ -108,6 +109,31 @@ def of_scipy(method: str, limit: float = np.inf) -> Callable[[Scene], Prepare]:
                 tolerance = {"rtol": rtol, "atol": 1e-6 * rtol}
                 found = solve_ivp(rate, span, start, method, times, **tolerance, **options)
                 return np.moveaxis(found.y[rows], 1, 2)
+
+            return run
+
+        return with_setting
+
+    return prepare
+
+
+def of_modes(method: str, count: int) -> Callable[[Scene], Prepare]:
+    """Prepare runs of SciPy on the lowest modes of one shaft with unbalance and modal damping."""
+
+    def prepare(scene: Scene) -> Prepare:
+        from scipy.integrate import solve_ivp  # noqa: PLC0415  # not needed by gearbow
+
+        from programs.few_modes import FewModes  # noqa: PLC0415
+
+        modes = FewModes(scene, count)
+
+        def with_setting(duration: float, setting: dict[str, float], _: float) -> Run:
+            def run() -> Array:
+                times, rtol = scene.times(duration), setting["rtol"]
+                start, span = np.zeros(2 * count), (0.0, float(times[-1]))
+                tolerance = {"rtol": rtol, "atol": 1e-5 * rtol}
+                found = solve_ivp(modes, span, start, method, times, **tolerance)
+                return modes.displacements(found.y)
 
             return run
 
@@ -192,6 +218,8 @@ METHODS = (
     Method("SciPy", "DOP853", of_scipy("DOP853", 5.8), TOLERANCES, short=True),
     Method("SciPy", "Radau", of_scipy("Radau"), TOLERANCES, short=True),
     Method("SciPy", "LSODA", of_scipy("LSODA"), TOLERANCES, short=True),
+    Method("SciPy", "RK45 on 6 modes", of_modes("RK45", 6), TOLERANCES[2:], only="jeffcott"),
+    Method("SciPy", "DOP853 on 6 modes", of_modes("DOP853", 6), TOLERANCES[2:], only="jeffcott"),
     Method("ROSS", "lsim", of_ross("default"), TABLES, ross=True),
     Method("ROSS", "newmark", of_ross("newmark"), NEWMARK, short=True, ross=True),
 )

@@ -33,6 +33,7 @@ class Scene:
     ross: bool = False  # whether ROSS can model the scene
     error: float = 1e-3  # required error
     own: bool = False  # whether only gearbow can model the scene
+    speed: float | gb.SpeedProfile = SPEED  # of the first shaft, rad/s
 
     def shortened(self) -> "Scene":
         """Return the scene with a tenth of the duration, for a quick comparison."""
@@ -62,6 +63,16 @@ def single() -> gb.RotorSystem:
     return gb.RotorSystem([shaft("rotor")], bearings=bearings("rotor"))
 
 
+def jeffcott() -> gb.RotorSystem:
+    """Return a disk with unbalance in the middle of a shaft, critical at about 110 rad/s."""
+    return gb.RotorSystem(
+        [gb.Shaft("rotor", length=1.0, outer_diameter=0.025, elements=10)],
+        disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-3)],
+        bearings=[gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)],
+        modal_damping=0.02,
+    )
+
+
 def geared(
     where: dict[str, tuple[str, int, int]],
     pairs: tuple[tuple[str, str], ...],
@@ -70,6 +81,7 @@ def geared(
     *,
     seats: bool = False,
     backlash: float | None = None,
+    modal_damping: float | None = None,
 ) -> gb.RotorSystem:
     """Return shafts with gears at nodes and balanced torques."""
     names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
@@ -85,6 +97,7 @@ def geared(
         ],
         bearings=bearings(*names),
         torques=[gb.Torque(pairs[0][0], TORQUE), gb.Torque.balance(pairs[-1][1])],
+        modal_damping=modal_damping,
     )
 
 
@@ -147,5 +160,23 @@ SCENES = {
         duration=0.1,
         error=5e-5,
         own=True,
+    ),
+    "jeffcott": Scene(
+        "Jeffcott rotor, 10 elements, 2 % modal damping, run-up through its critical speed",
+        jeffcott,
+        (("rotor", 0.5),),
+        duration=8.0,
+        sample=1e-3,
+        own=True,
+        speed=gb.SpeedProfile.ramp(20.0, 200.0, 8.0),
+    ),
+    "run-up": Scene(
+        "Double-stage train, square mesh stiffness, 2 % modal damping, live geometry, run-up",
+        functools.partial(geared, TRAIN, STAGES, SMOOTH, 0.05, modal_damping=0.02),
+        places(TRAIN),
+        geometry="live",
+        error=1e-4,
+        own=True,
+        speed=gb.SpeedProfile.ramp(0.0, 300.0, 0.05),
     ),
 }

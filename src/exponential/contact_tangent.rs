@@ -52,7 +52,7 @@ impl ContactTangentSolver {
             let own = scalars.clone().map(|scalar| unknown / meshes * load_count + scalar);
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
-        let len = size * nonlinear_loads.interface_len() / nonlinear_loads.mesh_load_count().max(1);
+        let len = if nonlinear_loads.has_rates() { 2 * size } else { size };
         Self {
             residual_tangent: vec![f64::NAN; len],
             next_tangent: vec![0.0; len],
@@ -117,7 +117,7 @@ impl ContactTangentSolver {
     /// states. Returns whether the correction exists. The interface states are scratch afterwards.
     pub fn predict(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
         let nonlinear_loads = &context.nonlinear_loads;
-        let (len, rates) = (nonlinear_loads.interface_len(), nonlinear_loads.mesh_load_count());
+        let (len, rates) = (nonlinear_loads.interface_len(), nonlinear_loads.scalars());
         let (stage_response, tangents) = (context.cache.stage_response(level), &context.cache.maps.tangents);
         if !self.factorize(level, &stage_response.own) || self.idle {
             return self.solvable;

@@ -163,6 +163,7 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<AcceptedStep, Halt> {
         let begin = self.level.max(self.control.level_for_frequency(&self.time_grid, stepper.frequency_at_begin()));
+        let begin = begin.max(self.time_grid.level_of(stepper.longest_step(state.elapsed)));
         let mut level = self.control.level_on_grid(&self.time_grid, state.count, begin);
         let mut rejected = false;
         loop {
@@ -236,7 +237,8 @@ impl Driver {
         level: usize,
         state: &State,
     ) -> Result<Option<ContactChange>, Halt> {
-        if !self.locator.is_possible(stepper) {
+        let end = state.elapsed + self.time_grid.step(level);
+        if !self.locator.is_possible(stepper) && !stepper.nonlinear_loads().motion.leaves_piece(end) {
             return Ok(None);
         }
         if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {

@@ -9,11 +9,16 @@ use super::packed::Panel;
 /// Rows w and columns b of the interface over a state z.
 #[derive(Clone, Debug, Default)]
 pub struct InterfaceMaps {
-    /// Rows w: one for each interface scalar, then, where loads depend on rates, one for each rate.
+    /// Rows w: one for each interface scalar, then, where loads depend on rates, one for each rate, then those of a
+    /// changing speed.
     pub rows: Vec<Vec<f64>>,
-    /// Columns b: one for each load. Mesh loads come first.
+    /// Number of interface scalars of the connections.
+    pub scalars: usize,
+    /// Whether the rows contain the rates of the scalars.
+    pub has_rates: bool,
+    /// Columns b: one for each load. Loads that depend on the motion come first.
     pub columns: Vec<Vec<f64>>,
-    /// Number of columns that belong to mesh loads.
+    /// Number of columns that belong to loads that depend on the motion.
     pub meshes: usize,
     /// Slots of the independent parts of the state: nothing linear couples two parts.
     pub parts: Vec<Range<usize>>,
@@ -51,7 +56,7 @@ impl InterfaceMaps {
     /// Appends √k δ of every mesh to a state. The squared length is then twice the energy of modes and meshes.
     pub fn with_mesh_energy(&self, mut state: Vec<f64>) -> Vec<f64> {
         let product = |row: &Vec<f64>| row.iter().zip(&state).map(|(w, z)| w * z).sum();
-        let scalars: Vec<f64> = self.rows.iter().take(self.meshes).map(product).collect();
+        let scalars: Vec<f64> = self.rows.iter().take(self.scalars).map(product).collect();
         state.extend(self.tangents.iter().map(|tangent| tangent.mesh_energy_norm(&scalars)));
         state
     }

@@ -21,13 +21,13 @@ pub(super) struct JumpSeries {
     columns: Vec<f64>,
     /// w A b: acceleration of every interface scalar under every load, scalar after scalar.
     mobility: Vec<f64>,
-    /// Number of interface scalars.
-    scalars: usize,
+    /// Number of interface scalars, and of scalars and rates.
+    scalars: [usize; 2],
 }
 
 impl JumpSeries {
-    /// Computes the columns of all loads; the first `scalars` rows of the maps are the interface scalars.
-    pub fn new(linear: &ModalStateSpace, maps: &InterfaceMaps, scalars: usize) -> Self {
+    /// Computes the columns of all loads.
+    pub fn new(linear: &ModalStateSpace, maps: &InterfaceMaps) -> Self {
         let mut columns = Vec::with_capacity(maps.columns.len() * TERMS * linear.len());
         for load in &maps.columns {
             let mut column = load.clone();
@@ -38,7 +38,9 @@ impl JumpSeries {
                 column = next;
             }
         }
-        Self { columns, mobility: mobility(linear, maps, scalars), scalars }
+        let scalars = maps.scalars;
+        let with_rates = if maps.has_rates { 2 * scalars } else { scalars };
+        Self { columns, mobility: mobility(linear, maps, scalars), scalars: [scalars, with_rates] }
     }
 
     /// Adds to `z` the effect of the old loads for a jump that happens `delay` seconds later. `jumps` holds the old loads
@@ -73,7 +75,8 @@ impl JumpSeries {
     /// Moves the interface state, which lies `ahead` seconds before a jump, to the path on which the new loads lead to
     /// the same state at the jump: half the square of that time, or the time for rates, times the accelerations.
     pub fn correct_path(&self, jump: &[f64], ahead: f64, interface_state: &mut [f64]) {
-        let (scalars, rates) = interface_state.split_at_mut(self.scalars);
+        let [scalars, with_rates] = self.scalars;
+        let (scalars, rates) = interface_state[..with_rates].split_at_mut(scalars);
         for (k, (scalar, mobility)) in scalars.iter_mut().zip(self.mobility.chunks_exact(jump.len().max(1))).enumerate()
         {
             let acceleration: f64 = mobility.iter().zip(jump).map(|(mobility, jump)| mobility * jump).sum();

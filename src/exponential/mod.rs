@@ -10,7 +10,7 @@
 //! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length, so that
 //! the propagators of a few lengths serve all steps.
 //!
-//! - Loads: `nonlinear_loads`, `prescribed`, `rotating_source`, `interface_maps`.
+//! - Loads: `nonlinear_loads`, `rotating_source`, `changing_speed`, `interface_maps`.
 //! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
@@ -19,6 +19,7 @@
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod cache;
+mod changing_speed;
 mod contact_change;
 mod contact_monitor;
 mod contact_tangent;
@@ -50,6 +51,7 @@ mod time_grid;
 mod trajectory;
 
 pub use cache::PropagatorCache;
+pub use changing_speed::SpeedChange;
 pub use driver::run;
 pub use in_modes::InModes;
 pub use interface_maps::InterfaceMaps;

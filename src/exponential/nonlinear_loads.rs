@@ -7,6 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::changing_speed::{ChangingSpeedLoads, SpeedChange};
 use super::interface_maps::{InterfaceMaps, LinearizedContact};
 use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
@@ -37,6 +38,10 @@ pub struct NonlinearLoads<'m> {
     /// Complex synchronous amplitudes of the scalars and rates, source after source.
     interface_amplitudes: Vec<Complex64>,
     prescribed: Vec<Prescribed>,
+    /// Loads of a changing speed.
+    changing: Option<Box<ChangingSpeedLoads>>,
+    /// Numbers of their interface scalars, of those of their loads that depend on the motion, and of all their loads.
+    changing_counts: [usize; 3],
     /// Energy norm of the synchronous motion, averaged over the angles of the sources.
     pub synchronous_size: f64,
 }
@@ -77,22 +82,43 @@ impl<'m> NonlinearLoads<'m> {
             amplitudes,
             interface_amplitudes,
             prescribed,
+            changing: None,
+            changing_counts: [0; 3],
             synchronous_size: 0.0,
         };
         nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.includes_meshes);
         let (parts, synchronous) = (linear.parts.clone(), nonlinear_loads.interface_amplitudes.clone());
-        let (meshes, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
-        Ok((nonlinear_loads, InterfaceMaps { rows, columns, meshes, parts, tangents, synchronous }))
+        let (scalars, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
+        let maps = InterfaceMaps { rows, scalars, has_rates, columns, meshes: scalars, parts, tangents, synchronous };
+        Ok((nonlinear_loads, maps))
+    }
+
+    /// Adds the loads of a changing speed, and their rows and columns to the maps.
+    pub fn add_changing_speed(&mut self, linear: &ModalStateSpace, change: &SpeedChange, maps: &mut InterfaceMaps) {
+        let loads = ChangingSpeedLoads::new(&self.motion, linear, &self.reference, change, maps);
+        self.changing_counts = [loads.scalars(), loads.coupled(), loads.load_count()];
+        self.changing = Some(Box::new(loads));
+    }
+
+    /// Longest step from an instant on, s, where the time grid has steps of up to `longest`; infinite at a constant
+    /// speed.
+    #[inline]
+    pub fn longest_step(&self, elapsed: f64, longest: f64) -> f64 {
+        let Some(changing) = &self.changing else {
+            return f64::INFINITY;
+        };
+        let speed = |at: f64| self.motion.reference_shaft(at).map_or(0.0, |shaft| shaft.speed.abs());
+        changing.longest_step(speed(elapsed).max(speed(elapsed + longest)))
     }
 
     /// Length of the interface state: number of scalars and rates.
     pub fn interface_len(&self) -> usize {
-        self.scalars * if self.has_rates { 2 } else { 1 }
+        self.scalars * if self.has_rates { 2 } else { 1 } + self.changing_counts[0]
     }
 
     /// Number of loads.
     pub fn load_count(&self) -> usize {
-        self.scalars + self.prescribed.len()
+        self.scalars + self.changing_counts[2] + self.prescribed.len()
     }
 
     /// Number of meshes.
@@ -100,9 +126,20 @@ impl<'m> NonlinearLoads<'m> {
         self.interfaces.len()
     }
 
-    /// Number of mesh loads, one for each interface scalar.
+    /// Number of loads that depend on the motion: mesh loads, one for each interface scalar, and those of a changing
+    /// speed.
     pub fn mesh_load_count(&self) -> usize {
+        self.scalars + self.changing_counts[1]
+    }
+
+    /// Number of interface scalars of the connections.
+    pub fn scalars(&self) -> usize {
         self.scalars
+    }
+
+    /// Whether the interface state also contains the rates of the scalars.
+    pub fn has_rates(&self) -> bool {
+        self.has_rates
     }
 
     /// Angular velocities of the sources, rad/s.
@@ -131,7 +168,7 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Whether every mesh has one scalar and its load is an affine function of it.
     pub fn is_affine(&self) -> bool {
-        self.interfaces.iter().all(Interface::is_affine)
+        self.changing_counts[1] == 0 && self.interfaces.iter().all(Interface::is_affine)
     }
 
     /// Adds the synchronous motion at a time for which no phasors are stored.
@@ -159,7 +196,7 @@ impl<'m> NonlinearLoads<'m> {
         loads: &mut [f64],
         contacts: &mut [Contact],
     ) -> Result<(), Halt> {
-        let (scalars, rates) = u.split_at(self.scalars);
+        let (scalars, rates) = self.split(u);
         let mut from = 0;
         for (interface, contact) in self.interfaces.iter().zip(contacts) {
             let to = from + interface.scalars();
@@ -169,6 +206,10 @@ impl<'m> NonlinearLoads<'m> {
                 .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
                 .map_err(|overlap| halt(interface, overlap))?;
             from = to;
+        }
+        if let (Some(changing), Some(shaft)) = (&self.changing, self.motion.reference_shaft(elapsed)) {
+            changing.load(&shaft, &u[u.len() - self.changing_counts[0]..], &mut loads[from..]);
+            from += self.changing_counts[2];
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
             *load = prescribed.value(phasors);
@@ -200,7 +241,7 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Iterates over the interfaces with their scalars and rates in `u`; rates are empty if loads do not depend on them.
     fn each<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = (&'a Interface, &'a [f64], &'a [f64])> {
-        let (scalars, rates) = u.split_at(self.scalars);
+        let (scalars, rates) = self.split(u);
         let mut from = 0;
         self.interfaces.iter().map(move |interface| {
             let to = from + interface.scalars();
@@ -208,6 +249,12 @@ impl<'m> NonlinearLoads<'m> {
             from = to;
             own
         })
+    }
+
+    /// The scalars of the connections in an interface state, and their rates; no rates if loads do not depend on them.
+    #[inline(always)]
+    fn split<'a>(&self, u: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        u[..u.len() - self.changing_counts[0]].split_at(self.scalars)
     }
 
     /// Writes the contact modes at the interface state `u` as integer codes. The flank contact of meshes that are
@@ -231,6 +278,7 @@ impl<'m> NonlinearLoads<'m> {
                 .map_err(|overlap| halt(interface, overlap))?;
             contact_modes.extend(contact_mode.iter().flat_map(ContactMode::code));
         }
+        contact_modes.extend(self.motion.piece_at(elapsed));
         Ok(())
     }
 

@@ -131,7 +131,8 @@ impl StageResponse {
     pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: Vec<Complex64>) -> Self {
         let (loads, seen) = (maps.columns.len(), maps.rows.len());
         let (stages, meshes) = (response.len(), maps.tangents.len());
-        let kinds: Vec<usize> = (0..seen).step_by(maps.meshes.max(1)).collect();
+        // First rows of the scalars and of their rates.
+        let kinds: &[usize] = if maps.has_rates { &[0, maps.scalars] } else { &[0] };
         let (size, felt) = (stages * meshes, kinds.len() * stages * meshes);
         let mut along = vec![0.0; stages * loads * felt];
         for (node, response) in response.iter().enumerate() {

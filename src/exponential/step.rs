@@ -47,7 +47,7 @@ impl<'m> Stepper<'m> {
             stages: Stages::new(&nonlinear_loads, cache.rule.stages()),
             solver: LoadSolver::new(&nonlinear_loads, &cache),
             estimator: ErrorEstimator::new(nonlinear_loads.mesh_load_count()),
-            jumps: JumpSeries::new(cache.linear, &cache.maps, nonlinear_loads.mesh_load_count()),
+            jumps: JumpSeries::new(cache.linear, &cache.maps),
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
             sharp: motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
@@ -122,6 +122,12 @@ impl<'m> Stepper<'m> {
     /// Energy norm of the error of the last step.
     pub(super) fn error(&mut self, level: usize) -> f64 {
         self.estimator.estimate(&self.context, level, [&self.begin, &self.end], &self.stages)
+    }
+
+    /// Longest step at an instant, s; infinite at a constant speed, for which the time grid gives it.
+    #[inline]
+    pub(super) fn longest_step(&self, elapsed: f64) -> f64 {
+        self.context.nonlinear_loads.longest_step(elapsed, self.step_length(0))
     }
 
     /// Fastest oscillation on the mesh stiffness at the beginning of a step, rad/s; zero if flanks cannot separate.

@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::shaft_rotation::{ShaftRotation, VariableSpeed};
+use super::shaft_rotation::{RotationState, ShaftRotation, VariableSpeed};
 use crate::connection::{Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
@@ -180,6 +180,28 @@ impl<'m> EquationOfMotion<'m> {
                 (now.speed, now.acceleration)
             }
         }
+    }
+
+    /// The reference shaft at an instant, if the speed is variable.
+    pub fn reference_shaft(&self, elapsed: f64) -> Option<RotationState> {
+        self.variable_speed.as_ref().map(|variable_speed| variable_speed.at(elapsed))
+    }
+
+    /// Lets steps cross the borders between pieces of a variable speed at which the acceleration is continuous.
+    pub fn join_smooth_pieces(&mut self) {
+        if let Some(variable_speed) = &mut self.variable_speed {
+            variable_speed.join_smooth_pieces();
+        }
+    }
+
+    /// Index of the piece of a variable speed at an instant; none at a constant speed.
+    pub fn piece_at(&self, elapsed: f64) -> Option<i64> {
+        self.variable_speed.as_ref().map(|variable_speed| variable_speed.piece_at(elapsed))
+    }
+
+    /// Whether a variable speed has another piece at an instant than in the step.
+    pub fn leaves_piece(&self, elapsed: f64) -> bool {
+        self.variable_speed.as_ref().is_some_and(|variable_speed| variable_speed.leaves_piece(elapsed))
     }
 
     /// Force of the shaft on the bearings of a node, components (y, z), N.

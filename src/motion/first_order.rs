@@ -63,8 +63,9 @@ impl EquationOfMotion<'_> {
             Ok(())
         })?;
         if let Some(damping) = &self.modal_damping {
-            for (column, rate) in damping.column_iter().zip(v) {
-                for (force, entry) in force.iter_mut().zip(column.iter()) {
+            // Columns as slices, because iterators over matrix views do not vectorise.
+            for (column, rate) in damping.as_slice().chunks_exact(force.len()).zip(v) {
+                for (force, entry) in force.iter_mut().zip(column) {
                     *force -= entry * rate;
                 }
             }

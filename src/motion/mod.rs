@@ -10,5 +10,5 @@ mod speed;
 pub use energy::{Energies, SOURCES};
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phasor};
-pub use shaft_rotation::{Anchor, ShaftRotation};
+pub use shaft_rotation::{Anchor, RotationState, ShaftRotation};
 pub use speed::{Profile, Speed};

@@ -41,6 +41,11 @@ def _faults(module: str, tests: str, *changes: tuple[str, str]) -> list[Fault]:
 
 FAULTS: list[Fault] = [
     *_faults(
+        "system/simulation.py",
+        "exponential_run_up",
+        ('            method = "exponential"\n', '            method = "rk45"\n'),
+    ),
+    *_faults(
         "results/static.py",
         "static_answers",
         (

@@ -125,10 +125,21 @@ fn contact_changes_allocate_nothing() {
 
 /// Number of allocations, steps and events of a run.
 fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, duration: f64) -> (u64, u64, u64) {
+    run_at(100.0.into(), method, system, geometry, duration)
+}
+
+/// The same at a given speed.
+fn run_at(
+    speed: Speed,
+    method: Method,
+    system: &SceneDescription,
+    geometry: Geometry,
+    duration: f64,
+) -> (u64, u64, u64) {
     let cached = cached(system);
     let options = Options {
         duration,
-        speed: 100.0.into(),
+        speed,
         method,
         step: None,
         rtol: None,
@@ -147,6 +158,18 @@ fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, dura
     let mut statistics = Statistics::new();
     let info = measure(|| statistics = run());
     (info.count_total, statistics.steps, statistics.events)
+}
+
+#[test]
+fn further_steps_at_a_changing_speed_allocate_nothing() {
+    for system in [train(), damped()] {
+        let [short, long] = [0.05, 0.15].map(|duration| {
+            let ramp = Profile::new(vec![0.0, 1.0], &[[100.0, 10.0, 0.0, 0.0]]).unwrap();
+            run_at(Speed::Changing(ramp), Method::Exponential, &system, Geometry::Live, duration)
+        });
+        assert_eq!(short.0, long.0);
+        assert!(long.1 > short.1 + 50, "{short:?} {long:?}");
+    }
 }
 
 #[test]

@@ -34,8 +34,8 @@ class SpeedTable(Part):
     (1980), with the slopes of Fritsch and Butland (1984).
 
     At a constant speed the bearing is linear, with the coefficients at that speed. In a run with a
-    changing speed, which needs the method "rk45" or "rk4", stiffness and damping change with the
-    speed. The work of the stiffness change is counted as work of the drive.
+    changing speed, stiffness and damping change with the speed. The work of the stiffness change is
+    counted as work of the drive.
 
     Examples
     --------

@@ -65,11 +65,10 @@ class Simulation(LinearAnalyses):
             "engineering" keep as many modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss
-            collocation; it is the default at constant speed. "rk45" is the Dormand–Prince 5(4)
-            method with error control, the default at changing speed. "rk4" is the classical
-            Runge–Kutta method with fixed steps. "etdrk4" (Cox and Matthews 2002) has fixed steps
-            too and integrates the linear motion exactly, so that the shortest element does not
-            limit its step; it needs a constant speed.
+            collocation; it is the default. "rk45" is the Dormand–Prince 5(4) method with error
+            control. "rk4" is the classical Runge–Kutta method with fixed steps. "etdrk4" (Cox and
+            Matthews 2002) has fixed steps too and integrates the linear motion exactly, so that
+            the shortest element does not limit its step; it needs a constant speed.
         step : float, optional
             Fixed step [s] of "rk4", "etdrk4" or "exponential". None chooses a step that resolves
             the fastest motion for "rk4", and variable steps that meet `rtol` for "exponential".
@@ -164,7 +163,7 @@ class Simulation(LinearAnalyses):
             level = accuracy_of(accuracy, given, constant=isinstance(profile, float))
             method, rtol = level.method, level.rtol
         if method is None:
-            method = "exponential" if isinstance(profile, float) else "rk45"
+            method = "exponential"
         arguments: dict[str, Any] = {
             "duration": duration,
             "speed": plain_speed(profile),

@@ -8,6 +8,7 @@ mod initial;
 mod modal_setup;
 mod options;
 mod pilot;
+mod ramp;
 mod record;
 mod record_plan;
 mod reduction;
@@ -96,7 +97,10 @@ pub fn simulate(
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
-    let motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone())?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone())?;
+    if options.method == Method::Exponential {
+        motion.join_smooth_pieces();
+    }
     if !motion.accepts_contact_modes(&start.state.contact_modes) {
         let contact_modes = start.state.contact_modes.len();
         let message = format!(

@@ -7,13 +7,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, ExcitationPart};
 use super::initial::Start;
-use super::{Method, Options};
+use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
+use crate::mesh::Overlap;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
 use crate::model::Model;
 use crate::motion::{EquationOfMotion, Speed};
-use crate::scene::SceneError;
 
 /// The parts of a run in modal coordinates.
 #[derive(Clone)]
@@ -40,11 +40,7 @@ impl<'m> ModalSetup<'m> {
         subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
-            let message = format!(
-                "\"{}\" needs a constant speed, whose modes carry the motion; use \"rk45\" or \"rk4\"",
-                options.method.name()
-            );
-            return Err(SceneError::new("method", message).into());
+            return ramp::set_up(cached, options, motion, start, selection);
         };
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
@@ -70,12 +66,17 @@ impl<'m> ModalSetup<'m> {
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (nonlinear_loads, maps) = loads.map_err(|(mesh, overlap)| {
-            let [driver, driven] = cached.model.gear_names(mesh);
-            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
-        })?;
+        let (nonlinear_loads, maps) = Self::without_overlap(cached, loads)?;
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
         Ok(Self { linear, nonlinear_loads, maps, output })
+    }
+
+    /// The loads, or the error of base circles that overlap.
+    pub fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
+        loads.map_err(|(mesh, overlap)| {
+            let [driver, driven] = cached.model.gear_names(mesh);
+            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
+        })
     }
 }
 

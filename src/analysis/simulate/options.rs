@@ -175,6 +175,10 @@ impl Options {
         let start = EntryPath::root("start").finite(self.start)?;
         self.speed.check(start, start + duration)?;
         self.check_method()?;
+        if self.is_explicit() && matches!(self.speed, Speed::Changing(_)) {
+            let message = "\"etdrk4\" needs a constant speed; use \"exponential\", \"rk45\" or \"rk4\"";
+            return Err(SceneError::new("method", message));
+        }
         if let Some(step) = self.step {
             EntryPath::root("step").positive(step)?;
         }

@@ -24,7 +24,7 @@ use crate::exponential::Selection;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Ports, Projected, StateMatrix};
 use crate::model::Model;
-use crate::motion::EquationOfMotion;
+use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::{Node, SceneError};
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
@@ -81,11 +81,14 @@ pub(super) fn set_up<'m>(
     let (options, model) = (run.options, &run.cached.model);
     let is_large = model.len() >= LARGE_MODEL;
     let is_short = is_short(run, start);
-    let keeps_all = match (options.modes, options.reduction) {
-        (Some(count), _) => count >= model.len(),
-        (None, Some(_)) => plan.energy || !is_large && (is_short || motion.varying_flanks_can_separate()),
-        (None, None) => true,
-    };
+    // At a changing speed the set-up itself selects modes.
+    let changes = matches!(options.speed, Speed::Changing(_));
+    let keeps_all = changes
+        || match (options.modes, options.reduction) {
+            (Some(count), _) => count >= model.len(),
+            (None, Some(_)) => plan.energy || !is_large && (is_short || motion.varying_flanks_can_separate()),
+            (None, None) => true,
+        };
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
