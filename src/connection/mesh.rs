@@ -5,8 +5,8 @@
 //! needed if the tooth engagement depends on the twist, or if a gear has run-out. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
-use super::{Direction, Row};
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::{Direction, Row};
 use crate::mesh::{
     Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
 };

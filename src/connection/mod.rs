@@ -61,7 +61,8 @@ pub struct Coefficients {
 
 impl Coefficients {
     fn isotropic(scalars: usize, stiffness: f64, damping: f64) -> Self {
-        let [stiffness, damping] = [stiffness, damping].map(|value| DMatrix::from_diagonal_element(scalars, scalars, value));
+        let [stiffness, damping] =
+            [stiffness, damping].map(|value| DMatrix::from_diagonal_element(scalars, scalars, value));
         Self { stiffness, damping }
     }
 

@@ -133,21 +133,6 @@ impl SpringInterface {
 
     pub(super) fn residual_tangent(&self, u: &[f64], [stiffness, damping]: [&mut [f64]; 2]) {
         let len = self.reference.len();
-        // TEMPORARY
-        match std::env::var("TANGENT").as_deref() {
-            Ok("none") => { stiffness.fill(0.0); damping.fill(0.0); return; }
-            Ok("diagonal") => {
-                for (at, stiffness) in stiffness.iter_mut().enumerate() {
-                    let (i, j) = (at / len, at % len);
-                    *stiffness = if i == j { self.spring.tangent(|k| self.reference[k] + u[k], [i, j]) - self.contained[0] } else { 0.0 };
-                }
-                for (at, damping) in damping.iter_mut().enumerate() {
-                    *damping = if at / len == at % len { self.spring.damping - self.contained[1] } else { 0.0 };
-                }
-                return;
-            }
-            _ => {}
-        }
         for (at, stiffness) in stiffness.iter_mut().enumerate() {
             let (i, j) = (at / len, at % len);
             let contained = if i == j { self.contained[0] } else { 0.0 };

@@ -157,7 +157,8 @@ impl StageResponse {
             for node in 0..stages {
                 for (direction, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
                     let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
-                    own[node * directions + direction] = scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
+                    own[node * directions + direction] =
+                        scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
                 }
             }
         }

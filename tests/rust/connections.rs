@@ -1,12 +1,13 @@
 //! Every analysis includes connections: springs modelled as connections give the same results as a bearing in the
 //! matrices.
 
-use crate::common::{largest, model, train};
+use crate::common::{TRAIN, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
 use gearbow::analysis::{
     ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, ill_conditioning, synchronous,
 };
 use gearbow::connection::{Connection, Row, Spring};
+use gearbow::integrate::Statistics;
 use gearbow::mesh::Geometry;
 use gearbow::modal::{CachedModel, modes};
 use gearbow::motion::Energies;
@@ -165,10 +166,11 @@ fn runs_of_every_method_contain_connections() {
     }
 }
 
-/// The heavy train with a backlash in its first mesh and a tooth engagement, so that the linear motion excludes all
-/// connections.
-fn with_backlash() -> SceneDescription {
-    let mut system = heavy();
+/// The heavy train with backlash and tooth pairs in its first mesh, under a torque [N m], so that the linear motion excludes
+/// all connections.
+fn with_backlash(torque: f64) -> SceneDescription {
+    let mut system = SceneDescription::from_toml(&TRAIN.replace("250.0", &format!("{torque:?}"))).unwrap();
+    system.gravity = Some(Gravity::Down(9.81));
     let teeth = r#"{ model = "parabolic", pair = 2e8, engagement = 0.2 }"#;
     let mesh = format!(
         r#"m = {{ driver = "g1", driven = "g2", stiffness = {teeth}, damping_ratio = 0.05, backlash = 1e-5 }}"#
@@ -180,15 +182,19 @@ fn with_backlash() -> SceneDescription {
 
 #[test]
 fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
-    let [matrices, springs @ ..] = forms(&with_backlash());
-    let expected = run(&matrices, &options(Method::Exponential, None));
-    for springs in springs {
-        assert!(springs.linear_without_meshes(100.0).unwrap().is_some());
-        let found = run(&springs, &options(Method::Exponential, None));
-        let gap = difference(&expected.record.displacement, &found.record.displacement);
-        // Both results are accurate to their tolerance of 1e-6.
-        assert!(gap < 1e-5, "{gap:e}");
-        assert_eq!(expected.record.events.len(), found.record.events.len());
+    // Without a torque to speak of, the flanks separate.
+    for (torque, separates) in [(250.0, false), (1.0, true)] {
+        let [matrices, springs @ ..] = forms(&with_backlash(torque));
+        let expected = run(&matrices, &options(Method::Exponential, None));
+        assert_eq!(expected.statistics.events > 0, separates);
+        for springs in springs {
+            assert!(springs.linear_without_meshes(100.0).unwrap().is_some());
+            let found = run(&springs, &options(Method::Exponential, None));
+            let gap = difference(&expected.record.displacement, &found.record.displacement);
+            // Both results are accurate to their tolerance of 1e-6.
+            assert!(gap < 1e-5, "{torque} N m: {gap:e}");
+            assert_eq!(expected.statistics.events, found.statistics.events);
+        }
     }
 }
 
@@ -196,7 +202,7 @@ fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
 fn imbalance(response: &Response) -> f64 {
     let first = response.record.energy[0].0.total();
     let left = |(energies, works): &(Energies, [f64; 6])| energies.total() - first - works.iter().sum::<f64>();
-    response.record.energy.iter().map(left).fold(0.0, |most, left| most.max(left.abs())) / first.abs()
+    response.record.energy.iter().map(left).fold(0.0_f64, |most, left| most.max(left.abs())) / first.abs()
 }
 
 #[test]
@@ -259,9 +265,11 @@ fn equilibrium_carries_gravity_by_a_hardening_spring_on_two_scalars() {
     }
 }
 
-/// Options of a run with a tight tolerance.
+/// Options of a short run with a tight tolerance.
 fn tight(method: Method) -> Options {
     Options {
+        duration: 5e-3,
+        times: (0..=5).map(|k| f64::from(k) * 1e-3).collect(),
         rtol: matches!(method, Method::Exponential | Method::Rk45).then_some(1e-11),
         ..options(method, matches!(method, Method::ExactRk4 | Method::Rk4).then_some(1e-6))
     }
@@ -270,17 +278,19 @@ fn tight(method: Method) -> Options {
 #[test]
 fn every_method_agrees_for_a_hardening_spring_on_two_scalars() {
     let mut damped = heavy();
-    // With modal damping, Runge-Kutta methods also integrate in modes.
+    // With modal damping, Runge–Kutta methods also integrate in modes.
     damped.modal_damping = Some(0.01);
-    for system in [heavy(), damped, with_backlash()] {
+    // With backlash, the linear motion excludes stiffness and damping of the spring.
+    for system in [heavy(), damped, with_backlash(250.0)] {
         let cached = with_isotropic_spring(&system, STIFFNESS, 3e17);
         let exact = run(&cached, &tight(Method::Rk45));
         assert!(imbalance(&exact) < 1e-6);
-        for method in [Method::Exponential, Method::ExactRk4, Method::Rk4] {
+        // The step of rk4 is near its stability limit, so that its fast modes are less accurate.
+        for (method, tolerance) in [(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-8), (Method::Rk4, 1e-6)] {
             let found = run(&cached, &tight(method));
             let gap = difference(&exact.record.displacement, &found.record.displacement);
-            println!("GAP {} {gap:e} {:e} {} {}", method.name(), imbalance(&found), exact.record.events.len(), found.record.events.len());
-            assert!(gap < 1e-8, "{}: {gap:e}", method.name());
+            println!("GAP {} {gap:e} {:e}", method.name(), imbalance(&found));
+            assert!(gap < tolerance, "{}: {gap:e}", method.name());
             assert!(imbalance(&found) < 1e-6);
         }
     }
@@ -288,18 +298,13 @@ fn every_method_agrees_for_a_hardening_spring_on_two_scalars() {
 
 #[test]
 fn a_spring_between_two_shafts_acts_on_both() {
-    let system = heavy();
-    let cached = without_bearing(
-        &system,
-        |v| {
-            let other = model(&system);
-            let other = other.numbering.translation(other.scene.bearings[4].node).unwrap();
-            let between = |lane: usize| vec![(v + lane, 1.0), (other + lane, -1.0)];
-            vec![vec![vec![(v, 1.0)], vec![(v + 1, 1.0)]], vec![between(0), between(1)]]
-        },
-        STIFFNESS,
-        3e17,
-    );
+    let other = model(&heavy());
+    let other = other.numbering.translation(other.scene.bearings[4].node).unwrap();
+    let rows = |v: usize| {
+        let between = |lane: usize| vec![(v + lane, 1.0), (other + lane, -1.0)];
+        vec![vec![vec![(v, 1.0)], vec![(v + 1, 1.0)]], vec![between(0), between(1)]]
+    };
+    let cached = without_bearing(&heavy(), rows, STIFFNESS, 3e17);
     let [exact, found] = [Method::Rk45, Method::Exponential].map(|method| run(&cached, &tight(method)));
     let gap = difference(&exact.record.displacement, &found.record.displacement);
     println!("GAP between {gap:e}");
@@ -308,11 +313,15 @@ fn a_spring_between_two_shafts_acts_on_both() {
 }
 
 #[test]
-fn the_full_tangent_lets_stiff_hardening_springs_converge() {
-    for cubic in [3e17, 1e20, 1e22] {
-        let cached = with_isotropic_spring(&heavy(), 1e7, cubic);
-        let found = run(&cached, &options(Method::Exponential, None));
-        let q = equilibrium(&cached, Geometry::Live, 100.0).unwrap();
-        println!("STAT {cubic:e} ratio {:e} {:?}", cubic * cached.model.springs[0].square(q.as_slice()) / 1e7, found.statistics);
-    }
+fn the_full_tangent_saves_iterations_of_stiff_hardening_springs() {
+    let cached = with_isotropic_spring(&heavy(), 1e7, 1e20);
+    let q = equilibrium(&cached, Geometry::Live, 100.0).unwrap();
+    // The cubic term is a hundred times the linear one.
+    assert!(1e20 * cached.model.springs[0].square(q.as_slice()) > 50.0 * 1e7);
+    let Statistics { steps, rejected, evaluations, .. } = run(&cached, &options(Method::Exponential, None)).statistics;
+    // A step evaluates three stages in each iteration, and its end.
+    let iterations = (evaluations as f64 / (steps + rejected) as f64 - 1.0) / 3.0;
+    println!("ITER {iterations} {steps} {rejected}");
+    // One iteration is the least. Only the diagonal of the tangent needs 1.6, no tangent 2.4.
+    assert!(iterations < 1.3, "{iterations}");
 }
