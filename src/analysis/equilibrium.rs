@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::AnalysisError;
-use crate::connection::Connection;
+use crate::connection::{Connection, Row};
 use crate::linalg::LuFactors;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::CachedModel;
@@ -185,24 +185,33 @@ fn connection_forces(
                 }
             }
             Connection::Bearing(bearing) => {
-                let ([stiffness, _], first) = (bearing.at(speed), bearing.index);
-                for (i, row) in stiffness.iter().enumerate() {
-                    for (j, value) in row.iter().enumerate() {
-                        force[first + i] += value * q[first + j];
-                        tangent.push((first + i, first + j, *value));
-                    }
-                }
+                let known = bearing.static_tangent(speed, q.as_slice());
+                add_over_scalars(&bearing.rows(), &known, &mut force, &mut tangent);
             }
             Connection::Spring(spring) => {
-                let (stiffness, pressed) = spring.tangent(q.as_slice());
-                for (row, left) in &spring.row {
-                    force[*row] += pressed * left;
-                    tangent.extend(spring.row.iter().map(|(column, right)| (*row, *column, stiffness * left * right)));
-                }
+                add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);
             }
         }
     }
     Ok((force, tangent))
+}
+
+/// Adds the force over the scalars of a connection, and its derivative with respect to the scalars, as generalised forces.
+fn add_over_scalars(
+    rows: &[Row],
+    (known, derivative): &(DVector<f64>, DMatrix<f64>),
+    force: &mut DVector<f64>,
+    tangent: &mut Vec<Entry>,
+) {
+    for (i, left) in rows.iter().enumerate() {
+        for (row, factor) in left {
+            force[*row] += factor * known[i];
+            for (j, right) in rows.iter().enumerate() {
+                let stiffness = factor * derivative[(i, j)];
+                tangent.extend(right.iter().map(|(column, factor)| (*row, *column, stiffness * factor)));
+            }
+        }
+    }
 }
 
 /// The flanks of every mesh that are pressed at `q`, after an iteration with contact on `flanks`. A flank with backlash

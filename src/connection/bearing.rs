@@ -4,6 +4,8 @@
 //! speed every evaluation computes K and C for the current speed. The energy ½uᵀKu then also changes with K. The drive
 //! prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{Bearing, EntryPath, Matrix2, SceneError};
 
@@ -88,6 +90,12 @@ impl SpeedDependentBearing {
     pub fn force(&self, speed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let ([k, c], i) = (self.at(speed), self.index);
         std::array::from_fn(|row| k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1])
+    }
+
+    /// Force over the scalars, N, and its derivative, N/m, at the displacements q of a system at rest.
+    pub fn static_tangent(&self, speed: f64, q: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let Coefficients { stiffness, .. } = self.linear(speed);
+        (&stiffness * DVector::from_column_slice(&q[self.index..self.index + 2]), stiffness)
     }
 
     /// Elastic energy ½uᵀKu, J.

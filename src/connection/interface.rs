@@ -6,7 +6,8 @@
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
 use super::mesh::MeshInterface;
-use super::{Connection, Row, Spring};
+use super::spring::SpringInterface;
+use super::{Connection, Direction, Row};
 use crate::mesh::{Contact, ContactMode, Overlap};
 
 /// A connection in a run.
@@ -16,17 +17,6 @@ pub enum Interface {
     Mesh(Box<MeshInterface>),
     /// A spring with a cubic term.
     Spring(SpringInterface),
-}
-
-/// A spring in a run.
-#[derive(Clone, Debug)]
-pub struct SpringInterface {
-    spring: Spring,
-    /// Scalar u at the reference, m, and generalised force −F at the reference, N.
-    reference: f64,
-    reference_force: f64,
-    /// Stiffness, N/m, and damping, N s/m, that the linear motion contains.
-    contained: [f64; 2],
 }
 
 impl Interface {
@@ -59,7 +49,7 @@ impl Interface {
     pub fn scalars(&self) -> usize {
         match self {
             Self::Mesh(interface) => interface.scalars(),
-            Self::Spring(_) => 1,
+            Self::Spring(interface) => interface.spring.rows.len(),
         }
     }
 
@@ -67,7 +57,7 @@ impl Interface {
     pub fn has_rates(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
-            Self::Spring(interface) => interface.spring.damping != interface.contained[1],
+            Self::Spring(interface) => interface.has_rates(),
         }
     }
 
@@ -75,7 +65,7 @@ impl Interface {
     pub fn is_affine(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
-            Self::Spring(interface) => interface.spring.cubic == 0.0 && !self.has_rates(),
+            Self::Spring(interface) => interface.is_affine(),
         }
     }
 
@@ -84,7 +74,7 @@ impl Interface {
     pub fn rows(&self) -> Vec<Row> {
         match self {
             Self::Mesh(interface) => interface.rows(),
-            Self::Spring(interface) => interface.spring.rows(),
+            Self::Spring(interface) => interface.spring.rows.clone(),
         }
     }
 
@@ -92,15 +82,25 @@ impl Interface {
     pub fn reference_force(&self) -> &[f64] {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
-            Self::Spring(interface) => std::slice::from_ref(&interface.reference_force),
+            Self::Spring(interface) => &interface.reference_force,
         }
     }
 
-    /// Direction of the deflection over the scalars, shape (r,), and the linear stiffness along it, N/m.
-    pub fn tangent(&self) -> (&[f64], f64) {
+    /// Number d of [`Self::directions`].
+    #[inline(always)]
+    pub fn direction_count(&self) -> usize {
         match self {
-            Self::Mesh(interface) => interface.tangent(),
-            Self::Spring(interface) => (&[1.0], interface.spring.stiffness),
+            Self::Mesh(_) => 1,
+            Self::Spring(_) => self.scalars(),
+        }
+    }
+
+    /// The d directions over the scalars in which the load changes with the motion: for a mesh the gradient of the
+    /// deflection, for another connection every scalar.
+    pub fn directions(&self) -> Vec<Direction> {
+        match self {
+            Self::Mesh(interface) => vec![interface.direction()],
+            Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
         }
     }
 
@@ -113,18 +113,31 @@ impl Interface {
     pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, Overlap> {
         match self {
             Self::Mesh(interface) => interface.load(instant, u, rates, load),
-            Self::Spring(interface) => Ok(interface.load(u, rates, load)),
+            Self::Spring(interface) => {
+                interface.load(u, rates, load);
+                Ok(Contact::default())
+            }
         }
     }
 
-    /// Stiffness [N/m] and damping [N s/m] along the deflection in a contact that the linear motion does not contain.
+    /// Writes the tangent over the directions g that the linear motion does not contain: with the load −Σ g_i f_i, the
+    /// matrices ∂f_i/∂(g_j·u) [N/m] and ∂f_i/∂(g_j·u̇) [N s/m], each d × d, row after row. The second slice is empty if no
+    /// load of the run depends on rates. `contact` is the result of [`Self::load`] at the same deviations `u` and `rates`.
     #[inline(always)]
-    pub fn residual_tangent(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
+    pub fn residual_tangent(
+        &self,
+        instant: &Instant,
+        (u, _rates): (&[f64], &[f64]),
+        contact: &Contact,
+        [stiffness, damping]: [&mut [f64]; 2],
+    ) {
         match self {
-            Self::Mesh(interface) => interface.residual_tangent(contact_mode.flank, contact),
-            Self::Spring(SpringInterface { spring, contained: [stiffness, damping], .. }) => {
-                [contact.stiffness - stiffness, spring.damping - damping]
+            Self::Mesh(interface) => {
+                let [k, c] = interface.residual_tangent(instant.contact_mode.flank, contact);
+                stiffness[0] = k;
+                damping.fill(c);
             }
+            Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
         }
     }
 
@@ -173,22 +186,5 @@ impl Interface {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
             Self::Spring(_) => Ok(()),
         }
-    }
-}
-
-impl SpringInterface {
-    fn new(spring: &Spring, options: InterfaceOptions<'_>) -> Self {
-        let reference = spring.scalar(options.reference);
-        let contained = if options.contained { [spring.stiffness, spring.damping] } else { [0.0; 2] };
-        let reference_force = -spring.contact(reference, 0.0).force;
-        Self { spring: spring.clone(), reference, reference_force, contained }
-    }
-
-    #[inline(always)]
-    fn load(&self, u: &[f64], rates: &[f64], load: &mut [f64]) -> Contact {
-        let (u, rate) = (u[0], rates.first().copied().unwrap_or(0.0));
-        let contact = self.spring.contact(self.reference + u, rate);
-        load[0] = (-contact.force - self.reference_force) + self.contained[0] * u + self.contained[1] * rate;
-        contact
     }
 }

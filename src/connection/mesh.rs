@@ -5,8 +5,8 @@
 //! needed if the tooth engagement depends on the twist, or if a gear has run-out. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
-use super::Row;
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::{Direction, Row};
 use crate::mesh::{
     Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
 };
@@ -189,9 +189,9 @@ impl MeshInterface {
         &self.reference_force[..self.scalars()]
     }
 
-    /// ∂δ/∂(scalars) along the line of action at rest, and the mean stiffness along it, N/m.
-    pub(super) fn tangent(&self) -> (&[f64], f64) {
-        (&self.gradient[..self.scalars()], self.gear_mesh.stiffness)
+    /// ∂δ/∂(scalars) along the line of action at rest, with the mean stiffness.
+    pub(super) fn direction(&self) -> Direction {
+        Direction { gradient: self.gradient[..self.scalars()].to_vec(), stiffness: self.gear_mesh.stiffness }
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@
 //! | Which scalars? | [`Connection::rows`] | matrices, null motions, exponential method |
 //! | Which stiffness and damping, at a speed? | [`Connection::linear`] | matrices, modes, Campbell diagram, critical speeds, synchronous response, static equilibrium |
 //! | Which force, energy and power at an instant? | `contact` or `force` of the variant | equation of motion, energy audit |
-//! | Which tangent? | `mean_tangent`, `tangent` of the variant; [`Interface::residual_tangent`] | Newton's method in the static equilibrium and in the exponential method |
+//! | Which tangent, of any rank up to the number of scalars? | `mean_tangent` or `static_tangent` of the variant; [`Interface::directions`], [`Interface::residual_tangent`] | Newton's method in the static equilibrium and in the exponential method |
 //! | Which contact mode, and how far is the next change? | [`Interface::contact_mode`], [`Interface::margins`], [`Interface::guaranteed_interval`] | events |
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
 //! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |
@@ -30,9 +30,9 @@ use nalgebra::DMatrix;
 pub use bearing::SpeedDependentBearing;
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions};
-pub use interface::{Interface, SpringInterface};
+pub use interface::Interface;
 pub use mesh::MeshInterface;
-pub use spring::Spring;
+pub use spring::{Spring, SpringInterface};
 
 use crate::mesh::GearMesh;
 
@@ -60,14 +60,33 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    fn over_one(stiffness: f64, damping: f64) -> Self {
-        let [stiffness, damping] = [stiffness, damping].map(|value| DMatrix::from_element(1, 1, value));
+    fn isotropic(scalars: usize, stiffness: f64, damping: f64) -> Self {
+        let [stiffness, damping] =
+            [stiffness, damping].map(|value| DMatrix::from_diagonal_element(scalars, scalars, value));
         Self { stiffness, damping }
     }
 
     fn over_two(stiffness: &[[f64; 2]; 2], damping: &[[f64; 2]; 2]) -> Self {
         let [stiffness, damping] = [stiffness, damping].map(|rows| DMatrix::from_fn(2, 2, |i, j| rows[i][j]));
         Self { stiffness, damping }
+    }
+}
+
+/// A direction over the scalars in which the load of a connection changes with the motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// Gradient g over the scalars, shape (r,).
+    pub gradient: Vec<f64>,
+    /// Linear stiffness along the direction, N/m.
+    pub stiffness: f64,
+}
+
+impl Direction {
+    /// Every scalar as one direction, with the diagonal of the linear stiffness over the scalars.
+    fn of_scalars(stiffness: &DMatrix<f64>) -> Vec<Self> {
+        let count = stiffness.ncols();
+        let unit = |at: usize| (0..count).map(|k| if k == at { 1.0 } else { 0.0 }).collect();
+        (0..count).map(|at| Self { gradient: unit(at), stiffness: stiffness[(at, at)] }).collect()
     }
 }
 
@@ -90,14 +109,14 @@ impl Connection<'_> {
                 vec![row]
             }
             Self::Bearing(bearing) => bearing.rows(),
-            Self::Spring(spring) => spring.rows(),
+            Self::Spring(spring) => spring.rows.clone(),
         }
     }
 
     /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.
     pub fn linear(&self, speed: f64) -> Coefficients {
         match self {
-            Self::Mesh(_, mesh, _) => Coefficients::over_one(mesh.stiffness, mesh.damping),
+            Self::Mesh(_, mesh, _) => Coefficients::isotropic(1, mesh.stiffness, mesh.damping),
             Self::Bearing(bearing) => bearing.linear(speed),
             Self::Spring(spring) => spring.linear(),
         }

@@ -1,14 +1,16 @@
-//! Correction of the stage loads by the stiffness and the damping of the contacts.
+//! Correction of the stage loads by the stiffness and the damping of the connections.
 //!
-//! A force f of a mesh acts on its scalars u as the load −g f. If the other loads change g·u by ℓ and g·u̇ by ℓ̇, the
-//! forces of all stages and meshes follow from
+//! The load of a connection changes with the motion in d directions g over its scalars u: one for a mesh, up to the number
+//! of scalars for another connection. Its forces f act on the scalars as the load −Σ g f. If the other loads change g·u by
+//! ℓ and g·u̇ by ℓ̇, the forces of all stages and directions follow from
 //!
 //! ```text
 //! f = K(ℓ − G f) + C(ℓ̇ − Ġ f),
 //! ```
 //!
 //! where −G f and −Ġ f are the changes of g·u and g·u̇ that the forces cause themselves. K and C are the stiffness and the
-//! damping of the contacts beyond those that the linear motion contains.
+//! damping beyond those that the linear motion contains. They are block-diagonal: one block, d × d, for each stage and
+//! connection.
 
 use pulp::Arch;
 
@@ -21,13 +23,16 @@ use super::small_lu::SmallLu;
 use super::stages::Stages;
 use crate::mesh::Contact;
 
-/// The linear system of all stages and meshes. One unknown is the force of one mesh at one stage.
+/// The linear system of all stages and directions. One unknown is the force of one direction at one stage.
 #[derive(Clone, Debug)]
 pub(super) struct ContactTangentSolver {
-    /// K (N/m) of all stages and meshes and, where rates matter, C (N·s/m), for which the matrix is factorised.
+    /// Entries of the blocks of K (N/m), stage after stage, connection after connection, row after row; then, where rates
+    /// matter, of C (N·s/m). The matrix is factorised for them.
     pub residual_tangent: Vec<f64>,
     /// K and C that the next solution needs.
     next_tangent: Vec<f64>,
+    /// Indices of the force, and of the change in `deflection_change`, that each entry of K and C relates.
+    entries: Vec<[usize; 2]>,
     /// Step level for which the matrix is factorised.
     level: usize,
     /// Whether the matrix is regular.
@@ -37,45 +42,63 @@ pub(super) struct ContactTangentSolver {
     system: SmallLu,
     /// Loads of all stages for a unit force: −g.
     force_loads: Panel,
-    /// ℓ (m) of all stages and meshes and, where rates matter, ℓ̇ (m/s).
+    /// ℓ (m) of all stages and directions and, where rates matter, ℓ̇ (m/s).
     deflection_change: Vec<f64>,
 }
 
 impl ContactTangentSolver {
     /// Allocates the system of a number of stages.
     pub fn new(nonlinear_loads: &NonlinearLoads<'_>, tangents: &[LinearizedContact], stages: usize) -> Self {
-        let (meshes, load_count) = (nonlinear_loads.mesh_count(), nonlinear_loads.load_count());
-        let (size, loads) = (stages * meshes, stages * load_count);
+        let (directions, load_count) = (tangents.len(), nonlinear_loads.load_count());
+        let (size, loads) = (stages * directions, stages * load_count);
         let mut force_loads = vec![0.0; size * loads];
         for (unknown, column) in force_loads.chunks_exact_mut(loads.max(1)).enumerate() {
-            let LinearizedContact { scalars, gradient, .. } = &tangents[unknown % meshes];
-            let own = scalars.clone().map(|scalar| unknown / meshes * load_count + scalar);
+            let LinearizedContact { scalars, gradient, .. } = &tangents[unknown % directions];
+            let own = scalars.clone().map(|scalar| unknown / directions * load_count + scalar);
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
-        let len = if nonlinear_loads.has_rates() { 2 * size } else { size };
+        let kinds = if nonlinear_loads.has_rates() { 2 } else { 1 };
+        let entries = entries(nonlinear_loads, [kinds, stages, directions]);
         Self {
-            residual_tangent: vec![f64::NAN; len],
-            next_tangent: vec![0.0; len],
+            residual_tangent: vec![f64::NAN; entries.len()],
+            next_tangent: vec![0.0; entries.len()],
+            entries,
             level: usize::MAX,
             solvable: false,
             idle: false,
             system: SmallLu::new(size),
             force_loads: Panel::new(&force_loads, loads),
-            deflection_change: vec![0.0; len],
+            deflection_change: vec![0.0; kinds * size],
         }
     }
 
-    /// Takes K and C from contacts, stage after stage. The contacts of one instant apply to all stages.
-    pub fn set_contacts(&mut self, nonlinear_loads: &NonlinearLoads<'_>, contacts: &[Contact]) {
-        let meshes = nonlinear_loads.mesh_count();
-        let (stiffness, damping) = self.next_tangent.split_at_mut(self.system.right.len());
-        for (unknown, (stiffness, contact)) in stiffness.iter_mut().zip(contacts.iter().cycle()).enumerate() {
-            let [k, c] = nonlinear_loads.residual_tangent(unknown % meshes, contact);
-            *stiffness = k;
-            if let Some(damping) = damping.get_mut(unknown) {
-                *damping = c;
-            }
+    /// Takes K and C of all stages from contacts and interface states. `at` gives them for each stage, with the elapsed
+    /// time.
+    pub fn set_contacts<'a>(
+        &mut self,
+        context: &StepContext<'_>,
+        at: impl Fn(usize) -> (f64, &'a [f64], &'a [Contact]),
+    ) {
+        let stages = context.stages();
+        let nonlinear_loads = &context.nonlinear_loads;
+        let len = nonlinear_loads.tangent_len();
+        let (stiffness, damping) = self.next_tangent.split_at_mut(stages * len);
+        for stage in 0..stages {
+            let (elapsed, state, contacts) = at(stage);
+            let own = stage * len..(stage + 1) * len;
+            let damping = damping.get_mut(own.clone()).unwrap_or_default();
+            nonlinear_loads.residual_tangent(elapsed, state, contacts, [&mut stiffness[own], damping]);
         }
+    }
+
+    /// Takes K and C from the last evaluation of the stages of a step from `elapsed` on.
+    pub fn set_stages(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &Stages) {
+        let (len, count) = (context.nonlinear_loads.interface_len(), context.nonlinear_loads.mesh_count());
+        let (step, nodes) = (context.step(level), &context.cache.rule.nodes);
+        self.set_contacts(context, |stage| {
+            let state = &stages.interface_states[stage * len..(stage + 1) * len];
+            (elapsed + nodes[stage] * step, state, &stages.contacts[stage * count..(stage + 1) * count])
+        });
     }
 
     /// Takes K and C of the stages of the previous step.
@@ -83,16 +106,24 @@ impl ContactTangentSolver {
         self.next_tangent.copy_from_slice(previous);
     }
 
+    /// K and C that the next solution needs.
+    pub fn next_tangent(&self) -> &[f64] {
+        &self.next_tangent
+    }
+
     /// Factorises the matrix for a step of a level, where K, C or the level have changed. `own_response` holds G and Ġ.
     /// Returns whether the matrix is regular.
     fn factorize(&mut self, level: usize, own_response: &[f64]) -> bool {
-        // K and C change only if tooth pairs enter or leave contact, so that most steps reuse the factors.
+        // K and C of a mesh change only if tooth pairs enter or leave contact, so that most steps reuse the factors.
         if self.level != level || self.residual_tangent != self.next_tangent {
             self.level = level;
             self.residual_tangent.copy_from_slice(&self.next_tangent);
             self.idle = self.residual_tangent.iter().all(|value| *value == 0.0);
             self.solvable = self.idle || {
-                self.system.fill(own_response, &self.residual_tangent);
+                let size = self.system.right.len();
+                let terms = self.residual_tangent.iter().zip(&self.entries);
+                let response = |change: usize| &own_response[change * size..(change + 1) * size];
+                self.system.fill(terms.map(|(value, [force, change])| (*force, *value, response(*change))));
                 self.system.factor()
             };
         }
@@ -101,13 +132,9 @@ impl ContactTangentSolver {
 
     /// Solves for the forces under `deflection_change` and adds their loads −g f.
     fn add_forces(&mut self, arch: Arch, loads: &mut [f64]) {
-        let size = self.system.right.len();
         self.system.right.fill(0.0);
-        let factors = self.deflection_change.chunks_exact(size).zip(self.residual_tangent.chunks_exact(size));
-        for (change, tangent) in factors {
-            for ((force, change), tangent) in self.system.right.iter_mut().zip(change).zip(tangent) {
-                *force += tangent * change;
-            }
+        for (value, [force, change]) in self.residual_tangent.iter().zip(&self.entries) {
+            self.system.right[*force] += value * self.deflection_change[*change];
         }
         self.system.substitute();
         panel_kernel::accumulate_panel(arch, &self.force_loads, &self.system.right, loads);
@@ -139,11 +166,11 @@ impl ContactTangentSolver {
         true
     }
 
-    /// Corrects the stage loads for the motion that their last change, the residual, causes at the contacts of the
-    /// stages. Returns whether the correction exists.
-    pub fn correct(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
+    /// Corrects the stage loads of a step from `elapsed` on for the motion that their last change, the residual, causes at
+    /// the connections. Returns whether the correction exists.
+    pub fn correct(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &mut Stages) -> bool {
         let stage_response = context.cache.stage_response(level);
-        self.set_contacts(&context.nonlinear_loads, &stages.contacts);
+        self.set_stages(context, (level, elapsed), stages);
         if !self.factorize(level, &stage_response.own) || self.idle {
             return self.solvable;
         }
@@ -157,4 +184,17 @@ impl ContactTangentSolver {
         self.add_forces(context.arch, &mut stages.loads);
         true
     }
+}
+
+/// The force and the change that every entry of K, and then of C, relates.
+fn entries(nonlinear_loads: &NonlinearLoads<'_>, [kinds, stages, directions]: [usize; 3]) -> Vec<[usize; 2]> {
+    let mut entries = Vec::with_capacity(kinds * stages * nonlinear_loads.tangent_len());
+    for at in (0..kinds * stages).map(|at| at * directions) {
+        for block in nonlinear_loads.direction_ranges() {
+            for row in block.clone() {
+                entries.extend(block.clone().map(|column| [(at + row) % (stages * directions), at + column]));
+            }
+        }
+    }
+    entries
 }

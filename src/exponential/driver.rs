@@ -221,7 +221,8 @@ impl Driver {
     ) -> Result<Outcome, Halt> {
         let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
-        stepper.solver.guess(&stepper.context, level, &stepper.begin, history, &mut stepper.stages);
+        let at = (level, state.elapsed);
+        stepper.solver.guess(&stepper.context, at, &stepper.begin, history, &mut stepper.stages);
         let end = self.time(state.count + self.time_grid.units(level));
         match stepper.step(level, (state.elapsed, end), &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.

@@ -22,20 +22,22 @@ pub struct InterfaceMaps {
     pub meshes: usize,
     /// Slots of the independent parts of the state: nothing linear couples two parts.
     pub parts: Vec<Range<usize>>,
-    /// Every mesh, linearised at rest.
+    /// Every direction of every connection, linearised at rest.
     pub tangents: Vec<LinearizedContact>,
     /// Complex amplitudes of the rows in the synchronous motion, source after source.
     pub synchronous: Vec<Complex64>,
 }
 
-/// A mesh linearised at rest: δ = g·u over its scalars, and the force f acts on them as the loads −g f.
+/// One direction of a connection, linearised at rest: the deflection is g·u over the scalars of the connection, and the
+/// force f acts on them as the loads −g f.
 #[derive(Clone, Debug)]
 pub struct LinearizedContact {
-    /// Indices of its scalars among the scalars of all meshes.
+    /// Indices of the scalars of the connection among the scalars of all connections.
     pub scalars: Range<usize>,
-    /// Gradient g of the deflection δ over its scalars.
+    /// Gradient g of the deflection over these scalars.
     pub gradient: Vec<f64>,
-    /// √k of the mean stiffness k, √(N/m), if the energy |z|² does not contain the mesh; otherwise zero.
+    /// √k of the linear stiffness k along the direction, √(N/m), if the energy |z|² does not contain the connection;
+    /// otherwise zero.
     pub root: f64,
 }
 

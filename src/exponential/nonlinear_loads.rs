@@ -4,6 +4,8 @@
 //! equilibrium, if it exists. The synchronous motion is the response of the linear motion to bow and unbalance. It does not
 //! exist at a critical speed without damping. There, bow and unbalance of the shaft act as prescribed loads.
 
+use std::ops::Range;
+
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -13,7 +15,7 @@ use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
     RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
 };
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
+use crate::connection::{Direction, GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -26,9 +28,9 @@ pub struct NonlinearLoads<'m> {
     pub motion: EquationOfMotion<'m>,
     /// Displacements of the reference, m or rad.
     pub reference: DVector<f64>,
-    /// Interfaces of all meshes.
+    /// Interfaces of all connections.
     interfaces: Vec<Interface>,
-    /// Number of interface scalars of all meshes.
+    /// Number of interface scalars of all connections.
     scalars: usize,
     /// Whether the interface state also contains the rates of the scalars.
     has_rates: bool,
@@ -121,13 +123,13 @@ impl<'m> NonlinearLoads<'m> {
         self.scalars + self.changing_counts[2] + self.prescribed.len()
     }
 
-    /// Number of meshes.
+    /// Number of connections with an interface.
     pub fn mesh_count(&self) -> usize {
         self.interfaces.len()
     }
 
-    /// Number of loads that depend on the motion: mesh loads, one for each interface scalar, and those of a changing
-    /// speed.
+    /// Number of loads that depend on the motion: those of connections, one for each interface scalar, and those of a
+    /// changing speed.
     pub fn mesh_load_count(&self) -> usize {
         self.scalars + self.changing_counts[1]
     }
@@ -217,10 +219,39 @@ impl<'m> NonlinearLoads<'m> {
         Ok(())
     }
 
-    /// Stiffness (N/m) and damping (N·s/m) of a contact minus those that the linear motion contains.
-    pub fn residual_tangent(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
-        let interface = &self.interfaces[mesh];
-        interface.residual_tangent(self.motion.contact_mode(interface.mesh()), contact)
+    /// The directions of each connection among those of all connections.
+    pub fn direction_ranges(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let mut from = 0;
+        self.interfaces.iter().map(move |interface| {
+            let own = from..from + interface.direction_count();
+            from = own.end;
+            own
+        })
+    }
+
+    /// Number of entries of the tangent of all connections: Σ d².
+    pub fn tangent_len(&self) -> usize {
+        self.interfaces.iter().map(|interface| interface.direction_count().pow(2)).sum()
+    }
+
+    /// Writes the stiffness (N/m) and the damping (N·s/m) of all connections over their directions minus those that the
+    /// linear motion contains, connection after connection; no damping if the second slice is empty. `contacts` are those
+    /// of [`Self::load`] at the same interface state `u`.
+    pub fn residual_tangent(
+        &self,
+        elapsed: f64,
+        u: &[f64],
+        contacts: &[Contact],
+        [stiffness, damping]: [&mut [f64]; 2],
+    ) {
+        let mut from = 0;
+        for ((interface, scalars, rates), contact) in self.each(u).zip(contacts) {
+            let to = from + interface.direction_count().pow(2);
+            let instant = self.motion.instant(interface.mesh(), elapsed);
+            let damping = damping.get_mut(from..to).unwrap_or_default();
+            interface.residual_tangent(&instant, (scalars, rates), contact, [&mut stiffness[from..to], damping]);
+            from = to;
+        }
     }
 
     /// Lower bounds on the time to the next contact change of each connection.
@@ -366,15 +397,16 @@ fn halt(interface: &Interface, overlap: Overlap) -> Halt {
     Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap }
 }
 
-/// Linearises the meshes at rest.
+/// The directions of all connections.
 fn tangents(interfaces: &[Interface], includes_meshes: bool) -> Vec<LinearizedContact> {
-    let mut from = 0;
-    let tangent = |interface: &Interface| {
-        let (gradient, stiffness) = interface.tangent();
-        let scalars = from..from + gradient.len();
+    let (mut from, mut tangents) = (0, Vec::new());
+    for interface in interfaces {
+        let scalars = from..from + interface.scalars();
         from = scalars.end;
-        let root = if includes_meshes { 0.0 } else { stiffness.sqrt() };
-        LinearizedContact { scalars, gradient: gradient.to_vec(), root }
-    };
-    interfaces.iter().map(tangent).collect()
+        tangents.extend(interface.directions().into_iter().map(|Direction { gradient, stiffness }| {
+            let root = if includes_meshes { 0.0 } else { stiffness.max(0.0).sqrt() };
+            LinearizedContact { scalars: scalars.clone(), gradient, root }
+        }));
+    }
+    tangents
 }

@@ -82,9 +82,9 @@ pub struct StageResponse {
     pub rows: Rows,
     /// H_ij: for each stage i one column for each (j, load).
     pub response: Vec<Panel>,
-    /// g·u of all stages and meshes and, where rates matter, g·u̇, under unit loads: one column for each load.
+    /// g·u of all stages and directions and, where rates matter, g·u̇, under unit loads: one column for each load.
     pub along: Panel,
-    /// G and Ġ: changes of −g·u and −g·u̇ under unit mesh forces, row after row.
+    /// G and Ġ: changes of −g·u and −g·u̇ under unit forces of all stages and directions, row after row.
     pub own: Vec<f64>,
     /// e^{iΩ c_i h} of stage i and source s, at i·sources + s.
     pub phasors: Vec<Complex64>,
@@ -130,16 +130,16 @@ impl StageResponse {
     /// Assembles the response from the rows of all stages and scalars, and from H_i of each stage, column after column.
     pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: Vec<Complex64>) -> Self {
         let (loads, seen) = (maps.columns.len(), maps.rows.len());
-        let (stages, meshes) = (response.len(), maps.tangents.len());
+        let (stages, directions) = (response.len(), maps.tangents.len());
         // First rows of the scalars and of their rates.
         let kinds: &[usize] = if maps.has_rates { &[0, maps.scalars] } else { &[0] };
-        let (size, felt) = (stages * meshes, kinds.len() * stages * meshes);
+        let (size, felt) = (stages * directions, kinds.len() * stages * directions);
         let mut along = vec![0.0; stages * loads * felt];
         for (node, response) in response.iter().enumerate() {
             for (column, seen) in response.chunks_exact(seen.max(1)).enumerate() {
-                for (mesh, tangent) in maps.tangents.iter().enumerate() {
+                for (direction, tangent) in maps.tangents.iter().enumerate() {
                     for (kind, from) in kinds.iter().enumerate() {
-                        along[column * felt + kind * size + node * meshes + mesh] = tangent.along(seen, *from);
+                        along[column * felt + kind * size + node * directions + direction] = tangent.along(seen, *from);
                     }
                 }
             }
@@ -156,9 +156,10 @@ impl StageResponse {
         let mut own = vec![0.0; felt * size];
         for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
             for node in 0..stages {
-                for (mesh, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
+                for (direction, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
                     let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
-                    own[node * meshes + mesh] = scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
+                    own[node * directions + direction] =
+                        scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
                 }
             }
         }

@@ -26,15 +26,14 @@ impl SmallLu {
         self.matrix.iter_mut().step_by(self.size + 1).for_each(|diagonal| *diagonal = 1.0);
     }
 
-    /// Sets the matrix to the identity plus a sum of matrices, which are given row after row. `slopes` holds one factor for
-    /// each row.
-    pub fn fill(&mut self, matrices: &[f64], slopes: &[f64]) {
+    /// Sets the matrix to the identity plus a sum of terms (row, factor, values): the factor times the values is added to
+    /// the row.
+    pub fn fill<'a>(&mut self, terms: impl Iterator<Item = (usize, f64, &'a [f64])>) {
         self.begin();
-        let rows = matrices.chunks_exact(self.size.max(1)).zip(slopes);
-        for (at, (given, slope)) in rows.enumerate() {
-            let row = at % self.size * self.size;
-            for (entry, given) in self.matrix[row..row + self.size].iter_mut().zip(given) {
-                *entry += slope * given;
+        for (row, factor, values) in terms {
+            let row = row * self.size;
+            for (entry, value) in self.matrix[row..row + self.size].iter_mut().zip(values) {
+                *entry += factor * value;
             }
         }
     }

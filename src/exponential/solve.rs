@@ -71,12 +71,12 @@ impl LoadSolver {
         }
     }
 
-    /// Predicts the stage loads and interface states: by the polynomials through those of the previous step, or, without
+    /// Predicts the stage loads and interface states of a step from `elapsed` on: by the polynomials through those of the previous step, or, without
     /// a previous step, by the values at the beginning.
     pub fn guess(
         &mut self,
         context: &StepContext<'_>,
-        level: usize,
+        (level, elapsed): (usize, f64),
         begin: &StepPoint,
         history: &StepHistory,
         stages: &mut Stages,
@@ -93,7 +93,7 @@ impl LoadSolver {
             let states = stages.interface_states.chunks_exact_mut(len);
             states.for_each(|state| state.copy_from_slice(&begin.interface_state));
             self.contraction = f64::INFINITY;
-            self.tangent_solver.set_contacts(nonlinear_loads, &begin.contacts);
+            self.tangent_solver.set_contacts(context, |_| (elapsed, &begin.interface_state, &begin.contacts));
             return;
         }
         self.tangent_solver.set_tangent(&history.residual_tangent);
@@ -142,12 +142,14 @@ impl LoadSolver {
         stages.interface_states.copy_from_slice(&stages.homogeneous_response);
         stages.evaluate_all(context, level, elapsed, statistics)?;
         let (stage_response, count) = (context.cache.stage_response(level), context.stages());
+        // An affine load has one scalar, so that its tangent has one entry at each stage.
+        self.tangent_solver.set_stages(context, (level, elapsed), stages);
         stages.loads.copy_from_slice(&stages.residual);
         self.small_lu.begin();
         for (stage, residual) in stages.residual.chunks_exact(loads).enumerate() {
             for (k, own) in residual[..meshes].iter().enumerate() {
                 let row = stage * meshes + k;
-                let slope = -nonlinear_loads.residual_tangent(k, &stages.contacts[row])[0];
+                let slope = -self.tangent_solver.next_tangent()[row];
                 let response = stage_response.response_of(stage, k);
                 self.small_lu.add_row(row, slope, meshes, loads, &response);
                 // Prescribed loads also move the scalars.
@@ -222,7 +224,7 @@ impl LoadSolver {
         for (load, residual) in stages.loads.iter_mut().zip(&mut stages.residual) {
             (*load, *residual) = (*residual, *residual - *load);
         }
-        Ok(self.tangent_solver.correct(context, level, stages))
+        Ok(self.tangent_solver.correct(context, (level, elapsed), stages))
     }
 
     /// Newton's method. Returns whether it converged.

@@ -42,7 +42,7 @@ impl Model {
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let mesh_forms = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        let springs = self.springs.iter().map(|spring| spring.stiffness * spring.scalar(q).powi(2));
+        let springs = self.springs.iter().map(|spring| spring.stiffness * spring.square(q));
         self.elastic_form_without_meshes(q) + mesh_forms.sum::<f64>() + springs.sum::<f64>()
     }
 

@@ -52,7 +52,7 @@ impl<'m> EquationOfMotion<'m> {
         let energy = |connection: Connection<'_>| match connection {
             Connection::Mesh(..) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
-            Connection::Spring(spring) => spring.contact(spring.scalar(q), 0.0).energy,
+            Connection::Spring(spring) => spring.energy(q),
         };
         self.connections().map(energy).sum()
     }
@@ -129,9 +129,7 @@ impl<'m> EquationOfMotion<'m> {
                     drive += stiffening;
                     damping += damped;
                 }
-                Connection::Spring(spring) => {
-                    damping += spring.contact(spring.scalar(q), spring.scalar(v)).damping_power;
-                }
+                Connection::Spring(spring) => damping += spring.damping_power(v),
             }
         }
         Ok([torque, constant - torque, drive, unbalance, teeth, -damping])

@@ -56,9 +56,7 @@ impl EquationOfMotion<'_> {
                     force[bearing.index] -= y;
                     force[bearing.index + 1] -= z;
                 }
-                Connection::Spring(spring) => {
-                    spring.apply(spring.contact(spring.scalar(q), spring.scalar(v)).force, force);
-                }
+                Connection::Spring(spring) => spring.apply(q, v, force),
             }
             Ok(())
         })?;
