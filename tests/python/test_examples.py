@@ -30,6 +30,7 @@ SYSTEMS: dict[str, Callable[[Any], list[Any]]] = {
 #: Arguments of a complete run; none for a study that takes many minutes.
 ARGUMENTS: dict[str, list[str] | None] = {
     "bowed_train": ["--output", "figure.png"],
+    "elements": ["conditioning"],
     "frequency": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],
