@@ -10,7 +10,6 @@ use super::initial::Start;
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::mesh::Overlap;
 use crate::modal::{CachedModel, ModalStateSpace};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
@@ -37,7 +36,7 @@ impl<'m> ModalSetup<'m> {
         selection: Selection,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
-            return ramp::set_up(cached, options, motion, start, selection);
+            return Self::reduced(cached, options, ramp::set_up(cached, options, motion, start)?, selection);
         };
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
@@ -56,23 +55,15 @@ impl<'m> ModalSetup<'m> {
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (nonlinear_loads, maps) = Self::without_overlap(cached, loads)?;
+        let (nonlinear_loads, maps) = ramp::without_overlap(cached, loads)?;
         Self::reduced(cached, options, (linear, nonlinear_loads, maps), selection)
     }
 
-    /// The loads, or the error of base circles that overlap.
-    pub fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
-        loads.map_err(|(mesh, overlap)| {
-            let [driver, driven] = cached.model.gear_names(mesh);
-            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
-        })
-    }
-
     /// Reduces linear motion and maps to the modes that the options ask for.
-    pub fn reduced(
+    fn reduced(
         cached: &CachedModel,
         options: &Options,
-        (linear, nonlinear_loads, maps): (Arc<ModalStateSpace>, NonlinearLoads<'m>, InterfaceMaps),
+        (linear, nonlinear_loads, maps): ramp::Complete<'m>,
         selection: Selection,
     ) -> Result<Self, AnalysisError> {
         let (linear, maps) = match options.modes {

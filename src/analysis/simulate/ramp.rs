@@ -3,15 +3,17 @@
 //! One linear motion carries the whole run: the one at the middle Ω_ref of all speeds of the profile. It depends on the
 //! profile only, so that a continued run has the same one. The gyroscopic difference ΔΩ = Ω − Ω_ref acts as loads.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
 use super::super::AnalysisError;
 use super::Options;
-use super::exponential::rotation_of_longest_step;
 use super::initial::Start;
-use super::modal_setup::ModalSetup;
-use crate::exponential::{NonlinearLoads, Selection, SpeedChange};
-use crate::modal::{CachedModel, RealModes, gyroscopic_pairs};
+use super::longest_step::rotation_of_longest_step;
+use crate::exponential::{InterfaceMaps, NonlinearLoads, SpeedChange};
+use crate::mesh::Overlap;
+use crate::modal::{CachedModel, ModalStateSpace, RealModes, gyroscopic_pairs};
 use crate::model::Model;
 use crate::motion::EquationOfMotion;
 
@@ -21,14 +23,16 @@ const NEGLECTED: f64 = 10.0;
 /// Tolerance of the gyroscopic couplings with fixed steps.
 const FIXED_TOLERANCE: f64 = 1e-10;
 
-/// Sets up a run of a motion that records a selection of coordinates.
+/// Linear motion, the loads on it, and the maps between both, in all modes.
+pub(super) type Complete<'m> = (Arc<ModalStateSpace>, NonlinearLoads<'m>, InterfaceMaps);
+
+/// Sets up a run of a motion.
 pub(super) fn set_up<'m>(
     cached: &'m CachedModel,
     options: &Options,
     motion: EquationOfMotion<'m>,
     start: &Start,
-    selection: Selection,
-) -> Result<ModalSetup<'m>, AnalysisError> {
+) -> Result<Complete<'m>, AnalysisError> {
     // Modal damping and the linear motion contain the bearings at the largest speed.
     let fastest = options.fastest();
     let at_fastest = cached.at_speed(fastest)?;
@@ -60,9 +64,17 @@ pub(super) fn set_up<'m>(
     };
     let synchronous = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
     let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &synchronous);
-    let (mut nonlinear_loads, mut maps) = ModalSetup::without_overlap(cached, loads)?;
+    let (mut nonlinear_loads, mut maps) = without_overlap(cached, loads)?;
     nonlinear_loads.add_changing_speed(&linear, &change, &mut maps);
-    ModalSetup::reduced(cached, options, (linear, nonlinear_loads, maps), selection)
+    Ok((linear, nonlinear_loads, maps))
+}
+
+/// The loads, or the error of base circles that overlap.
+pub(super) fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
+    loads.map_err(|(mesh, overlap)| {
+        let [driver, driven] = cached.model.gear_names(mesh);
+        AnalysisError::overlap(driver, driven, "at the beginning", overlap)
+    })
 }
 
 /// Angular frequency up to which modes carry most of the motion, rad/s: that of the lowest mode, or of the fastest shaft.
