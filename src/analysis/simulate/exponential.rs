@@ -5,24 +5,17 @@ use std::f64::consts::TAU;
 use super::super::AnalysisError;
 use super::Options;
 use super::initial::Start;
+use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency};
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use crate::exponential::{
     LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
-use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
 use crate::model::Model;
 use crate::motion::Speed;
 use crate::scene::SceneError;
 
-/// Smallest number of steps per revolution, per period of the slowest mode, and per tooth whose force depends on its
-/// position.
-const STEPS_PER_CYCLE: f64 = 8.0;
-/// Smallest number of steps per tooth whose stiffness is constant while it is engaged.
-const STEPS_PER_TOOTH: f64 = 2.0;
-/// Steps per revolution where bow and unbalance act as loads, in multiples of [`STEPS_PER_CYCLE`].
-const RESONANT_FACTOR: f64 = 8.0;
 /// Largest rotation of the fastest mode within the shortest step at which contact changes end a step, rad.
 const MAX_EVENT_ROTATION: f64 = 0.8;
 /// Smallest and largest number of halvings from the longest step to that step.
@@ -133,21 +126,6 @@ fn time_grid(
     let is_dense = matches!(linear.matrix, StateMatrix::Dense(_));
     let further = if is_dense { FURTHER_HALVINGS_DENSE } else { FURTHER_HALVINGS };
     Ok(TimeGrid { longest, finest: event + further, event })
-}
-
-/// Angular frequency of shafts and teeth at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
-/// per revolution in multiples of [`STEPS_PER_CYCLE`].
-fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
-    let speed = speed.abs();
-    let turning = model.max_speed_ratio() * speed * turning;
-    let travelling = model.max_mesh_order_of(GearMesh::depends_on_tooth_position) * speed;
-    let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
-    turning.max(travelling).max(engaging)
-}
-
-/// Rotation of the reference shaft within the longest step at a changing speed, rad.
-pub(super) fn rotation_of_longest_step(model: &Model) -> f64 {
-    TAU / (STEPS_PER_CYCLE * excitation_frequency(model, 1.0, RESONANT_FACTOR))
 }
 
 /// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.

@@ -5,6 +5,7 @@ mod checkpoint;
 mod events;
 mod exponential;
 mod initial;
+mod longest_step;
 mod modal_setup;
 mod options;
 mod pilot;

@@ -10,7 +10,6 @@ use super::initial::Start;
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::mesh::Overlap;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
 use crate::model::Model;
 use crate::motion::{EquationOfMotion, Speed};
@@ -40,7 +39,7 @@ impl<'m> ModalSetup<'m> {
         subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
-            return ramp::set_up(cached, options, motion, start, selection);
+            return Ok(Self::recording(ramp::set_up(cached, options, motion, start)?, selection));
         };
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
@@ -66,21 +65,16 @@ impl<'m> ModalSetup<'m> {
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (nonlinear_loads, maps) = Self::without_overlap(cached, loads)?;
+        let (nonlinear_loads, maps) = ramp::without_overlap(cached, loads)?;
+        Ok(Self::recording((linear, nonlinear_loads, maps), selection))
+    }
+
+    /// The set-up of a linear motion with its loads that records a selection of coordinates.
+    fn recording((linear, nonlinear_loads, maps): ramp::Complete<'m>, selection: Selection) -> Self {
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
-        Ok(Self { linear, nonlinear_loads, maps, output })
+        Self { linear, nonlinear_loads, maps, output }
     }
 
-    /// The loads, or the error of base circles that overlap.
-    pub fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
-        loads.map_err(|(mesh, overlap)| {
-            let [driver, driven] = cached.model.gear_names(mesh);
-            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
-        })
-    }
-}
-
-impl<'m> ModalSetup<'m> {
     /// The same run with the linear motion of a subspace.
     pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
         let embedding = self.linear.map_from(model, &linear);

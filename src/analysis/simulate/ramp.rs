@@ -9,10 +9,10 @@ use nalgebra::DMatrix;
 
 use super::super::AnalysisError;
 use super::Options;
-use super::exponential::rotation_of_longest_step;
 use super::initial::Start;
-use super::modal_setup::ModalSetup;
-use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, SpeedChange};
+use super::longest_step::rotation_of_longest_step;
+use crate::exponential::{InterfaceMaps, NonlinearLoads, SpeedChange};
+use crate::mesh::Overlap;
 use crate::modal::{CachedModel, ModalStateSpace, RealModes, gyroscopic_pairs};
 use crate::model::Model;
 use crate::motion::EquationOfMotion;
@@ -24,14 +24,16 @@ const NEGLECTED: f64 = 10.0;
 /// Tolerance of the gyroscopic couplings with fixed steps.
 const FIXED_TOLERANCE: f64 = 1e-10;
 
-/// Sets up a run of a motion that records a selection of coordinates.
+/// Linear motion, the loads on it, and the maps between both, in all modes.
+pub(super) type Complete<'m> = (Arc<ModalStateSpace>, NonlinearLoads<'m>, InterfaceMaps);
+
+/// Sets up a run of a motion.
 pub(super) fn set_up<'m>(
     cached: &'m CachedModel,
     options: &Options,
     motion: EquationOfMotion<'m>,
     start: &Start,
-    selection: Selection,
-) -> Result<ModalSetup<'m>, AnalysisError> {
+) -> Result<Complete<'m>, AnalysisError> {
     // Modal damping and the linear motion contain the bearings at the largest speed.
     let fastest = options.fastest();
     let at_fastest = cached.at_speed(fastest)?;
@@ -63,14 +65,21 @@ pub(super) fn set_up<'m>(
     };
     let synchronous = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
     let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &synchronous);
-    let (mut nonlinear_loads, mut maps) = ModalSetup::without_overlap(cached, loads)?;
+    let (mut nonlinear_loads, mut maps) = without_overlap(cached, loads)?;
     nonlinear_loads.add_changing_speed(&linear, &change, &mut maps);
     let (linear, maps) = match options.modes {
         Some(count) => keep_modes(cached, &linear, &nonlinear_loads, &maps, count)?,
         None => (linear, maps),
     };
-    let output = OutputMap::new(&nonlinear_loads, &linear, selection);
-    Ok(ModalSetup { linear, nonlinear_loads, maps, output })
+    Ok((linear, nonlinear_loads, maps))
+}
+
+/// The loads, or the error of base circles that overlap.
+pub(super) fn without_overlap<L>(cached: &CachedModel, loads: Result<L, (usize, Overlap)>) -> Result<L, AnalysisError> {
+    loads.map_err(|(mesh, overlap)| {
+        let [driver, driven] = cached.model.gear_names(mesh);
+        AnalysisError::overlap(driver, driven, "at the beginning", overlap)
+    })
 }
 
 /// Angular frequency up to which modes carry most of the motion, rad/s: that of the lowest mode, or of the fastest shaft.
