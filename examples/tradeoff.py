@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import gearbow as gb
-from gearbow.system.accuracy import ACCURACIES
+from gearbow.accuracy.levels import LEVELS as ACCURACIES
 
 LENGTH = 0.5  # length of a shaft, m
 DIAMETER = 0.05  # shaft diameter, m

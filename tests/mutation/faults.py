@@ -230,7 +230,7 @@ FAULTS: list[Fault] = [
         ('columns[f"{name} twist [rad]"]', 'columns[f"{name} twist [mrad]"]'),
         ('enumerate("yz")', 'enumerate("zy")'),
         ("name in ENERGIES else", "name not in ENERGIES else"),
-        ('"expected_error": run.expected_error', '"expected_error": None'),
+        ('"errors": None if run.errors is None else', '"errors": None if True else'),
         ('"accuracy": run.accuracy', '"accuracy": None'),
         ('"events": data["events"]', '"events": []'),
     ),

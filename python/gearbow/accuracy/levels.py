@@ -1,0 +1,106 @@
+"""Accuracy levels: the total error that they promise, and the tolerance that they use.
+
+The total error is that of elements, modes and integration, RMS of the difference over RMS of the
+signal about its mean. `examples/accuracy.py` measures it on twelve scenes.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from gearbow.errors import SceneError
+from gearbow.recording.record import Event
+
+__all__ = ["DEFAULT", "LEVELS", "Level", "find_level"]
+
+
+@dataclass(frozen=True)
+class Level:
+    """An accuracy level.
+
+    Parameters
+    ----------
+    name : str
+        Name of the level.
+    rtol : float
+        Tolerance of the time integration.
+    displacement : float
+        Largest total error of a displacement.
+    mesh_force : float
+        Largest total error of a mesh force.
+    """
+
+    name: str
+    rtol: float
+    displacement: float
+    mesh_force: float
+
+    def explanation(self, events: Iterable[Event]) -> str:
+        """Say what the level promises for a run.
+
+        Parameters
+        ----------
+        events : iterable of Event
+            Events of the run.
+
+        Returns
+        -------
+        str
+            Largest errors, and where they hold.
+        """
+        sentence = (
+            f"{self.name}: total error at most {self.displacement:.0e} of the RMS about the mean "
+            f"of displacements and {self.mesh_force:.0e} of mesh forces, over the first 0.1 s or "
+            "the time that damping needs to forget; afterwards the error applies to RMS values and "
+            f"spectra; rtol {self.rtol:.0e}"
+        )
+        if any(event.kind == "separation" for event in events):
+            sentence += (
+                "; flanks separated in this run, and impacts can amplify small differences: after "
+                "chaotic contact the error holds neither for the time history nor for spectra "
+                "(`errors` tells whether the contact is chaotic)"
+            )
+        return sentence
+
+
+#: Accuracy levels by name, from cheap to accurate.
+LEVELS = {
+    each.name: each
+    for each in (
+        Level("draft", 1e-2, displacement=1e-2, mesh_force=1e-1),
+        Level("engineering", 1e-4, displacement=1e-3, mesh_force=1e-2),
+        Level("reference", 1e-8, displacement=1e-6, mesh_force=1e-4),
+    )
+}
+#: Level of a run without other settings.
+DEFAULT = "engineering"
+
+
+def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
+    """Find the accuracy level of a run.
+
+    Parameters
+    ----------
+    name : str or None
+        Name of the level; None is the default level, if no option determines the accuracy.
+    given : mapping
+        Other options that determine the accuracy; None if not given.
+
+    Returns
+    -------
+    Level or None
+        The level; None if other options determine the accuracy.
+
+    Raises
+    ------
+    SceneError
+        If the level is unknown, or another option determines the accuracy.
+    """
+    other = next((option for option, value in given.items() if value is not None), None)
+    if name is None:
+        return LEVELS[DEFAULT] if other is None else None
+    if not isinstance(name, str) or name not in LEVELS:
+        raise SceneError(f"accuracy: must be one of {', '.join(LEVELS)}, got {name!r}")
+    if other is not None:
+        raise SceneError(f"accuracy: cannot be given together with {other}")
+    return LEVELS[name]
