@@ -44,6 +44,11 @@ pub fn shear_coefficient(poisson_ratio: f64, radii_ratio: f64) -> f64 {
     6.0 * (1.0 + poisson_ratio) * sum / ((7.0 + 6.0 * poisson_ratio) * sum + (20.0 + 12.0 * poisson_ratio) * square)
 }
 
+/// Flexural rigidity EI of a section, N m².
+pub fn flexural_rigidity(element: &Element, material: &Material) -> f64 {
+    Section::new(element, material, false).flexural
+}
+
 /// Nodes in [0, 1] and weights of the four-point Gauss rule. It is exact for the products of shape functions, whose
 /// degree is at most six.
 const GAUSS: [(f64, f64); 4] = [
@@ -53,24 +58,59 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-impl Beam {
-    /// Matrices of `element`; without `shear` the shear deformation is neglected.
+/// Section properties of an element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    /// Mass per unit length ρA, kg/m.
+    pub mass: f64,
+    /// Diametral moment of inertia per unit length ρI, kg m.
+    pub rotary: f64,
+    /// Polar moment of inertia per unit length ρJ, kg m.
+    pub polar_mass: f64,
+    /// Flexural rigidity EI, N m².
+    pub flexural: f64,
+    /// Shear rigidity κGA, N; zero without shear deformation.
+    pub shear: f64,
+    /// Torsional rigidity GJ, N m².
+    pub torsional: f64,
+    /// Shear parameter Φ = 12EI/(κGAl²) of an element of length l; zero without shear deformation.
+    pub phi: f64,
+}
+
+impl Section {
+    /// Properties of `element`; without `shear` the shear deformation is neglected.
     pub fn new(element: &Element, material: &Material, shear: bool) -> Self {
         let Element { length: l, outer_radius, inner_radius } = *element;
         let Material { youngs_modulus: e, shear_modulus: g, poisson_ratio, density } = *material;
         let area = PI * (outer_radius * outer_radius - inner_radius * inner_radius);
         let second_moment = area * (outer_radius * outer_radius + inner_radius * inner_radius) / 4.0;
         let polar = 2.0 * second_moment;
-        let phi = if shear {
-            let kappa = shear_coefficient(poisson_ratio, inner_radius / outer_radius);
-            12.0 * e * second_moment / (kappa * g * area * l * l)
+        let (shear, phi) = if shear {
+            let rigidity = shear_coefficient(poisson_ratio, inner_radius / outer_radius) * g * area;
+            (rigidity, 12.0 * e * second_moment / (rigidity * l * l))
         } else {
-            0.0
+            (0.0, 0.0)
         };
+        Self {
+            mass: density * area,
+            rotary: density * second_moment,
+            polar_mass: density * polar,
+            flexural: e * second_moment,
+            shear,
+            torsional: g * polar,
+            phi,
+        }
+    }
+}
 
-        let translation = integral(l, |xi| displacement(xi, l, phi)) * (density * area);
-        let rotary = integral(l, |xi| rotation(xi, l, phi)) * (density * second_moment);
-        let bending = e * second_moment / (l * l * l * (1.0 + phi));
+impl Beam {
+    /// Matrices of `element`; without `shear` the shear deformation is neglected.
+    pub fn new(element: &Element, material: &Material, shear: bool) -> Self {
+        let (l, section) = (element.length, Section::new(element, material, shear));
+        let phi = section.phi;
+        let translation = integral(l, |xi| displacement(xi, l, phi)) * section.mass;
+        let rotary = integral(l, |xi| rotation(xi, l, phi)) * section.rotary;
+        let bending = section.flexural / (l * l * l * (1.0 + phi));
         let (a, b, c, d) = (12.0, 6.0 * l, (4.0 + phi) * l * l, (2.0 - phi) * l * l);
         #[rustfmt::skip]
         let stiffness = bending * Matrix4::new(
@@ -83,16 +123,16 @@ impl Beam {
             mass: translation + rotary,
             gyroscopic: rotary * 2.0,
             stiffness,
-            torsional_mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (density * polar * l / 6.0),
-            torsional_stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (g * polar / l),
-            bending: Bending { half_length: l / 2.0, flexural: e * second_moment / l, transverse: 12.0 * bending },
-            twist: Twist { stiffness: g * polar / l },
+            torsional_mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (section.polar_mass * l / 6.0),
+            torsional_stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (section.torsional / l),
+            bending: Bending { half_length: l / 2.0, flexural: section.flexural / l, transverse: 12.0 * bending },
+            twist: Twist { stiffness: section.torsional / l },
         }
     }
 }
 
 /// Shape functions Nᵥ of the displacement at ξ = x/l; Φ = 12EI/(κGAl²) = `phi` is the shear parameter.
-fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
+pub(super) fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     let (square, cube) = (xi * xi, xi * xi * xi);
     Vector4::new(
         1.0 - 3.0 * square + 2.0 * cube + (1.0 - xi) * phi,
@@ -103,7 +143,7 @@ fn displacement(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
 }
 
 /// Shape functions N_θ of the rotation of the section at ξ = x/l.
-fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
+pub(super) fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
     let square = xi * xi;
     Vector4::new(
         6.0 / l * (square - xi),

@@ -2,6 +2,10 @@
 
 mod beam;
 mod elastic;
+mod internal;
+mod legendre;
 
-pub use beam::{Beam, shear_coefficient};
+pub use beam::{Beam, flexural_rigidity, shear_coefficient};
 pub use elastic::{Bending, Elastic, Twist, Values};
+pub use internal::{BendingFunction, InternalBeam, InternalBlocks, twist_degrees};
+pub use legendre::gauss;

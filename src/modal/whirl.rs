@@ -79,7 +79,7 @@ impl<'m> Classifier<'m> {
             return Whirl::Coupled;
         }
         let (mut forward, mut backward) = (0.0, 0.0);
-        for dof in self.model.numbering.dofs().iter().filter(|dof| dof.kind == DofKind::V) {
+        for dof in self.model.numbering.nodal_dofs().iter().filter(|dof| dof.kind == DofKind::V) {
             let (v, w) = (shape[dof.index], shape[dof.index + 1]);
             let rotated = w * Complex::i();
             let (positive, negative) = ((v + rotated).norm_sqr(), (v - rotated).norm_sqr());

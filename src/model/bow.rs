@@ -1,45 +1,90 @@
-//! Residual bow of a shaft: its stress-free shape b(x) at the nodes, in coordinates that rotate with the shaft.
+//! Residual bow of a shaft: its stress-free shape b(x), in coordinates that rotate with the shaft.
 //!
 //! u = b(x) and φ = b'(x), complex with the real part in the y direction and the imaginary part in the z direction at
-//! shaft angle zero. The force of the bow is K_s b.
+//! shaft angle zero. The force of the bow is K_s b. The shape has no shear strain, so that the forces on the internal
+//! coordinates are ∫EI φ_i' b'' dx, with the curvature φ_i' of their shape functions. The internal coordinates of the
+//! shape are K_ii⁻¹ times these forces: the shape of the elements that is closest to b(x) in strain energy.
 
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-use crate::linalg::BlockTridiagonal;
-use crate::scene::{Bow, Scene, SceneError};
+use crate::element::{BendingFunction, flexural_rigidity, gauss};
+use crate::linalg::ChainMatrix;
+use crate::scene::{Bow, Scene, SceneError, Shaft};
 
 /// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
 const RIGID_STIFFNESS: f64 = 1e8;
 
-/// u, m, and φ, rad, at the nodes of shaft `index`, two entries per node; `None` for a straight shaft.
+/// Points of the Gauss rule on a piece of an element, over which the curvature is a sine over one radian or a line. The rule
+/// is exact to round-off with shape functions of the largest degree.
+const POINTS: usize = 16;
+
+/// u, m, and φ, rad, at the nodes of shaft `index`, then the internal coordinates of bending; `None` for a straight shaft.
 ///
 /// `mass` is the mass matrix of bending, including the bodies on the shaft.
 pub(super) fn shape(
     scene: &Scene,
     index: usize,
-    mass: &BlockTridiagonal<2>,
-    stiffness: &BlockTridiagonal<2>,
+    mass: &ChainMatrix<2>,
+    stiffness: &ChainMatrix<2>,
 ) -> Result<Option<Vec<Complex64>>, SceneError> {
     let shaft = &scene.shafts[index];
-    let at_nodes = |curve: &dyn Fn(f64) -> (Complex64, Complex64)| {
-        let pair = |x: &f64| {
-            let (value, slope) = curve(*x);
-            [value, slope]
-        };
-        shaft.nodes.iter().flat_map(pair).collect()
+    let along = |bow: &Bow, at: &dyn Fn(f64) -> (Complex64, Complex64), curvature: &dyn Fn(f64) -> Complex64| {
+        let mut shape: Vec<Complex64> = Vec::with_capacity(stiffness.len());
+        for x in &shaft.nodes {
+            let (value, slope) = at(*x);
+            shape.extend([value, slope]);
+        }
+        for (element, blocks) in stiffness.internal.iter().enumerate() {
+            shape.extend(internal(shaft, bow, curvature, element, &blocks.block));
+        }
+        shape
     };
     Ok(match &shaft.bow {
         None => None,
-        Some(Bow::Waves { amplitude, wave_number }) => Some(at_nodes(&|x| {
-            let (sin, cos) = (wave_number * x).sin_cos();
-            (*amplitude * sin, *amplitude * (wave_number * cos))
-        })),
-        Some(Bow::Points(spline)) => Some(at_nodes(&|x| spline.at(x))),
+        Some(bow @ Bow::Waves { amplitude, wave_number }) => {
+            let at = |x: f64| {
+                let (sin, cos) = (wave_number * x).sin_cos();
+                (*amplitude * sin, *amplitude * (wave_number * cos))
+            };
+            Some(along(bow, &at, &|x| *amplitude * (-wave_number * wave_number * (wave_number * x).sin())))
+        }
+        Some(bow @ Bow::Points(spline)) => Some(along(bow, &|x| spline.at(x), &|x| spline.curvature(x))),
         Some(Bow::Sag { amplitude }) => {
             let sag = unit_sag(scene, index, mass, stiffness)?;
             Some(sag.iter().map(|value| *amplitude * *value).collect())
         }
     })
+}
+
+/// Internal coordinates of bending of one element of a shaft, for a bow with the curvature b''(x), 1/m. `stiffness` is the
+/// stiffness matrix of these coordinates.
+fn internal(
+    shaft: &Shaft,
+    bow: &Bow,
+    curvature: &dyn Fn(f64) -> Complex64,
+    element: usize,
+    stiffness: &DMatrix<f64>,
+) -> Vec<Complex64> {
+    let functions = BendingFunction::all(shaft.degree, shaft.shear);
+    let (start, length) = (shaft.nodes[element], shaft.elements[element].length);
+    let rigidity = flexural_rigidity(&shaft.elements[element], &shaft.material);
+    let rule = gauss(POINTS);
+    let mut forces = DMatrix::<f64>::zeros(functions.len(), 2);
+    for piece in bow.pieces(start, start + length).windows(2) {
+        for (at, weight) in &rule {
+            let x = piece[0] + at * (piece[1] - piece[0]);
+            let moment = curvature(x) * (rigidity * weight * (piece[1] - piece[0]));
+            for (i, function) in functions.iter().enumerate() {
+                let shape = function.curvature(2.0 * (x - start) / length - 1.0, length);
+                forces[(i, 0)] += shape * moment.re;
+                forces[(i, 1)] += shape * moment.im;
+            }
+        }
+    }
+    // The stiffness is positive definite: no internal shape function is free of strain.
+    let solution = stiffness.clone().cholesky().map_or(forces.clone(), |factor| factor.solve(&forces));
+    solution.row_iter().map(|row| Complex64::new(row[0], row[1])).collect()
 }
 
 /// (u, φ) of the sag under the weight of the shaft and its bodies on rigid bearings, with a largest
@@ -50,8 +95,8 @@ pub(super) fn shape(
 fn unit_sag(
     scene: &Scene,
     index: usize,
-    mass: &BlockTridiagonal<2>,
-    stiffness: &BlockTridiagonal<2>,
+    mass: &ChainMatrix<2>,
+    stiffness: &ChainMatrix<2>,
 ) -> Result<Vec<f64>, SceneError> {
     let shaft = &scene.shafts[index];
     let undefined = |message: &str| SceneError::new(format!("shafts[{index}].bow"), message);
@@ -65,21 +110,22 @@ fn unit_sag(
         ));
     }
     let mut largest: f64 = 0.0;
-    stiffness.for_each(|row, column, value| {
+    stiffness.nodal.for_each(|row, column, value| {
         if row == column && row % 2 == 0 {
             largest = largest.max(value);
         }
     });
     let mut supported = stiffness.clone();
     for node in &bearings {
-        supported.add_at_node(*node, 0, 0, RIGID_STIFFNESS * largest);
+        supported.nodal.add_at_node(*node, 0, 0, RIGID_STIFFNESS * largest);
     }
     let factor =
         supported.factor().map_err(|_| undefined("the sag is lost to round-off; give the bow by points instead"))?;
-    let translation: Vec<f64> = (0..shaft.nodes.len()).flat_map(|_| [1.0, 0.0]).collect();
+    let mut translation: Vec<f64> = (0..shaft.nodes.len()).flat_map(|_| [1.0, 0.0]).collect();
+    translation.resize(stiffness.len(), 0.0);
     let mut sag = vec![0.0; translation.len()];
     mass.multiply_add::<1>(1.0, &translation, &mut sag);
     factor.solve::<1>(&mut sag);
-    let largest = sag.iter().step_by(2).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = sag.iter().step_by(2).take(shaft.nodes.len()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
     Ok(sag.iter().map(|value| value / largest).collect())
 }

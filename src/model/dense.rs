@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::Model;
 use super::shaft::{BendingChain, TwistChain};
 use crate::connection::Coefficients;
-use crate::linalg::BlockTridiagonal;
+use crate::linalg::ChainMatrix;
 
 impl Model {
     /// Mass matrix M.
@@ -129,7 +129,7 @@ impl Model {
 fn add_bending<'a>(
     matrix: &mut DMatrix<f64>,
     chain: Option<&'a BendingChain>,
-    select: impl Fn(&'a BendingChain) -> Option<&'a BlockTridiagonal<2>>,
+    select: impl Fn(&'a BendingChain) -> Option<&'a ChainMatrix<2>>,
 ) {
     if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
         part.for_each(|row, column, value| {
@@ -144,7 +144,7 @@ fn add_bending<'a>(
 fn add_twist<'a>(
     matrix: &mut DMatrix<f64>,
     chain: Option<&'a TwistChain>,
-    select: impl Fn(&'a TwistChain) -> Option<&'a BlockTridiagonal<1>>,
+    select: impl Fn(&'a TwistChain) -> Option<&'a ChainMatrix<1>>,
 ) {
     if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
         part.for_each(|row, column, value| matrix[(chain.start + row, chain.start + column)] += value);

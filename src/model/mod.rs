@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
-//! force F. Matrices are stored per shaft as block-tridiagonal matrices; dense ones (`dense`) are assembled on demand.
+//! force F. Matrices are stored per shaft as matrices of chains; dense ones (`dense`) are assembled on demand.
 
 mod at_speed;
 mod bow;
@@ -204,9 +204,9 @@ impl Model {
         force
     }
 
-    /// Internal indices of v and w of all nodes.
+    /// Indices, in the order of the core, of v and w of all nodes.
     pub fn translations(&self) -> impl Iterator<Item = usize> + '_ {
-        self.numbering.dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W)).map(|dof| dof.index)
+        self.numbering.nodal_dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W)).map(|dof| dof.index)
     }
 
     /// Names of the driving and the driven gear of a mesh.
@@ -245,7 +245,7 @@ impl Model {
         }
         if self.scene.gravity != [0.0; 2] {
             let mut acceleration = DVector::zeros(self.len());
-            for dof in self.numbering.dofs() {
+            for dof in self.numbering.nodal_dofs() {
                 match dof.kind {
                     DofKind::V => acceleration[dof.index] = self.scene.gravity[0],
                     DofKind::W => acceleration[dof.index] = self.scene.gravity[1],

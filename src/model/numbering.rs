@@ -1,11 +1,14 @@
 //! Numbering of the coordinates: which entry of a vector belongs to which motion of which node.
 //!
-//! Internal order: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
-//! torsion, θ for each node. User order: for each node v, w, B, Γ, θ; [`Numbering::dofs`] has this order.
+//! Order of the core: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
+//! the internal coordinates of bending of each element, as complex numbers too; then torsion, θ for each node and the
+//! internal coordinates of the twist of each element. User order: for each node v, w, B, Γ, θ; then for each element and
+//! each degree of its shape functions the same directions; [`Numbering::dofs`] has this order.
 
 use std::ops::Range;
 
-use crate::scene::{Node, Scene};
+use crate::element::{BendingFunction, twist_degrees};
+use crate::scene::{Node, Scene, Shaft};
 
 /// Motion that a coordinate describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,25 +46,33 @@ impl DofKind {
 /// One degree of freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct Dof {
-    /// Node.
+    /// Node; for an internal coordinate the first node of its element.
     pub node: Node,
     /// Motion that it describes.
     pub kind: DofKind,
-    /// Index in the internal order.
+    /// Degree of the shape function of an internal coordinate; `None` at a node.
+    pub degree: Option<usize>,
+    /// Index in the order of the core.
     pub index: usize,
-    /// Sign of the internal coordinate: −1 for B, whose internal coordinate is −B, otherwise 1.
+    /// Sign of the coordinate of the core: −1 for B, whose coordinate there is −B, otherwise 1.
     pub sign: f64,
 }
 
+impl Dof {
+    /// Name in the user interface, with the degree of an internal coordinate.
+    pub fn name(&self) -> String {
+        let degree = self.degree.map_or_else(String::new, |degree| degree.to_string());
+        self.kind.name().to_owned() + &degree
+    }
+}
+
 /// Coordinates of one shaft.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Block {
-    /// Internal index of the first bending coordinate.
-    lateral: Option<usize>,
-    /// Internal index of the first torsion coordinate.
-    torsion: Option<usize>,
-    /// Number of nodes.
-    nodes: usize,
+    /// Indices of the bending coordinates in the order of the core.
+    lateral: Option<Range<usize>>,
+    /// Indices of the torsion coordinates in the order of the core.
+    torsion: Option<Range<usize>>,
 }
 
 /// Numbering of the coordinates of a scene.
@@ -69,39 +80,42 @@ struct Block {
 pub struct Numbering {
     blocks: Vec<Block>,
     dofs: Vec<Dof>,
+    /// Number of coordinates of nodes, which are the first of `dofs`.
+    nodal: usize,
 }
 
 impl Numbering {
     /// Numbers the coordinates that the scene requires.
     pub fn new(scene: &Scene) -> Self {
-        let mut blocks = Vec::with_capacity(scene.shafts.len());
-        let mut dofs = Vec::new();
         let mut len = 0;
-        for (shaft, given) in scene.shafts.iter().enumerate() {
-            let nodes = given.nodes.len();
-            let mut reserve = |needed: bool, count: usize| {
-                let start = len;
-                len += if needed { count } else { 0 };
-                needed.then_some(start)
-            };
-            let (lateral, torsion) = (reserve(scene.lateral, 4 * nodes), reserve(scene.torsion, nodes));
-            let block = Block { lateral, torsion, nodes };
-            for node in 0..nodes {
-                let mut push = |kind, index, sign| dofs.push(Dof { node: Node { shaft, node }, kind, index, sign });
-                if let Some(start) = block.lateral {
-                    let first = start + 4 * node;
-                    push(DofKind::V, first, 1.0);
-                    push(DofKind::W, first + 1, 1.0);
-                    push(DofKind::B, first + 3, -1.0);
-                    push(DofKind::Gamma, first + 2, 1.0);
-                }
-                if let Some(start) = block.torsion {
-                    push(DofKind::Twist, start + node, 1.0);
-                }
+        let mut reserve = |needed: bool, count: usize| {
+            let start = len;
+            len += if needed { count } else { 0 };
+            needed.then_some(start..len)
+        };
+        let block = |shaft: &Shaft| {
+            let (nodes, elements) = (shaft.nodes.len(), shaft.elements.len());
+            let bending = BendingFunction::all(shaft.degree, shaft.shear).len();
+            let twist = twist_degrees(shaft.degree).count();
+            Block {
+                lateral: reserve(scene.lateral, 4 * nodes + 2 * bending * elements),
+                torsion: reserve(scene.torsion, nodes + twist * elements),
             }
-            blocks.push(block);
+        };
+        let blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
+        let mut dofs = Vec::with_capacity(len);
+        for (shaft, (given, block)) in scene.shafts.iter().zip(&blocks).enumerate() {
+            for node in 0..given.nodes.len() {
+                push_node(&mut dofs, Node { shaft, node }, block);
+            }
         }
-        Self { blocks, dofs }
+        let nodal = dofs.len();
+        for (shaft, (given, block)) in scene.shafts.iter().zip(&blocks).enumerate() {
+            for element in 0..given.elements.len() {
+                push_element(&mut dofs, Node { shaft, node: element }, given, block);
+            }
+        }
+        Self { blocks, dofs, nodal }
     }
 
     /// Number of coordinates.
@@ -119,37 +133,85 @@ impl Numbering {
         &self.dofs
     }
 
-    /// Internal index of the first bending coordinate of a shaft.
+    /// Degrees of freedom of the nodes, the first ones in user order.
+    pub fn nodal_dofs(&self) -> &[Dof] {
+        &self.dofs[..self.nodal]
+    }
+
+    /// Index, in the order of the core, of the first bending coordinate of a shaft.
     pub fn lateral(&self, shaft: usize) -> Option<usize> {
-        self.blocks[shaft].lateral
+        self.blocks[shaft].lateral.as_ref().map(|range| range.start)
     }
 
-    /// Internal index of the first torsion coordinate of a shaft.
+    /// Index, in the order of the core, of the first torsion coordinate of a shaft.
     pub fn torsion(&self, shaft: usize) -> Option<usize> {
-        self.blocks[shaft].torsion
+        self.blocks[shaft].torsion.as_ref().map(|range| range.start)
     }
 
-    /// Internal index ranges of the parts that only meshes couple: the bending of every shaft, then the torsion of
+    /// Index ranges, in the order of the core, of the parts that only meshes couple: the bending of every shaft, then the torsion of
     /// every shaft.
     pub fn parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        let part = |start: usize, per_node: usize, nodes: usize| start..start + per_node * nodes;
-        let bending = move |block: &Block| block.lateral.map(|start| part(start, 4, block.nodes));
-        let twist = move |block: &Block| block.torsion.map(|start| part(start, 1, block.nodes));
-        self.blocks.iter().filter_map(bending).chain(self.blocks.iter().filter_map(twist))
+        let bending = self.blocks.iter().filter_map(|block| block.lateral.clone());
+        bending.chain(self.blocks.iter().filter_map(|block| block.torsion.clone()))
     }
 
-    /// Internal index of v at a node; w, Γ and −B have the next indices.
+    /// Index, in the order of the core, of v at a node; w, Γ and −B have the next indices.
     pub fn translation(&self, node: Node) -> Option<usize> {
         self.lateral(node.shaft).map(|start| start + 4 * node.node)
     }
 
-    /// Internal index of θ at a node.
+    /// Index, in the order of the core, of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
     }
 
-    /// Converts a vector from internal order to user order, n entries.
+    /// Converts a vector from the order of the core to user order, n entries.
     pub fn to_user_order<T: Copy + std::ops::Mul<f64, Output = T>>(&self, internal: &[T]) -> Vec<T> {
         self.dofs.iter().map(|dof| internal[dof.index] * dof.sign).collect()
+    }
+}
+
+/// Appends the coordinates of a node.
+fn push_node(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
+    let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: None, index, sign });
+    if let Some(range) = &block.lateral {
+        let first = range.start + 4 * node.node;
+        push(DofKind::V, first, 1.0);
+        push(DofKind::W, first + 1, 1.0);
+        push(DofKind::B, first + 3, -1.0);
+        push(DofKind::Gamma, first + 2, 1.0);
+    }
+    if let Some(range) = &block.torsion {
+        push(DofKind::Twist, range.start + node.node, 1.0);
+    }
+}
+
+/// Appends the internal coordinates of the element after `node`, by the degree of their shape functions.
+fn push_element(dofs: &mut Vec<Dof>, node: Node, shaft: &Shaft, block: &Block) {
+    let (nodes, functions) = (shaft.nodes.len(), BendingFunction::all(shaft.degree, shaft.shear));
+    let twists = twist_degrees(shaft.degree);
+    for degree in 2..=shaft.degree + 1 {
+        let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: Some(degree), index, sign });
+        if let Some(range) = &block.lateral {
+            let first = range.start + 4 * nodes + 2 * functions.len() * node.node;
+            for (i, function) in functions.iter().enumerate() {
+                let v = first + 2 * i;
+                match function {
+                    BendingFunction::Displacement(n) | BendingFunction::Deflection(n) if *n == degree => {
+                        push(DofKind::V, v, 1.0);
+                        push(DofKind::W, v + 1, 1.0);
+                    }
+                    BendingFunction::Rotation(n) if *n == degree => {
+                        push(DofKind::B, v + 1, -1.0);
+                        push(DofKind::Gamma, v, 1.0);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        if let Some(range) = block.torsion.as_ref().filter(|_| twists.contains(&degree)) {
+            let count = twists.clone().count();
+            push(DofKind::Twist, range.start + nodes + count * node.node + degree - 2, 1.0);
+        }
     }
 }

@@ -12,12 +12,14 @@
 //! f = [K_s b + U (Ω_s² − iΩ̇_s)] e^{iϑ},    b bow,  U = m·e unbalance
 //! ```
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use super::numbering::Numbering;
 use super::{bow, mass_error};
-use crate::element::{Beam, Bending, Elastic, Twist, Values};
-use crate::linalg::{BlockTridiagonal, BlockTridiagonalFactor, load};
+use crate::element::{Beam, Bending, Elastic, InternalBeam, InternalBlocks, Twist, Values};
+use crate::linalg::{ChainFactor, ChainMatrix, load};
 use crate::scene::{Node, Scene, SceneError};
 
 /// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
@@ -28,15 +30,15 @@ pub struct Chain<const B: usize, E> {
     /// Number of nodes.
     pub nodes: usize,
     /// Mass matrix of shaft and bodies.
-    pub mass: BlockTridiagonal<B>,
+    pub mass: ChainMatrix<B>,
     /// Factors of the mass matrix.
-    pub mass_factor: BlockTridiagonalFactor<B>,
+    pub mass_factor: ChainFactor<B>,
     /// Elastic elements between the nodes.
     pub elements: Vec<E>,
-    /// Assembled stiffness matrix of the elements.
-    pub stiffness: BlockTridiagonal<B>,
+    /// Assembled stiffness matrix of the elements. Nodal and internal coordinates are not coupled.
+    pub stiffness: ChainMatrix<B>,
     /// Rayleigh damping matrix of the shaft; `None` if it is zero.
-    pub damping: Option<BlockTridiagonal<B>>,
+    pub damping: Option<ChainMatrix<B>>,
 }
 
 /// Bending: unknowns (u, φ); the lanes are the real and the imaginary part.
@@ -45,6 +47,12 @@ pub type BendingChain = Chain<2, Bending>;
 pub type TwistChain = Chain<1, Twist>;
 
 impl<const B: usize, E: Elastic<B>> Chain<B, E> {
+    /// Indices of the coordinates, each unknown with `L` lanes.
+    #[inline(always)]
+    pub fn coordinates<const L: usize>(&self) -> Range<usize> {
+        self.start..self.start + L * self.stiffness.len()
+    }
+
     /// `force −= K q`; both vectors begin at the first coordinate of this chain.
     #[inline(always)]
     pub fn subtract_elastic<const L: usize>(&self, q: &[f64], force: &mut [f64]) {
@@ -58,12 +66,21 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
             }
             first = second;
         }
+        self.stiffness.internal_product::<L>(q, |unknown, values| {
+            for (force, value) in force[unknown * L..].iter_mut().zip(values) {
+                *force -= value;
+            }
+        });
     }
 
     /// qᵀKq, J; `q` begins at the first coordinate of this chain.
     pub fn elastic_form<const L: usize>(&self, q: &[f64]) -> f64 {
         let pair = |(node, element): (usize, &E)| element.quadratic_form::<L>(&load(q, node), &load(q, node + 1));
-        self.elements.iter().enumerate().map(pair).sum()
+        let mut sum = self.elements.iter().enumerate().map(pair).sum();
+        self.stiffness.internal_product::<L>(q, |unknown, values| {
+            sum += values.iter().zip(&q[unknown * L..]).map(|(value, q)| value * q).sum::<f64>();
+        });
+        sum
     }
 }
 
@@ -99,12 +116,13 @@ pub struct ShaftModel {
     /// Bending; `None` if the scene excludes it.
     pub bending: Option<BendingChain>,
     /// Gyroscopic matrix of bending per unit spin of this shaft, kg m².
-    pub gyroscopic: BlockTridiagonal<2>,
+    pub gyroscopic: ChainMatrix<2>,
     /// Torsion; `None` if the scene excludes it.
     pub twist: Option<TwistChain>,
     /// Forces of bow and unbalance.
     pub excitations: Vec<Excitation>,
-    /// Stress-free shape (u, φ) at the nodes in shaft coordinates, two entries per node; `None` for a straight shaft.
+    /// Stress-free shape in shaft coordinates: (u, φ) of the nodes, then the internal coordinates of bending; `None` for a
+    /// straight shaft.
     pub bow: Option<Vec<Complex64>>,
 }
 
@@ -119,24 +137,21 @@ impl ShaftModel {
         let [alpha, beta] = scene.rayleigh;
         let beams: Vec<_> =
             shaft.elements.iter().map(|element| Beam::new(element, &shaft.material, shaft.shear)).collect();
-        let mut gyroscopic = BlockTridiagonal::zeros(nodes);
+        let inner = InternalBeam::of_shaft(shaft);
+        let mut gyroscopic = ChainMatrix::zeros(nodes);
         let mut bow_shape = None;
 
         let bending = match numbering.lateral(index) {
             None => None,
             Some(start) => {
-                let mut mass = BlockTridiagonal::zeros(nodes);
-                let mut stiffness = BlockTridiagonal::zeros(nodes);
-                for (node, beam) in beams.iter().enumerate() {
-                    mass.add_element(node, |i, j| beam.mass[(i, j)]);
-                    stiffness.add_element(node, |i, j| beam.stiffness[(i, j)]);
-                    gyroscopic.add_element(node, |i, j| beam.gyroscopic[(i, j)]);
-                }
+                let mut mass = assemble(&beams, |beam, i, j| beam.mass[(i, j)], &inner, |inner| &inner.mass);
+                let stiffness = assemble(&beams, |beam, i, j| beam.stiffness[(i, j)], &inner, |inner| &inner.stiffness);
+                gyroscopic = assemble(&beams, |beam, i, j| beam.gyroscopic[(i, j)], &inner, |inner| &inner.gyroscopic);
                 let damping = rayleigh(alpha, &mass, beta, &stiffness);
                 for body in scene.bodies().filter(|body| body.node.shaft == index) {
-                    mass.add_at_node(body.node.node, 0, 0, body.mass);
-                    mass.add_at_node(body.node.node, 1, 1, body.diametral_inertia);
-                    gyroscopic.add_at_node(body.node.node, 1, 1, body.polar_inertia);
+                    mass.nodal.add_at_node(body.node.node, 0, 0, body.mass);
+                    mass.nodal.add_at_node(body.node.node, 1, 1, body.diametral_inertia);
+                    gyroscopic.nodal.add_at_node(body.node.node, 1, 1, body.polar_inertia);
                 }
                 bow_shape = bow::shape(scene, index, &mass, &stiffness)?;
                 let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
@@ -147,15 +162,13 @@ impl ShaftModel {
         let twist = match numbering.torsion(index) {
             None => None,
             Some(start) => {
-                let mut mass = BlockTridiagonal::zeros(nodes);
-                let mut stiffness = BlockTridiagonal::zeros(nodes);
-                for (node, beam) in beams.iter().enumerate() {
-                    mass.add_element(node, |i, j| beam.torsional_mass[(i, j)]);
-                    stiffness.add_element(node, |i, j| beam.torsional_stiffness[(i, j)]);
-                }
+                let entry = |beam: &Beam, i, j| beam.torsional_mass[(i, j)];
+                let mut mass = assemble(&beams, entry, &inner, |inner| &inner.torsional_mass);
+                let entry = |beam: &Beam, i, j| beam.torsional_stiffness[(i, j)];
+                let stiffness = assemble(&beams, entry, &inner, |inner| &inner.torsional_stiffness);
                 let damping = rayleigh(alpha, &mass, beta, &stiffness);
                 for body in scene.bodies().filter(|body| body.node.shaft == index) {
-                    mass.add_at_node(body.node.node, 0, 0, body.polar_inertia);
+                    mass.nodal.add_at_node(body.node.node, 0, 0, body.polar_inertia);
                 }
                 let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.twist).collect();
@@ -194,28 +207,41 @@ impl ShaftModel {
     }
 }
 
+/// Assembles a matrix of the elements from the entries between their nodes and those of their internal coordinates.
+fn assemble<const B: usize>(
+    beams: &[Beam],
+    entry: impl Fn(&Beam, usize, usize) -> f64,
+    inner: &[InternalBeam],
+    blocks: impl Fn(&InternalBeam) -> &InternalBlocks,
+) -> ChainMatrix<B> {
+    let mut matrix = ChainMatrix::zeros(beams.len() + 1);
+    for (node, beam) in beams.iter().enumerate() {
+        matrix.nodal.add_element(node, |i, j| entry(beam, i, j));
+    }
+    matrix.internal = inner.iter().map(|inner| blocks(inner).clone()).collect();
+    matrix
+}
+
 /// Rayleigh damping αM + βK; `None` if it is zero.
 fn rayleigh<const B: usize>(
     alpha: f64,
-    mass: &BlockTridiagonal<B>,
+    mass: &ChainMatrix<B>,
     beta: f64,
-    stiffness: &BlockTridiagonal<B>,
-) -> Option<BlockTridiagonal<B>> {
-    let mut damping = BlockTridiagonal::zeros(mass.nodes());
-    damping.add_scaled(alpha, mass);
-    damping.add_scaled(beta, stiffness);
+    stiffness: &ChainMatrix<B>,
+) -> Option<ChainMatrix<B>> {
+    let damping = ChainMatrix::combination(alpha, mass, beta, stiffness);
     (!damping.is_zero()).then_some(damping)
 }
 
 /// Forces of bow and unbalance, without zero entries. The force of the bow is K_s b of the free shaft: bearings, bodies
 /// and meshes do not contribute.
 fn excitations(scene: &Scene, index: usize, chain: &BendingChain, bow: Option<&[Complex64]>) -> Vec<Excitation> {
-    let mut force = vec![0.0; 4 * chain.nodes];
+    let mut force = vec![0.0; chain.coordinates::<2>().len()];
     if let Some(bow) = bow {
         let opposite: Vec<f64> = bow.iter().flat_map(|value| [-value.re, -value.im]).collect();
         chain.subtract_elastic::<2>(&opposite, &mut force);
     }
-    let mut unbalance = vec![Complex64::ZERO; 2 * chain.nodes];
+    let mut unbalance = vec![Complex64::ZERO; force.len() / 2];
     for body in scene.bodies().filter(|body| body.node.shaft == index) {
         let Node { node, .. } = body.node;
         unbalance[2 * node] += body.unbalance;

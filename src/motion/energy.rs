@@ -89,7 +89,7 @@ impl<'m> EquationOfMotion<'m> {
         for (index, shaft) in model.shafts.iter().enumerate() {
             let ((spin, rate), turn) = (self.spin_at(index, elapsed), self.turn(index, elapsed));
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
-                let mut force = vec![0.0; 4 * chain.nodes];
+                let mut force = vec![0.0; chain.coordinates::<2>().len()];
                 chain.subtract_elastic::<2>(&unbent[chain.start..], &mut force);
                 for (value, pair) in bow.iter().zip(force.chunks_exact(2)) {
                     let free = value * turn;

@@ -368,17 +368,21 @@ impl<'m> EquationOfMotion<'m> {
 #[inline(always)]
 fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [f64]) {
     if let Some(chain) = &shaft.bending {
-        let range = chain.start..chain.start + 4 * chain.nodes;
+        let range = chain.coordinates::<2>();
         let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
         chain.subtract_elastic::<2>(q, force);
         if spin != 0.0 {
-            for (node, force) in force.chunks_exact_mut(4).enumerate() {
-                let [[u_re, u_im], [phi_re, phi_im]] = shaft.gyroscopic.row::<2>(node, v);
+            for (node, force) in force.chunks_exact_mut(4).take(chain.nodes).enumerate() {
+                let [[u_re, u_im], [phi_re, phi_im]] = shaft.gyroscopic.nodal.row::<2>(node, v);
                 force[0] -= spin * u_im;
                 force[1] += spin * u_re;
                 force[2] -= spin * phi_im;
                 force[3] += spin * phi_re;
             }
+            shaft.gyroscopic.internal_product::<2>(v, |unknown, [re, im]| {
+                force[2 * unknown] -= spin * im;
+                force[2 * unknown + 1] += spin * re;
+            });
         }
         if let Some(damping) = &chain.damping {
             damping.multiply_add::<2>(-1.0, v, force);
@@ -386,7 +390,7 @@ fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [
         chain.mass_factor.solve::<2>(force);
     }
     if let Some(chain) = &shaft.twist {
-        let range = chain.start..chain.start + chain.nodes;
+        let range = chain.coordinates::<1>();
         let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
         chain.subtract_elastic::<1>(q, force);
         if let Some(damping) = &chain.damping {

@@ -25,6 +25,16 @@ enum At {
     Position(String, f64),
 }
 
+/// Where on a shaft a coordinate belongs.
+#[derive(IntoPyObject)]
+enum Site {
+    /// Position of a node, m.
+    #[pyo3(transparent)]
+    Node(f64),
+    /// Positions of the two ends of an element, m.
+    Element(f64, f64),
+}
+
 #[pymethods]
 impl PyModel {
     #[new]
@@ -51,11 +61,16 @@ impl PyModel {
     }
 
     #[getter]
-    fn dofs(&self) -> Vec<(String, f64, &'static str)> {
+    fn dofs(&self) -> Vec<(String, Site, String)> {
         let dofs = self.model().numbering.dofs().iter();
         dofs.map(|dof| {
             let (shaft, position) = self.place(dof.node);
-            (shaft.to_owned(), position, dof.kind.name())
+            let next = Node { node: dof.node.node + 1, ..dof.node };
+            let site = match dof.degree {
+                None => Site::Node(position),
+                Some(_) => Site::Element(position, self.place(next).1),
+            };
+            (shaft.to_owned(), site, dof.name())
         })
         .collect()
     }

@@ -27,6 +27,24 @@ pub enum Bow {
 }
 
 impl Bow {
+    /// Ends of the pieces of an interval, ascending from `from` to `to`, m, within which a polynomial of low degree
+    /// represents the curvature of the bow.
+    pub fn pieces(&self, from: f64, to: f64) -> Vec<f64> {
+        let mut ends = vec![from];
+        match self {
+            Self::Waves { wave_number, .. } => {
+                // A piece is at most as long as an angle of one radian.
+                let count = (wave_number * (to - from)).ceil().max(1.0);
+                let piece = (to - from) / count;
+                ends.extend((1..count as usize).map(|i| from + piece * i as f64));
+            }
+            Self::Points(spline) => ends.extend(spline.x.iter().copied().filter(|x| *x > from && *x < to)),
+            Self::Sag { .. } => {}
+        }
+        ends.push(to);
+        ends
+    }
+
     pub(super) fn new(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Self, SceneError> {
         let lists = [
             ("positions", given.positions.is_some()),
@@ -115,6 +133,22 @@ impl Spline {
             let end = if x <= self.x[0] { 0 } else { last };
             return (self.value[end] + self.slope[end] * (x - self.x[end]), self.slope[end]);
         }
+        let Cubic { value, m0, square, cube, h, s } = self.cubic(x);
+        let value = value + (m0 + (square + cube * s) * s) * s;
+        (value, (m0 + (square * 2.0 + cube * (3.0 * s)) * s) / h)
+    }
+
+    /// Second derivative, 1/m, at `x`, m.
+    pub fn curvature(&self, x: f64) -> Complex64 {
+        if x <= self.x[0] || x >= self.x[self.x.len() - 1] {
+            return Complex64::ZERO;
+        }
+        let Cubic { square, cube, h, s, .. } = self.cubic(x);
+        (square * 2.0 + cube * (6.0 * s)) / (h * h)
+    }
+
+    /// The polynomial around `x`, m, between the first and the last point.
+    fn cubic(&self, x: f64) -> Cubic {
         let i = self.x.partition_point(|knot| *knot <= x) - 1;
         let h = self.x[i + 1] - self.x[i];
         let s = (x - self.x[i]) / h;
@@ -122,9 +156,18 @@ impl Spline {
         // Hermite form: value = v₀ + s·h·m₀ + s²(3·rise − h(2m₀ + m₁)) + s³(h(m₀ + m₁) − 2·rise).
         let (m0, m1) = (self.slope[i] * h, self.slope[i + 1] * h);
         let (square, cube) = (rise * 3.0 - m0 * 2.0 - m1, m0 + m1 - rise * 2.0);
-        let value = self.value[i] + (m0 + (square + cube * s) * s) * s;
-        (value, (m0 + (square * 2.0 + cube * (3.0 * s)) * s) / h)
+        Cubic { value: self.value[i], m0, square, cube, h, s }
     }
+}
+
+/// A piece of a spline: value + m₀ s + square·s² + cube·s³ at the fraction `s` of its length `h`, m.
+struct Cubic {
+    value: Complex64,
+    m0: Complex64,
+    square: Complex64,
+    cube: Complex64,
+    h: f64,
+    s: f64,
 }
 
 /// Slopes at the knots for a continuous second derivative (de Boor, A Practical Guide to Splines, chapter IV).

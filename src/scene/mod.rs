@@ -28,7 +28,7 @@ pub use error::SceneError;
 pub use gear::Gear;
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
-pub use shaft::{Element, Shaft};
+pub use shaft::{Element, MAX_DEGREE, Shaft};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
 pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};

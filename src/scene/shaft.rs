@@ -6,6 +6,9 @@ use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 /// Positions closer than this fraction of the length of the shaft share a node.
 const SAME_POSITION: f64 = 1e-9;
 
+/// Largest degree of an element.
+pub const MAX_DEGREE: usize = 8;
+
 /// A hollow circular cylinder between two nodes of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
@@ -30,6 +33,8 @@ pub struct Shaft {
     pub material: Material,
     /// Whether shear deformation is modelled.
     pub shear: bool,
+    /// Degree p of the elements.
+    pub degree: usize,
     /// Residual bow.
     pub bow: Option<Bow>,
 }
@@ -158,6 +163,10 @@ fn shaft(
         outer_radius: segments[*section].outer_diameter / 2.0,
         inner_radius: segments[*section].inner_diameter / 2.0,
     };
+    let degree = given.degree.unwrap_or(1);
+    if !(1..=MAX_DEGREE).contains(&degree) {
+        return Err(at.field("degree").error(format!("must be between 1 and {MAX_DEGREE}, got {degree}")));
+    }
     let bow = given.bow.as_ref().map(|bow| Bow::new(bow, length, &at.field("bow"))).transpose()?;
     Ok(Shaft {
         name: given.name.clone(),
@@ -165,6 +174,7 @@ fn shaft(
         nodes,
         material: Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?,
         shear: given.shear,
+        degree,
         bow,
     })
 }

@@ -11,7 +11,6 @@ use crate::integrate::{
 };
 use crate::mesh::Geometry;
 use crate::modal::CachedModel;
-use crate::model::DofKind;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
 
@@ -166,8 +165,8 @@ fn synchronous(
 fn check_size(cached: &CachedModel, amplitudes: &DMatrix<Complex<f64>>) -> Result<(), SceneError> {
     let model = &cached.model;
     let longest = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
-    let translations = model.numbering.dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W));
-    let largest = translations.map(|dof| amplitudes.row(dof.index).map(|value| value.norm()).max()).fold(0.0, f64::max);
+    let translations = model.translations();
+    let largest = translations.map(|index| amplitudes.row(index).map(|value| value.norm()).max()).fold(0.0, f64::max);
     if largest < longest {
         return Ok(());
     }

@@ -42,6 +42,9 @@ pub struct Shaft {
     /// Smallest number of elements.
     #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
+    /// Degree of the elements; one by default.
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    pub degree: Option<usize>,
     /// Whether shear deformation is modelled; true by default.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shear: bool,

@@ -1,0 +1,209 @@
+//! Internal coordinates of shaft elements of degree p ≥ 2.
+//!
+//! Beside the nodal shape functions, which are the static solutions, an element has shape functions that vanish at both
+//! ends: integrated Legendre polynomials of degree 2…p + 1 for the displacement u and of degree 2…p for the rotation φ
+//! and the twist θ. Equal degrees of u and φ would lose order. Without shear deformation φ = u', so that the pairs are
+//! combined: u has the twice integrated polynomials of degree 4…p + 1.
+//!
+//! A static solution is orthogonal in strain energy to every function that vanishes at both ends. The stiffness matrix
+//! therefore has no entries between nodal and internal coordinates, static displacements of the nodes do not depend on
+//! p, and only mass and gyroscopic matrix are coupled. Natural frequencies converge with the order 2p.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::beam::{Section, displacement, rotation};
+use super::legendre::{gauss, integrated, integrated_slope, twice_integrated};
+use crate::scene::{Element, Material, Shaft};
+
+/// An internal shape function of bending, with its degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BendingFunction {
+    /// Displacement u without rotation of the section.
+    Displacement(usize),
+    /// Rotation φ of the section without displacement.
+    Rotation(usize),
+    /// Displacement u with the rotation φ = u', for a beam without shear deformation.
+    Deflection(usize),
+}
+
+/// Values of a shape function at a point.
+struct Shape {
+    /// Displacement u.
+    displacement: f64,
+    /// Rotation φ, 1/m for a displacement in m.
+    rotation: f64,
+    /// Curvature φ'.
+    curvature: f64,
+    /// Shear strain u' − φ.
+    shear: f64,
+}
+
+impl BendingFunction {
+    /// Internal shape functions of an element of this degree, in the order of its coordinates.
+    pub fn all(degree: usize, shear: bool) -> Vec<Self> {
+        let pair = |n: usize| {
+            let rotation = (n <= degree).then_some(Self::Rotation(n));
+            std::iter::once(Self::Displacement(n)).chain(rotation)
+        };
+        match (degree, shear) {
+            (0 | 1, _) => Vec::new(),
+            (_, true) => (2..=degree + 1).flat_map(pair).collect(),
+            (_, false) => (4..=degree + 1).map(Self::Deflection).collect(),
+        }
+    }
+
+    /// Values at ξ in [−1, 1] of an element of length `l`, m.
+    fn at(self, xi: f64, l: f64) -> Shape {
+        // dξ/dx.
+        let rate = 2.0 / l;
+        let none = Shape { displacement: 0.0, rotation: 0.0, curvature: 0.0, shear: 0.0 };
+        match self {
+            Self::Displacement(n) => {
+                Shape { displacement: integrated(n, xi), shear: rate * integrated_slope(n, xi), ..none }
+            }
+            Self::Rotation(n) => {
+                let value = integrated(n, xi);
+                Shape { rotation: value, curvature: rate * integrated_slope(n, xi), shear: -value, ..none }
+            }
+            Self::Deflection(n) => Shape {
+                displacement: twice_integrated(n, xi),
+                rotation: rate * integrated(n - 1, xi),
+                curvature: rate * rate * integrated_slope(n - 1, xi),
+                ..none
+            },
+        }
+    }
+
+    /// Curvature φ' at ξ in [−1, 1] of an element of length `l`, m.
+    pub fn curvature(self, xi: f64, l: f64) -> f64 {
+        self.at(xi, l).curvature
+    }
+}
+
+/// Degrees of the internal shape functions of the twist.
+pub fn twist_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
+    2..=degree
+}
+
+/// Blocks of a symmetric element matrix for its m internal coordinates.
+#[derive(Clone, Debug)]
+pub struct InternalBlocks {
+    /// Entries between the coordinates of the two nodes (rows) and the internal ones, 2B × m; `None` if zero.
+    pub coupling: Option<DMatrix<f64>>,
+    /// Entries between the internal coordinates, m × m.
+    pub block: DMatrix<f64>,
+}
+
+/// Matrices of the internal coordinates of one element.
+#[derive(Clone, Debug)]
+pub struct InternalBeam {
+    /// Mass matrix of bending; entries in kg, kg m and kg m².
+    pub mass: InternalBlocks,
+    /// Gyroscopic matrix of bending, per unit spin; entries in kg, kg m and kg m².
+    pub gyroscopic: InternalBlocks,
+    /// Stiffness matrix of bending; entries in N/m, N and N m.
+    pub stiffness: InternalBlocks,
+    /// Mass matrix of torsion, kg m².
+    pub torsional_mass: InternalBlocks,
+    /// Stiffness matrix of torsion, N m/rad.
+    pub torsional_stiffness: InternalBlocks,
+}
+
+impl InternalBeam {
+    /// Matrices of the elements of a shaft; empty for elements without internal coordinates.
+    pub fn of_shaft(shaft: &Shaft) -> Vec<Self> {
+        if shaft.degree == 1 {
+            return Vec::new();
+        }
+        let matrices = |element| Self::new(element, &shaft.material, shaft.shear, shaft.degree);
+        shaft.elements.iter().map(matrices).collect()
+    }
+
+    /// Matrices of `element` with degree p = `degree`; without `shear` the shear deformation is neglected.
+    pub fn new(element: &Element, material: &Material, shear: bool, degree: usize) -> Self {
+        let (l, section) = (element.length, Section::new(element, material, shear));
+        let functions = BendingFunction::all(degree, shear);
+        let twists: Vec<usize> = twist_degrees(degree).collect();
+        // The products of shape functions have at most the degree 2(p + 1).
+        let rule = gauss(degree + 2);
+        let sum = |point: &dyn Fn(f64, f64) -> InternalBlocks| {
+            rule.iter().map(|(xi, weight)| point(*xi, weight * l)).reduce(InternalBlocks::plus).unwrap_or_default()
+        };
+        let shapes = |xi: f64| -> Vec<Shape> { functions.iter().map(|f| f.at(2.0 * xi - 1.0, l)).collect() };
+        let inertia = |xi: f64, area: f64, rotary: f64| {
+            let shapes = shapes(xi);
+            let u = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.displacement));
+            let phi = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.rotation));
+            let (nodal_u, nodal_phi) = (displacement(xi, l, section.phi), rotation(xi, l, section.phi));
+            InternalBlocks {
+                coupling: Some(outer(nodal_u.as_slice(), &u) * area + outer(nodal_phi.as_slice(), &phi) * rotary),
+                block: &u * u.transpose() * area + &phi * phi.transpose() * rotary,
+            }
+        };
+        let strain = |xi: f64, dx: f64| {
+            let shapes = shapes(xi);
+            let curvature = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.curvature));
+            let sheared = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.shear));
+            let bending = &curvature * curvature.transpose() * (section.flexural * dx);
+            InternalBlocks::uncoupled(bending + &sheared * sheared.transpose() * (section.shear * dx))
+        };
+        let twist = |xi: f64, function: fn(usize, f64) -> f64| {
+            DVector::from_iterator(twists.len(), twists.iter().map(|n| function(*n, 2.0 * xi - 1.0)))
+        };
+        let torsional_mass = |xi: f64, dx: f64| {
+            let theta = twist(xi, integrated);
+            InternalBlocks {
+                coupling: Some(outer(&[1.0 - xi, xi], &theta) * (section.polar_mass * dx)),
+                block: &theta * theta.transpose() * (section.polar_mass * dx),
+            }
+        };
+        let torsional_strain = |xi: f64, dx: f64| {
+            let slope = twist(xi, integrated_slope) * (2.0 / l);
+            InternalBlocks::uncoupled(&slope * slope.transpose() * (section.torsional * dx))
+        };
+        Self {
+            mass: sum(&|xi, dx| inertia(xi, section.mass * dx, section.rotary * dx)),
+            gyroscopic: sum(&|xi, dx| inertia(xi, 0.0, 2.0 * section.rotary * dx)),
+            stiffness: sum(&strain),
+            torsional_mass: sum(&torsional_mass),
+            torsional_stiffness: sum(&torsional_strain),
+        }
+    }
+}
+
+/// abᵀ.
+fn outer(a: &[f64], b: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.len(), b.len(), |i, j| a[i] * b[j])
+}
+
+impl Default for InternalBlocks {
+    fn default() -> Self {
+        Self::uncoupled(DMatrix::zeros(0, 0))
+    }
+}
+
+impl InternalBlocks {
+    /// Blocks without entries between nodal and internal coordinates.
+    pub fn uncoupled(block: DMatrix<f64>) -> Self {
+        Self { coupling: None, block }
+    }
+
+    /// Sum of two.
+    pub fn plus(self, other: Self) -> Self {
+        let coupling = match (self.coupling, other.coupling) {
+            (Some(one), Some(other)) => Some(one + other),
+            (one, other) => one.or(other),
+        };
+        Self { coupling, block: self.block + other.block }
+    }
+
+    /// Multiple.
+    pub fn times(&self, factor: f64) -> Self {
+        Self { coupling: self.coupling.as_ref().map(|coupling| coupling * factor), block: &self.block * factor }
+    }
+
+    /// Whether every entry is zero.
+    pub fn is_zero(&self) -> bool {
+        self.coupling.iter().chain([&self.block]).all(|part| part.iter().all(|entry| *entry == 0.0))
+    }
+}
