@@ -16,7 +16,7 @@ use super::{frequency, simulate, speed};
 use crate::analysis::simulate::{Method, Options, fields, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
 use crate::modal;
-use crate::scene::{EntryPath, Node, SceneDescription, nearest};
+use crate::scene::{EntryPath, Node, SceneDescription, SceneError, nearest};
 
 /// A gear or disk by name, or a shaft by name and a position on it, m.
 #[derive(FromPyObject)]
@@ -73,6 +73,23 @@ impl PyModel {
             (shaft.to_owned(), site, dof.name())
         })
         .collect()
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn embed<'py>(
+        &self,
+        py: Python<'py>,
+        coarser: &Self,
+        state: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (own, coarser) = (&self.model().numbering, &coarser.model().numbering);
+        let other = || SceneError::new("state", "is of a system with other nodes");
+        let halves = state.as_slice()?.chunks_exact(coarser.len().max(1));
+        if state.len()? != 2 * coarser.len() {
+            return Err(other().into());
+        }
+        let embedded = halves.map(|half| own.embed(coarser, half)).collect::<Option<Vec<_>>>();
+        Ok(PyArray1::from_vec(py, embedded.ok_or_else(other)?.concat()))
     }
 
     #[getter]

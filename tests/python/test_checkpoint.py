@@ -234,7 +234,7 @@ def test_a_run_that_cannot_go_on_says_so_again(tmp_path):
     [
         ({"duration": 2e-3}, r"with duration 0\.001, not 0\.002"),
         ({"speed": 601.0}, "with speed"),
-        ({"rtol": 1e-7}, "with rtol None, not 1e-07"),
+        ({"rtol": 1e-7}, r"with rtol 0\.0001, not 1e-07"),
         ({"method": "rk45"}, "with method exponential, not rk45"),
         ({"output_step": 1e-5}, r"with times\.length 11, not 101"),
         ({"record": ["ga"]}, "with record"),
