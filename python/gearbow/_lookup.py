@@ -4,12 +4,18 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 from gearbow._convert import real
+from gearbow._types import Dof, NodalDof
 
 
 def nearest(given: str, names: Iterable[str]) -> str:
     """Give the end of a message that suggests the most similar name, or an empty string."""
     found = get_close_matches(given, list(names), n=1)
     return f'; did you mean "{found[0]}"?' if found else ""
+
+
+def nodal(dofs: Sequence[Dof]) -> list[NodalDof]:
+    """Give the degrees of freedom of the nodes, which precede those within the elements."""
+    return [(shaft, x, direction) for shaft, x, direction in dofs if not isinstance(x, tuple)]
 
 
 def locate(places: Sequence[tuple[str, float]], shaft: str, position: float) -> int | None:

@@ -16,8 +16,11 @@ At: TypeAlias = str | tuple[str, float]
 #: A quantity to record: a name, a group, (shaft, position), (driver, driven),
 #: ("bearing", shaft, position).
 Record: TypeAlias = str | tuple[str, float] | tuple[str, str] | tuple[str, str, float]
-#: One degree of freedom: shaft, position [m], one of "v", "w", "B", "G", "twist".
-Dof: TypeAlias = tuple[str, float, str]
+#: A degree of freedom of a node: shaft, position [m], one of "v", "w", "B", "G", "twist".
+NodalDof: TypeAlias = tuple[str, float, str]
+#: One degree of freedom: of a node, or of an element with the positions of its ends [m] and the
+#: degree of its shape function, for example ("input", (0.0, 0.1), "v2").
+Dof: TypeAlias = tuple[str, float | tuple[float, float], str]
 #: A function called with the completed fraction of a run.
 Progress: TypeAlias = Callable[[float], object]
 

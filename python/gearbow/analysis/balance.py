@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._lookup import nearest
+from gearbow._lookup import nearest, nodal
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S, System, variant
@@ -133,7 +133,7 @@ def balance(
     # Influence coefficients are amplitudes per 1 kg m, in a system with a node at every plane.
     base = _corrected(system, chosen, np.zeros(len(chosen), dtype=np.complex128))
     if points is None:
-        nodes = dict.fromkeys(x for name, x, _ in base.dofs if name == shaft)
+        nodes = dict.fromkeys(x for name, x, _ in nodal(base.dofs) if name == shaft)
         measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)
     else:
         measured = places(points, "points")

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from gearbow._lookup import nearest
+from gearbow._lookup import nearest, nodal
 from gearbow._types import At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place
@@ -22,8 +22,9 @@ class Coordinates:
 
     Parameters
     ----------
-    dofs : tuple of (str, float, str)
+    dofs : tuple of (str, float or (float, float), str)
         Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
+        Those within an element have the positions of its ends and a degree ("v2").
     bodies : mapping of {str: (str, float)}
         Shaft and position [m] of each gear and disk.
     """
@@ -37,7 +38,7 @@ class Coordinates:
 
         Parameters
         ----------
-        dofs : sequence of (str, float, str)
+        dofs : sequence of (str, float or (float, float), str)
             The degrees of freedom.
         gears : sequence of Gear
             The gears.
@@ -133,7 +134,7 @@ class Coordinates:
             shaft, position = self.bodies[at]
         else:
             shaft, position = at
-        positions = [x for name, x, _ in self.dofs if name == shaft]
+        positions = [x for name, x, _ in nodal(self.dofs) if name == shaft]
         if not positions:
             names = dict.fromkeys(name for name, _, _ in self.dofs)
             raise SceneError(f'at: no shaft is called "{shaft}"{nearest(shaft, names)}')

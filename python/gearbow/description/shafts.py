@@ -91,8 +91,11 @@ class Shaft(Part):
     elements : int
         Minimum number of elements of a uniform shaft. The position of every gear, disk, bearing
         and torque becomes a node: the element there is split.
+    degree : int, optional
+        Degree p of the elements, 1 to 8; None is 1. The relative error of natural frequencies
+        decreases as (element length)^(2p). Static displacements of nodes are exact for every degree.
     segments : sequence of Segment
-        The segments from x = 0 on, instead of the four arguments above.
+        The segments from x = 0 on, instead of length, diameters and number of elements.
     material : Material
         Material of the shaft.
     shear : bool
@@ -120,6 +123,7 @@ class Shaft(Part):
     outer_diameter: float | None = None
     inner_diameter: float = 0.0
     elements: int | None = None
+    degree: int | None = None
     segments: Sequence[Segment] | None = None
     material: Material = STEEL
     shear: bool = True

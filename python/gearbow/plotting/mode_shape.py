@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from gearbow._types import Array, ComplexArray, Dof
+from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.description.layout import BodyOutline, Layout, ShaftOutline
 from gearbow.plotting.style import STYLE, colour
 
@@ -41,7 +41,7 @@ class _Motion(NamedTuple):
         return np.array([np.interp(position, self.x, values) for values in self[1:]])
 
 
-def draw(title: str, shape: ComplexArray, dofs: Sequence[Dof], layout: Layout) -> Figure:
+def draw(title: str, shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layout) -> Figure:
     """Draw one mode of the train.
 
     Parameters
@@ -51,7 +51,7 @@ def draw(title: str, shape: ComplexArray, dofs: Sequence[Dof], layout: Layout) -
     shape : ndarray, shape (n,)
         Complex mode shape.
     dofs : sequence of (str, float, str)
-        Shaft, position [m] and direction of each degree of freedom.
+        Shaft, position [m] and direction of each degree of freedom of the nodes.
     layout : Layout
         Geometry of the train at rest.
 
@@ -116,7 +116,7 @@ def _extent(layout: Layout) -> Array:
     return extent
 
 
-def _lever(layout: Layout, dof: Dof) -> float:
+def _lever(layout: Layout, dof: NodalDof) -> float:
     """Give the displacement of the surface per unit of a degree of freedom."""
     name, position, direction = dof
     if direction in ("v", "w"):
@@ -137,7 +137,7 @@ def _at_maximum(shape: Any, moving: Any) -> Any:
     return shape * (np.conj(largest) / np.abs(largest))
 
 
-def _motion(dofs: Sequence[Dof], name: str, values: Array) -> _Motion:
+def _motion(dofs: Sequence[NodalDof], name: str, values: Array) -> _Motion:
     nodes: dict[float, dict[str, float]] = {}
     for (shaft, position, direction), value in zip(dofs, values.tolist(), strict=True):
         if shaft == name:
@@ -185,7 +185,7 @@ def _draw_disc(axes: Any, origin: Array, body: BodyOutline, motion: _Motion, sha
     axes.plot(*np.vstack([centre, spoke]).T, color="black", linewidth=1.4)
 
 
-def _orbit(dofs: Sequence[Dof], body: BodyOutline, scaled: Any) -> Array:
+def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:
     """Give the path of the centre of a body over one cycle."""
     found = {
         direction: index

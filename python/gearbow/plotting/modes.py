@@ -7,14 +7,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from gearbow._types import Array, ComplexArray, Dof
+from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.plotting.style import colour, legend, panels
 
 __all__ = ["overview"]
 
 
 def overview(
-    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[Dof], twists: NDArray[np.bool_]
+    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[NodalDof], twists: NDArray[np.bool_]
 ) -> Figure:
     """Draw mode shapes along the shafts.
 
@@ -25,7 +25,7 @@ def overview(
     shapes : ndarray, shape (m, n)
         Complex mode shapes.
     dofs : sequence of (str, float, str)
-        Shaft, position [m] and direction of each degree of freedom.
+        Shaft, position [m] and direction of each degree of freedom of the nodes.
     twists : ndarray of bool, shape (m,)
         Whether to draw the twist of a mode instead of its displacement.
 

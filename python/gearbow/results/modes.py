@@ -8,6 +8,7 @@ import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
+from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof, MatricesData
 from gearbow.description.layout import Layout
@@ -48,8 +49,8 @@ class Modes(ReadOnly):
         Complex eigenvalues [1/s].
     speed : float
         Speed of the reference shaft [rad/s].
-    dofs : tuple of (str, float, str)
-        Shaft, position [m] and direction of each degree of freedom.
+    dofs : tuple of (str, float or (float, float), str)
+        Shaft, position [m] and direction of each degree of freedom, as `RotorSystem.dofs`.
     layout : Layout
         Geometry of the train at rest.
     source : MatrixSource
@@ -87,7 +88,10 @@ class Modes(ReadOnly):
         mass = self.source.matrices()["mass"]
         energy = np.real(self.shapes.conj() * (self.shapes @ mass))
         energy /= energy.sum(axis=1, keepdims=True)
-        groups = [(shaft, _DIRECTION[direction]) for shaft, _, direction in self.dofs]
+        groups = [
+            (shaft, _DIRECTION[direction.rstrip("0123456789")])
+            for shaft, _, direction in self.dofs
+        ]
         return {
             group: energy[:, [other == group for other in groups]].sum(axis=1)
             for group in dict.fromkeys(groups)
@@ -189,6 +193,8 @@ class Modes(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import mode_shape, modes  # noqa: PLC0415
 
+        dofs = nodal(self.dofs)
+        shapes = self.shapes[:, : len(dofs)]
         if number is None:
             titles = [
                 f"{frequency:.1f} Hz: {name}"
@@ -197,7 +203,7 @@ class Modes(ReadOnly):
             shares = self.energy_shares()
             twist = sum(share for (_, direction), share in shares.items() if direction == "twist")
             twists = np.broadcast_to(twist, len(self.whirl)) > 0.5
-            return modes.overview(titles[: whole(count, "count")], self.shapes, self.dofs, twists)
+            return modes.overview(titles[: whole(count, "count")], shapes, dofs, twists)
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
@@ -205,7 +211,7 @@ class Modes(ReadOnly):
             f"mode {number}: {self.frequencies_hz[number - 1]:.1f} Hz, {self.whirl[number - 1]}, "
             f"damping {100.0 * self.damping_ratios[number - 1]:.2f} %\n{self.names()[number - 1]}"
         )
-        return mode_shape.draw(title, self.shapes[number - 1], self.dofs, self.layout)
+        return mode_shape.draw(title, shapes[number - 1], dofs, self.layout)
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

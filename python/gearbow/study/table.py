@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gearbow._files import replacing
+from gearbow._lookup import nodal
 from gearbow.study.case import Case, system
 from gearbow.study.measure import UNITS
 from gearbow.study.runs import Results
@@ -74,7 +75,7 @@ def write(settings: Settings, results: Results, folder: Path) -> None:
             # The scale and the phase of a mode shape are arbitrary: the largest entry becomes 1.
             shape = modes.shapes[mode]
             shape = shape / shape[np.argmax(np.abs(shape))]
-            for (shaft, x, direction), entry in zip(modes.dofs, shape, strict=True):
+            for (shaft, x, direction), entry in zip(nodal(modes.dofs), shape, strict=False):
                 parts = (f"{entry.real:.6g}", f"{entry.imag:.6g}")
                 shapes.append((layout, mode + 1, shaft, f"{x:g}", direction, *parts))
     _write(folder / "modes.csv", _MODES, frequencies)

@@ -282,9 +282,11 @@ class SystemDescription:
 
         Returns
         -------
-        tuple of (str, float, str)
-            Shaft, position [m] and "v", "w" (translation along y, z), "B", "G" (rotation about y,
-            z) or "twist".
+        tuple of (str, float or (float, float), str)
+            First those of the nodes: shaft, position [m] and "v", "w" (translation along y, z),
+            "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
+            1: shaft, positions of the two ends of the element [m], and the direction with the
+            degree of the shape function, for example "v2".
         """
         return tuple(self._model.dofs)
 

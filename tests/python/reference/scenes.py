@@ -51,6 +51,7 @@ class Geared:
     length: float = 0.5
     diameter: float = 0.05
     elements: int = 4
+    degree: int | None = None
     mesh_stiffness: float = 2e8
     mesh_damping_ratio: float = 0.05
     bearing_stiffness: Any = 1e8  # number or 2 x 2
@@ -79,6 +80,7 @@ class Geared:
                     length=self.length,
                     outer_diameter=self.diameter,
                     elements=self.elements,
+                    degree=self.degree,
                     bow=self.bows[name].package(self.length) if name in self.bows else None,
                 )
                 for name in self.shafts
@@ -222,6 +224,7 @@ def single_shaft(
     diameter: float = 0.05,
     inner_diameter: float = 0.0,
     elements: int = 8,
+    degree: int | None = None,
     density: float = 7800.0,
     youngs_modulus: float = E,
     poisson_ratio: float = NU,
@@ -244,6 +247,7 @@ def single_shaft(
                 outer_diameter=diameter,
                 inner_diameter=inner_diameter,
                 elements=elements,
+                degree=degree,
                 material=material,
                 shear=shear,
                 bow=bow,
