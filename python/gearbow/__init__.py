@@ -57,6 +57,7 @@ from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
 from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.discretisation import Discretisation
 from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
@@ -79,6 +80,7 @@ __all__ = [
     "ContactError",
     "ConvergenceError",
     "CriticalSpeedMap",
+    "Discretisation",
     "Disk",
     "EnergyBalance",
     "Event",

@@ -51,6 +51,20 @@ impl PyModel {
         Ok(pythonize(py, &self.description)?)
     }
 
+    /// The description with the chosen numbers and degrees of elements.
+    fn resolved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(pythonize(py, &self.resolved.description)?)
+    }
+
+    /// Level, expected error, permitted error and highest frequency [rad/s] of the chosen elements.
+    #[getter]
+    fn choice(&self) -> Option<(String, f64, f64, f64)> {
+        self.resolved.choice.as_ref().map(|choice| {
+            let level = format!("{:?}", choice.level).to_lowercase();
+            (level, choice.expected_error, choice.permitted_error, choice.highest_frequency)
+        })
+    }
+
     fn to_toml(&self) -> PyResult<String> {
         Ok(self.description.to_toml()?)
     }

@@ -82,7 +82,7 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
                 length: uniform.then_some(only.length),
                 outer_diameter: uniform.then_some(only.outer_diameter),
                 inner_diameter: uniform.then_some(only.inner_diameter),
-                elements: uniform.then_some(only.elements),
+                elements: if uniform { only.elements } else { None },
                 shear,
                 material,
                 bow: None,

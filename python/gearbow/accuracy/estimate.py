@@ -126,12 +126,25 @@ def _runs(
     if options["modes"] is not None:
         run = _run(model, complete, times, record)
     yield run
-    yield _run(Model(refined(request.description)), complete, times, record)
+    fine = Model(refined(model.resolved()))
+    yield _run(fine, {**complete, "initial": _embedded(fine, model, options["initial"])}, times, record)
 
 
 def _run(model: Model, options: Mapping[str, Any], times: Array, record: list[Any]) -> RunData:
     given: Any = {**options, "record": record}
     return model.simulate(**given, times=times, checkpoint=None, progress=None)
+
+
+def _embedded(fine: Model, model: Model, initial: Any) -> Any:
+    """Give the initial state of a run in the coordinates of a model of higher degree.
+
+    The internal functions of the elements are hierarchical: the state is the same motion, with
+    zeros for the additional coordinates. Without its memory, a method starts from the state.
+    """
+    if not isinstance(initial, Mapping):
+        return initial
+    state = fine.embed(model, initial["state"])
+    return {**initial, "state": state, "memory": np.empty(0), "carry": 0.0}
 
 
 def _recorded(request: RunRequest) -> list[Any]:

@@ -5,33 +5,38 @@ from typing import Any
 
 from gearbow._types import Plain
 
-__all__ = ["refined"]
+__all__ = ["MAX_DEGREE", "refined"]
+
+#: Largest degree of an element. The core uses the same value.
+MAX_DEGREE = 8
 
 
-def refined(description: Mapping[str, Plain], factor: int = 2) -> dict[str, Plain]:
-    """Multiply the number of elements of every segment.
+def refined(description: Mapping[str, Plain]) -> dict[str, Plain]:
+    """Increase the degree of the elements of every shaft by one.
+
+    Elements of the largest degree are divided in two instead.
 
     Parameters
     ----------
     description : mapping
-        The scene as plain data.
-    factor : int
-        Factor on the numbers of elements.
+        The scene as plain data, with numbers of elements.
 
     Returns
     -------
     dict
         The finer scene. All nodes of the given scene are nodes of the finer scene.
     """
-    shafts = [_shaft(shaft, factor) for shaft in description["shafts"]]
-    return {**description, "shafts": shafts}
+    return {**description, "shafts": [_shaft(shaft) for shaft in description["shafts"]]}
 
 
-def _shaft(shaft: Mapping[str, Any], factor: int) -> dict[str, Any]:
+def _shaft(shaft: Mapping[str, Any]) -> dict[str, Any]:
+    degree = shaft.get("degree", 1)
+    if degree < MAX_DEGREE:
+        return {**shaft, "degree": degree + 1}
     if "segments" not in shaft:
-        return {**shaft, "elements": factor * shaft.get("elements", 1)}
-    segments = [
-        {**segment, "elements": factor * segment.get("elements", 1)}
-        for segment in shaft["segments"]
-    ]
-    return {**shaft, "segments": segments}
+        return _divided(shaft)
+    return {**shaft, "segments": [_divided(segment) for segment in shaft["segments"]]}
+
+
+def _divided(part: Mapping[str, Any]) -> dict[str, Any]:
+    return {**part, "elements": 2 * part.get("elements", 1)}
