@@ -5,7 +5,7 @@ The last four are random and were not used for that.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -194,14 +194,3 @@ SCENES = {
     **{f"random {seed}": Scene(partial(drawn, seed), 120.0, used=False) for seed in (1, 2, 3, 4)},
 }
 
-
-def with_elements(system: gb.RotorSystem, elements: int, degree: int) -> gb.RotorSystem:
-    """Return the system with numbers of elements and a degree."""
-    shafts = []
-    for shaft in system.shafts:
-        if shaft.segments is None:
-            shafts.append(replace(shaft, elements=elements, degree=degree))
-        else:
-            segments = [replace(segment, elements=elements) for segment in shaft.segments]
-            shafts.append(replace(shaft, segments=segments, degree=degree))
-    return system.replace(shafts=shafts)

@@ -21,7 +21,7 @@ pub use equilibrium::equilibrium;
 pub use error::AnalysisError;
 pub use interrupt::Interrupt;
 pub use memory::Dense;
-pub use resolution::{Choice, Resolved, resolve};
 pub use peaks::{Peak, Probe, peaks};
+pub use resolution::{Choice, Resolved, expected_error, resolve};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, bearing_forces, bow, synchronous};

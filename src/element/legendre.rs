@@ -71,7 +71,8 @@ mod tests {
     #[test]
     fn functions_vanish_at_the_ends_and_their_slopes_are_orthonormal() {
         let rule = gauss(12);
-        let product = |f: &dyn Fn(f64) -> f64| rule.iter().map(|(x, weight)| 2.0 * weight * f(2.0 * x - 1.0)).sum::<f64>();
+        let product =
+            |f: &dyn Fn(f64) -> f64| rule.iter().map(|(x, weight)| 2.0 * weight * f(2.0 * x - 1.0)).sum::<f64>();
         for m in 2..=10 {
             assert!([-1.0, 1.0].iter().all(|end| integrated(m, *end).abs() < 1e-15));
             for n in 2..=10 {
@@ -79,12 +80,14 @@ mod tests {
                 assert!((form - f64::from(m == n)).abs() < 1e-14);
             }
             // ∫ψ_m' f dξ = −∫ψ_m f' dξ for a function f that vanishes at the ends, here ψ_2.
-            let parts = product(&|x| integrated_slope(m, x) * integrated(2, x) + integrated(m, x) * integrated_slope(2, x));
+            let parts =
+                product(&|x| integrated_slope(m, x) * integrated(2, x) + integrated(m, x) * integrated_slope(2, x));
             assert!(parts.abs() < 1e-14);
         }
         for n in 4..=10 {
             assert!([-1.0, 1.0].iter().all(|end| twice_integrated(n, *end).abs() < 1e-15));
-            let parts = product(&|x| twice_integrated(n, x) * integrated_slope(3, x) + integrated(n - 1, x) * integrated(3, x));
+            let parts =
+                product(&|x| twice_integrated(n, x) * integrated_slope(3, x) + integrated(n - 1, x) * integrated(3, x));
             assert!(parts.abs() < 1e-14);
         }
     }

@@ -126,6 +126,7 @@ fn unit_sag(
     let mut sag = vec![0.0; translation.len()];
     mass.multiply_add::<1>(1.0, &translation, &mut sag);
     factor.solve::<1>(&mut sag);
-    let largest = sag.iter().step_by(2).take(shaft.nodes.len()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest =
+        sag.iter().step_by(2).take(shaft.nodes.len()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
     Ok(sag.iter().map(|value| value / largest).collect())
 }

@@ -206,7 +206,11 @@ impl Model {
 
     /// Indices, in the order of the core, of v and w of all nodes.
     pub fn translations(&self) -> impl Iterator<Item = usize> + '_ {
-        self.numbering.nodal_dofs().iter().filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W)).map(|dof| dof.index)
+        self.numbering
+            .nodal_dofs()
+            .iter()
+            .filter(|dof| matches!(dof.kind, DofKind::V | DofKind::W))
+            .map(|dof| dof.index)
     }
 
     /// Names of the driving and the driven gear of a mesh.

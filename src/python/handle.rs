@@ -1,7 +1,7 @@
 //! The class `_core.Model` and how an analysis runs on it. `model.rs` holds its Python methods.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 
@@ -21,6 +21,8 @@ pub struct PyModel {
     pub resolved: Resolved,
     /// The assembled model with its cached modes, shared with the threads that analyse it.
     pub cached: Arc<CachedModel>,
+    /// Expected error of the elements, computed on first use.
+    pub expected_error: OnceLock<f64>,
     /// Whether the warning about ill-conditioning has been issued.
     warned: AtomicBool,
 }
@@ -30,7 +32,13 @@ impl PyModel {
     pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
         let resolved = analysis::resolve(&description)?;
         let model = Model::new(Scene::new(&resolved.description)?)?;
-        Ok(Self { description, resolved, cached: Arc::new(CachedModel::new(model)), warned: AtomicBool::new(false) })
+        Ok(Self {
+            description,
+            resolved,
+            cached: Arc::new(CachedModel::new(model)),
+            warned: AtomicBool::new(false),
+            expected_error: OnceLock::new(),
+        })
     }
 
     /// The assembled model.

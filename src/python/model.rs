@@ -65,6 +65,21 @@ impl PyModel {
         })
     }
 
+    #[getter]
+    fn has_meshes(&self) -> bool {
+        !self.model().meshes.is_empty()
+    }
+
+    /// Expected error of mesh forces, or of displacements without meshes, with these elements.
+    fn expected_error(&self, py: Python<'_>) -> PyResult<f64> {
+        if let Some(known) = self.expected_error.get() {
+            return Ok(*known);
+        }
+        let resolved = self.resolved.clone();
+        let error = self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached))?;
+        Ok(*self.expected_error.get_or_init(|| error))
+    }
+
     fn to_toml(&self) -> PyResult<String> {
         Ok(self.description.to_toml()?)
     }

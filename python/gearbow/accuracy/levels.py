@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gearbow._core import Model
 from gearbow.errors import SceneError
 from gearbow.recording.record import Event
 
@@ -35,13 +36,15 @@ class Level:
     displacement: float
     mesh_force: float
 
-    def explanation(self, events: Iterable[Event]) -> str:
+    def explanation(self, events: Iterable[Event], coarse: str | None) -> str:
         """Say what the level promises for a run.
 
         Parameters
         ----------
         events : iterable of Event
             Events of the run.
+        coarse : str or None
+            Why the elements do not keep the promise; None if they do.
 
         Returns
         -------
@@ -54,6 +57,8 @@ class Level:
             "the time that damping needs to forget; afterwards the error applies to RMS values and "
             f"spectra; rtol {self.rtol:.0e}"
         )
+        if coarse is not None:
+            sentence += f"; this promise does not include the elements: {coarse}"
         if any(event.kind == "separation" for event in events):
             sentence += (
                 "; flanks separated in this run, and impacts can amplify small differences: after "
@@ -61,6 +66,32 @@ class Level:
                 "(`errors` tells whether the contact is chaotic)"
             )
         return sentence
+
+
+    def coarse(self, model: Model) -> str | None:
+        """Say why the elements of a system are too coarse for the level.
+
+        Parameters
+        ----------
+        model : Model
+            The system.
+
+        Returns
+        -------
+        str or None
+            The reason; None if the elements are fine enough.
+        """
+        permitted = self.mesh_force if model.has_meshes else self.displacement
+        if model.choice is not None:
+            resolution = LEVELS[model.choice[0]]
+            if resolution.mesh_force <= self.mesh_force and model.choice[1] <= permitted:
+                return None
+            reason = f"they have the resolution {resolution.name!r}"
+        elif model.expected_error() <= permitted:
+            return None
+        else:
+            reason = "the shafts give their numbers"
+        return f"{reason}, with an expected error of {model.expected_error():.0e}"
 
 
 #: Accuracy levels by name, from cheap to accurate.

@@ -12,9 +12,10 @@ MAX_DEGREE = 8
 
 
 def refined(description: Mapping[str, Plain]) -> dict[str, Plain]:
-    """Increase the degree of the elements of every shaft by one.
+    """Increase the degree of the elements of every shaft.
 
-    Elements of the largest degree are divided in two instead.
+    Degree 1 becomes 3, because degree 2 improves the lowest frequencies of few elements too little.
+    All others increase by 1. Elements of the largest degree are divided in two instead.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def refined(description: Mapping[str, Plain]) -> dict[str, Plain]:
 def _shaft(shaft: Mapping[str, Any]) -> dict[str, Any]:
     degree = shaft.get("degree", 1)
     if degree < MAX_DEGREE:
-        return {**shaft, "degree": degree + 1}
+        return {**shaft, "degree": 3 if degree == 1 else degree + 1}
     if "segments" not in shaft:
         return _divided(shaft)
     return {**shaft, "segments": [_divided(segment) for segment in shaft["segments"]]}

@@ -1,6 +1,7 @@
 """Time integration of a system."""
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -15,7 +16,7 @@ from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
 from gearbow.accuracy.levels import find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import SceneError
+from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
 from gearbow.system.checkpoint import Checkpoint
@@ -137,6 +138,8 @@ class Simulation(LinearAnalyses):
 
         Warns
         -----
+        AccuracyWarning
+            If `accuracy` is given and the elements are too coarse for it.
         CheckpointWarning
             If the checkpoint cannot be written, for example on a full disk. The run continues, and
             the file does not change.
@@ -163,8 +166,16 @@ class Simulation(LinearAnalyses):
         if accuracy is not None:
             given |= {"stages": stages, "modes": modes}
         level = find_level(accuracy, given)
+        coarse = None
         if level is not None:
             rtol = level.rtol
+            coarse = level.coarse(self._model)
+            if accuracy is not None and coarse is not None:
+                message = (
+                    f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out "
+                    f"the numbers of elements, and give resolution={accuracy!r} to RotorSystem"
+                )
+                warnings.warn(message, AccuracyWarning, stacklevel=2)
         if method is None:
             method = "exponential" if isinstance(profile, float) else "rk45"
         arguments: dict[str, Any] = {
@@ -187,7 +198,7 @@ class Simulation(LinearAnalyses):
                 return Response.from_record(file.complete)
             response = self._run(arguments, profile, (wanted, rows), progress, file)
             if level is not None and stages is None and modes is None:
-                response.accuracy = level.explanation(response.events)
+                response.accuracy = level.explanation(response.events, coarse)
             if file is not None:
                 file.finish(response.to_record())
         return response

@@ -9,6 +9,7 @@
 mod excited_modes;
 mod layout;
 
+use super::AnalysisError;
 use excited_modes::{ExcitedMode, excited_modes};
 use layout::Layout;
 
@@ -83,9 +84,7 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
         (layouts[i].counts((PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS)), PROBE_DEGREE)
     });
     let model = Model::new(Scene::new(&probe)?)?;
-    let speed = model.bearings.first().and_then(|bearing| bearing.knots().next());
-    let model = if let Some(speed) = speed { model.at_speed(speed)? } else { model };
-    let cached = CachedModel::new(model);
+    let cached = CachedModel::new(at_tabulated_speed(model)?);
     let permitted_error = permitted(level, cached.model.meshes.is_empty());
     let Ok(modes) = excited_modes(&cached) else {
         // An analysis of the scene reports the failure of the decomposition.
@@ -94,7 +93,8 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     };
     let search = Search { given, automatic: &automatic, layouts: &layouts, modes: &modes, model: &cached.model };
     let best = search.best(permitted_error);
-    let highest = |(layout, lengths): (&Layout, &Vec<Vec<f64>>)| layout.highest_frequency(lengths, best.degree, RESOLVED);
+    let highest =
+        |(layout, lengths): (&Layout, &Vec<Vec<f64>>)| layout.highest_frequency(lengths, best.degree, RESOLVED);
     let choice = Choice {
         level,
         expected_error: best.error,
@@ -103,6 +103,35 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     };
     let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), search.degree(i, best.degree)));
     Ok(Resolved { description, choice: Some(choice) })
+}
+
+/// The model with the bearing coefficients of the first speed in their tables.
+fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
+    let speed = model.bearings.first().and_then(|bearing| bearing.knots().next());
+    speed.map_or(Ok(model.clone()), |speed| model.at_speed(speed))
+}
+
+/// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the
+/// difference over RMS of the variation.
+///
+/// # Errors
+/// [`AnalysisError`] if the modes cannot be computed.
+pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, AnalysisError> {
+    if let Some(choice) = &resolved.choice {
+        return Ok(choice.expected_error);
+    }
+    let (given, scene) = (&resolved.description, &cached.model.scene);
+    let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
+    // Every node counts as a place of a part, so that the elements are those of the model.
+    let layouts: Vec<Layout> =
+        given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
+    let modes = if cached.model.bearings.is_empty() {
+        excited_modes(cached)
+    } else {
+        excited_modes(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
+    }?;
+    let search = Search { given, automatic: &automatic, layouts: &layouts, modes: &modes, model: &cached.model };
+    Ok(search.candidate(1, f64::INFINITY).error)
 }
 
 /// Largest error of mesh forces, or of displacements in a scene without meshes.
@@ -173,7 +202,7 @@ impl Search<'_> {
             for i in 0..LENGTHS {
                 let candidate = self.candidate(degree, longest * FINER.powi(i as i32));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
-                if candidate.coordinates >= cheapest && most_accurate.is_some() {
+                if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
                     break;
                 }
                 if candidate.error <= permitted {
