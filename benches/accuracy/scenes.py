@@ -154,7 +154,7 @@ def drawn(seed: int) -> gb.RotorSystem:
             meshes.append((f"a{i - 1}", f"b{i}"))
         if i < count - 1:
             gears.append(_gear(f"a{i}", name, places[1], int(random.integers(18, 30)), module, width))
-        stiffness = float(10 ** random.uniform(7.5, 8.5))
+        stiffness = float(10 ** random.uniform(8.0, 8.6))
         bearings += [gb.Bearing(name, x, stiffness=stiffness, damping=damping) for x in (0.0, length)]
     teeth = [
         gb.Stiffness.potential_energy(),

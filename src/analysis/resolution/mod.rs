@@ -10,7 +10,7 @@ mod excited_modes;
 mod layout;
 
 use super::AnalysisError;
-use excited_modes::{ExcitedMode, excited_modes};
+use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
 
 use crate::element::{BendingFunction, twist_degrees};
@@ -86,12 +86,20 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     let model = Model::new(Scene::new(&probe)?)?;
     let cached = CachedModel::new(at_tabulated_speed(model)?);
     let permitted_error = permitted(level, cached.model.meshes.is_empty());
-    let Ok(modes) = excited_modes(&cached) else {
+    let Ok(excitation) = excitation(&cached) else {
         // An analysis of the scene reports the failure of the decomposition.
         let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
         return Ok(Resolved { description: probe, choice: Some(choice) });
     };
-    let search = Search { given, automatic: &automatic, layouts: &layouts, modes: &modes, model: &cached.model };
+    let ratio = force_over_displacement(level, &cached.model);
+    let search = Search {
+        given,
+        automatic: &automatic,
+        layouts: &layouts,
+        excitation: &excitation,
+        ratio,
+        model: &cached.model,
+    };
     let best = search.best(permitted_error);
     let highest =
         |(layout, lengths): (&Layout, &Vec<Vec<f64>>)| layout.highest_frequency(lengths, best.degree, RESOLVED);
@@ -125,13 +133,27 @@ pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, 
     // Every node counts as a place of a part, so that the elements are those of the model.
     let layouts: Vec<Layout> =
         given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-    let modes = if cached.model.bearings.is_empty() {
-        excited_modes(cached)
+    let excitation = if cached.model.bearings.is_empty() {
+        excitation(cached)
     } else {
-        excited_modes(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
+        excitation(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
     }?;
-    let search = Search { given, automatic: &automatic, layouts: &layouts, modes: &modes, model: &cached.model };
+    let ratio = force_over_displacement(Resolution::Engineering, &cached.model);
+    let search = Search {
+        given,
+        automatic: &automatic,
+        layouts: &layouts,
+        excitation: &excitation,
+        ratio,
+        model: &cached.model,
+    };
     Ok(search.candidate(1, f64::INFINITY).error)
+}
+
+/// Permitted error of mesh forces over that of displacements; 1 for a scene without meshes, whose errors are those of
+/// displacements.
+fn force_over_displacement(level: Resolution, model: &Model) -> f64 {
+    if model.meshes.is_empty() { 1.0 } else { permitted(level, false) / permitted(level, true) }
 }
 
 /// Largest error of mesh forces, or of displacements in a scene without meshes.
@@ -175,7 +197,9 @@ struct Search<'a> {
     automatic: &'a [usize],
     /// Their segments.
     layouts: &'a [Layout],
-    modes: &'a [ExcitedMode],
+    excitation: &'a Excitation,
+    /// Permitted error of mesh forces over that of displacements.
+    ratio: f64,
     model: &'a Model,
 }
 
@@ -242,16 +266,19 @@ impl Search<'_> {
 
     /// Expected error of the worst load: RMS of the difference between the step responses.
     fn error(&self, lengths: &[Vec<Vec<f64>>], degree: usize) -> f64 {
-        let loads = self.modes.first().map_or(0, |mode| mode.amplitudes.len());
-        let mut sums = vec![[0.0; 2]; loads];
-        for mode in self.modes {
+        let Excitation { signals, modes } = self.excitation;
+        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * TIME]).collect();
+        for mode in modes {
             let [difference, response] = self.squares(mode, lengths, degree);
-            for (sum, amplitude) in sums.iter_mut().zip(&mode.amplitudes) {
-                sum[0] += amplitude * amplitude * difference;
-                sum[1] += amplitude * amplitude * response;
+            for (sum, square) in sums.iter_mut().zip(&mode.squares) {
+                sum[0] += square * difference;
+                sum[1] += square * response;
             }
         }
-        let relative = sums.iter().map(|[difference, response]| (difference / response.max(f64::MIN_POSITIVE)).sqrt());
+        let relative = signals.iter().zip(&sums).map(|(signal, [difference, response])| {
+            let weight = if signal.displacement { self.ratio } else { 1.0 };
+            weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
+        });
         CALIBRATION * relative.fold(0.0, f64::max)
     }
 
