@@ -93,7 +93,9 @@ def reference(
     agreement: dict[str, float] = {}
     for factor, degree in [*numbers, (2, MAX_DEGREE - 1), (2, MAX_DEGREE)]:
         finer = refined(system, factor, degree)
-        run = finer.simulate(scene.duration, scene.speed, method="exponential", rtol=rtol, **options)
+        run = finer.simulate(
+            scene.duration, scene.speed, method="exponential", rtol=rtol, **options
+        )
         if last is not None:
             agreement = difference(last, run)
             if all(error < permitted[kind] / 10.0 for kind, error in agreement.items()):
@@ -146,7 +148,8 @@ def table(levels: list[str], names: list[str]) -> Iterator[str]:
             for kind in ("displacement", "mesh_force"):
                 known = kind in found.true
                 cells += [
-                    f"{errors[kind]:.1e}" if known else "–" for errors in (found.true, found.estimated)
+                    f"{errors[kind]:.1e}" if known else "–"
+                    for errors in (found.true, found.estimated)
                 ]
             yield (
                 f"| {level} | {name} | {found.coordinates} | {found.degree} | {' | '.join(cells)} "

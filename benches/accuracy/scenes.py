@@ -13,7 +13,12 @@ import numpy as np
 import gearbow as gb
 
 STAGES = (("g1", "g2"), ("g3", "g4"))
-PLACES = (("g1", "input", 0.5), ("g2", "middle", 0.25), ("g3", "middle", 0.75), ("g4", "output", 0.5))
+PLACES = (
+    ("g1", "input", 0.5),
+    ("g2", "middle", 0.25),
+    ("g3", "middle", 0.75),
+    ("g4", "output", 0.5),
+)
 TEETH = (25, 50, 25, 50)
 POTENTIAL = gb.Stiffness.potential_energy()
 
@@ -56,7 +61,9 @@ def train(
         ],
         meshes=[gb.Mesh(*pair, stiffness=stiffness, damping_ratio=0.05) for pair in STAGES],
         bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in names for x in (0.0, length)
+            gb.Bearing(name, x, stiffness=1e8, damping=500.0)
+            for name in names
+            for x in (0.0, length)
         ],
         torques=[gb.Torque("g1", torque), gb.Torque.balance("g4")],
         modal_damping=modal_damping,
@@ -102,7 +109,9 @@ def heavy() -> gb.RotorSystem:
     return gb.RotorSystem(
         shafts=[
             gb.Shaft("motor", length=0.8, outer_diameter=0.04, bow=gb.Bow.half_sine(1e-4)),
-            gb.Shaft("load", length=1.2, outer_diameter=0.06, bow=gb.Bow.half_sine(2e-4, phase=2.0)),
+            gb.Shaft(
+                "load", length=1.2, outer_diameter=0.06, bow=gb.Bow.half_sine(2e-4, phase=2.0)
+            ),
         ],
         gears=[
             gb.Gear("p", "motor", 0.55, teeth=20, module=4e-3, face_width=0.04),
@@ -150,12 +159,18 @@ def drawn(seed: int) -> gb.RotorSystem:
         shafts.append(gb.Shaft(name, segments=segments, bow=bow))
         places = np.sort(random.uniform(0.15, 0.85, 2)) * length
         if i > 0:
-            gears.append(_gear(f"b{i}", name, places[0], int(random.integers(30, 60)), module, width))
+            gears.append(
+                _gear(f"b{i}", name, places[0], int(random.integers(30, 60)), module, width)
+            )
             meshes.append((f"a{i - 1}", f"b{i}"))
         if i < count - 1:
-            gears.append(_gear(f"a{i}", name, places[1], int(random.integers(18, 30)), module, width))
+            gears.append(
+                _gear(f"a{i}", name, places[1], int(random.integers(18, 30)), module, width)
+            )
         stiffness = float(10 ** random.uniform(8.0, 8.6))
-        bearings += [gb.Bearing(name, x, stiffness=stiffness, damping=damping) for x in (0.0, length)]
+        bearings += [
+            gb.Bearing(name, x, stiffness=stiffness, damping=damping) for x in (0.0, length)
+        ]
     teeth = [
         gb.Stiffness.potential_energy(),
         gb.Stiffness.square(1.5e8, engagement="sharp"),
@@ -193,4 +208,3 @@ SCENES = {
     "rotor": Scene(rotor, speed=200.0),
     **{f"random {seed}": Scene(partial(drawn, seed), 120.0, used=False) for seed in (1, 2, 3, 4)},
 }
-

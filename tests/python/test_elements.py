@@ -132,7 +132,9 @@ def test_a_stepped_shaft_has_the_frequencies_of_another_basis(degree: int):
 def test_bow_and_unbalance_of_a_stepped_shaft_equal_those_of_another_basis(degree: int):
     speed, amplitude, length = 900.0, 1e-4 * np.exp(0.4j), 0.75
     bearings = [gb.Bearing("s", x, stiffness=3e8, damping=2e4) for x in (0.0, length)]
-    disk = gb.Disk("d", "s", 0.2, mass=3.0, diametral_inertia=0.01, polar_inertia=0.02, unbalance=2e-4j)
+    disk = gb.Disk(
+        "d", "s", 0.2, mass=3.0, diametral_inertia=0.01, polar_inertia=0.02, unbalance=2e-4j
+    )
     system = stepped(degree, bearings=bearings, disks=[disk], bow=gb.Bow.mode(2, 1e-4, phase=0.4))
     found = system.synchronous([speed]).displacement("d")[0, 0]
 
@@ -210,13 +212,17 @@ def test_statics_are_exact_for_every_degree(degree: int):
 
 def test_the_weight_bends_a_beam_as_the_closed_form_between_its_nodes():
     # A single element with p = 3 contains the deflection of a beam under its weight, of degree four.
-    system = single_shaft(elements=1, degree=3, support=1e8, gravity=9.81, diameter=0.1, shear=False)
+    system = single_shaft(
+        elements=1, degree=3, support=1e8, gravity=9.81, diameter=0.1, shear=False
+    )
     static = system.static()
     names = [dof[2] for dof in static.coordinates.dofs]
     s = section(shear=False)
     # w'''' = −ρAg/EI: the twice integrated polynomial of degree 4 has the fourth derivative √(5/2)·3·(2/L)⁴.
     weight = s.density * s.area * 9.81 / (s.youngs_modulus * s.moment)
-    assert static.state[names.index("w4")] == pytest.approx(-weight / (np.sqrt(2.5) * 3 * 16), rel=1e-12)
+    assert static.state[names.index("w4")] == pytest.approx(
+        -weight / (np.sqrt(2.5) * 3 * 16), rel=1e-12
+    )
     assert static.state[names.index("v4")] == 0.0
 
 

@@ -127,7 +127,9 @@ def _runs(
         run = _run(model, complete, times, record)
     yield run
     fine = Model(refined(model.resolved()))
-    yield _run(fine, {**complete, "initial": _embedded(fine, model, options["initial"])}, times, record)
+    yield _run(
+        fine, {**complete, "initial": _embedded(fine, model, options["initial"])}, times, record
+    )
 
 
 def _run(model: Model, options: Mapping[str, Any], times: Array, record: list[Any]) -> RunData:
@@ -209,7 +211,9 @@ def _signals(data: RunData) -> list[_Signal]:
     moved = [
         _Signal("displacement", data["displacement"][:, i]) for i in range(len(data["points"]))
     ]
-    forces = [_Signal("mesh_force", data["mesh"]["force"][:, [i]]) for i in range(len(data["meshes"]))]
+    forces = [
+        _Signal("mesh_force", data["mesh"]["force"][:, [i]]) for i in range(len(data["meshes"]))
+    ]
     return moved + forces
 
 

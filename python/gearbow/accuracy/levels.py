@@ -67,7 +67,6 @@ class Level:
             )
         return sentence
 
-
     def coarse(self, model: Model) -> str | None:
         """Say why the elements of a system are too coarse for the level.
 

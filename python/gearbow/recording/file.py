@@ -47,7 +47,9 @@ _STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
 _METADATA = record(
     format=whole,
     accuracy=optional(text),
-    request=optional(record(description=record(), options=record(**dict.fromkeys(OPTIONS, anything)))),
+    request=optional(
+        record(description=record(), options=record(**dict.fromkeys(OPTIONS, anything)))
+    ),
     errors=optional(
         record(
             window=number,

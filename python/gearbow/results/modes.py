@@ -89,8 +89,7 @@ class Modes(ReadOnly):
         energy = np.real(self.shapes.conj() * (self.shapes @ mass))
         energy /= energy.sum(axis=1, keepdims=True)
         groups = [
-            (shaft, _DIRECTION[direction.rstrip("0123456789")])
-            for shaft, _, direction in self.dofs
+            (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in self.dofs
         ]
         return {
             group: energy[:, [other == group for other in groups]].sum(axis=1)

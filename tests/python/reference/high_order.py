@@ -53,7 +53,8 @@ class Shaft:
             parts = (
                 section.density * section.area * (u * weights) @ u.T + rotary,
                 rotary,
-                bending * (curvature * weights) @ curvature.T + shear * (strain * weights) @ strain.T,
+                bending * (curvature * weights) @ curvature.T
+                + shear * (strain * weights) @ strain.T,
             )
             for matrix, part in zip(matrices, parts, strict=True):
                 matrix[np.ix_(at, at)] += part
