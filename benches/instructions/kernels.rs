@@ -168,6 +168,7 @@ fn options(duration: f64) -> Options {
         rtol: None,
         stages: None,
         modes: None,
+        reduction: None,
         initial: Initial::Rest,
         times: Vec::new(),
         geometry: Geometry::Live,

@@ -87,6 +87,7 @@ class RunOptions(TypedDict):
     rtol: float | None
     stages: int | None
     modes: int | None
+    reduction: tuple[float, float] | None
     geometry: str
     start: float
 

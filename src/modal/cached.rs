@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use nalgebra::DMatrix;
 
 use super::first_order::FirstOrder;
+use super::projected::Projected;
 use super::real::RealModes;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
@@ -18,6 +19,10 @@ const CAPACITY: usize = 8;
 /// Speed of the reference shaft, rad/s, and whether the meshes are included.
 type Key = (f64, bool);
 
+/// What a subspace depends on: speed of the reference shaft, rad/s, highest frequency, rad/s, and the scalars of its loads
+/// and signals as entries (index, coefficient).
+type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
+
 /// A model with its undamped modes and its most recent state-space models.
 #[derive(Debug)]
 pub struct CachedModel {
@@ -27,6 +32,8 @@ pub struct CachedModel {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
+    /// The last [`CAPACITY`] subspaces.
+    subspaces: Mutex<Vec<(SubspaceKey, Arc<Projected>)>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Mutex<Vec<(f64, Arc<CachedModel>)>>,
 }
@@ -58,6 +65,7 @@ impl CachedModel {
             model,
             modes: [const { OnceLock::new() }; 3],
             linear: Mutex::new(Vec::new()),
+            subspaces: Mutex::default(),
             at_speeds: Mutex::default(),
         }
     }
@@ -119,6 +127,37 @@ impl CachedModel {
         let linear = ModalStateSpace::without_meshes(&self.model, speed)?.map(Arc::new);
         self.store((speed, false), linear.clone());
         Ok(linear)
+    }
+
+    /// The complete model at `speed` of the reference shaft, rad/s, in its undamped modes.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be computed.
+    pub fn projected(&self, speed: f64) -> Result<Projected, DecompositionError> {
+        let damping = self.damping_matrix(speed)? + self.model.gyroscopic_matrix() * speed;
+        Ok(Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping))
+    }
+
+    /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] of `find`.
+    pub fn subspace(
+        &self,
+        key: SubspaceKey,
+        find: impl FnOnce(&[Vec<(usize, f64)>]) -> Result<Projected, DecompositionError>,
+    ) -> Result<Arc<Projected>, DecompositionError> {
+        let list = || self.subspaces.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = list().iter().find(|(known, _)| *known == key) {
+            return Ok(Arc::clone(known));
+        }
+        let found = Arc::new(find(&key.2)?);
+        let mut list = list();
+        if list.len() >= CAPACITY {
+            list.remove(0);
+        }
+        list.push((key, Arc::clone(&found)));
+        Ok(found)
     }
 
     fn lookup(&self, key: Key) -> Option<Option<Arc<ModalStateSpace>>> {

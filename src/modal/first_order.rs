@@ -39,10 +39,13 @@ pub(super) struct FirstOrder {
 impl FirstOrder {
     /// Projects `damping` C + ΩG and `skew_part` K − K_symmetric, both n × n, on the undamped modes.
     pub fn new(real: &RealModes, damping: &DMatrix<f64>, skew_part: &DMatrix<f64>) -> Self {
-        let n = real.frequencies.len();
         let undamped = damping.amax() == 0.0 && skew_part.amax() == 0.0;
-        let (damping, skew_part) = (real.project(damping), real.project(skew_part));
+        Self::projected(real, &real.project(damping), &real.project(skew_part), undamped)
+    }
 
+    /// The form with `damping` D and `skew_part` N in the coordinates of the m undamped modes, both m × m.
+    pub fn projected(real: &RealModes, damping: &DMatrix<f64>, skew_part: &DMatrix<f64>, undamped: bool) -> Self {
+        let n = real.frequencies.len();
         let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
         let rigid_body: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
         let (smallest_damping, smallest_skew) = (UNCOUPLED * damping.amax(), UNCOUPLED * skew_part.amax());

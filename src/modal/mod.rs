@@ -6,20 +6,25 @@
 //! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
 
+mod balanced;
 mod cached;
+mod components;
 mod damped;
 mod eigenpairs;
 mod first_order;
 mod pairs;
+mod projected;
 mod quadratic;
 mod real;
 mod rigid_body;
 mod state_space;
 mod whirl;
 
+pub use balanced::{Directions, Ports};
 pub use cached::{AtSpeed, CachedModel};
 pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
+pub use projected::Projected;
 pub use quadratic::{OrderIntersection, Quadratic};
 pub use real::RealModes;
 pub use state_space::{Form, LANES, MAX_CONDITION, ModalStateSpace};

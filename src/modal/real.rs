@@ -71,6 +71,11 @@ impl RealModes {
         model.numbering.parts().map(modes_of_part).collect()
     }
 
+    /// Modes from their shapes, which are orthonormal in M; the first `null` ones are rigid-body modes.
+    pub(super) fn of_shapes(model: &Model, speed: f64, vectors: DMatrix<f64>, null: usize) -> Self {
+        Self::ascending(model, vectors, null, |shape| model.elastic_form(shape, |mesh| model.sigma(mesh, speed)))
+    }
+
     /// Sorts modes, of which the first `known` are rigid-body modes, by frequency; `elastic_form` gives φᵀKφ.
     fn ascending(model: &Model, vectors: DMatrix<f64>, known: usize, elastic_form: impl Fn(&[f64]) -> f64) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);
@@ -143,7 +148,7 @@ fn separate_equal_modes(
 
 /// Rigid-body modes, one per column and orthonormal in M: the combinations of `rigid` motions (columns) that deflect no
 /// spring. Each row of `deflections` gives the deflection of one spring per coordinate.
-fn rigid_body_modes(
+pub(super) fn rigid_body_modes(
     rigid: &DMatrix<f64>,
     deflections: &DMatrix<f64>,
     mass: &DMatrix<f64>,
@@ -172,7 +177,7 @@ fn rigid_body_modes(
 /// Deflection of every bearing direction and of every mesh per coordinate, one spring per row, n columns.
 ///
 /// `speed` (reference shaft, rad/s) selects the loaded tooth flanks; without it the meshes are left out.
-fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
+pub(super) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
     let mut rows = Vec::new();
     for support in &model.supports {
         for [along_v, along_w] in support.directions() {
@@ -192,7 +197,7 @@ fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
 }
 
 /// Rigid motions of every single shaft, one per column, n rows.
-fn rigid_motions(model: &Model) -> DMatrix<f64> {
+pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
     let mut columns = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
         let middle = given.length() / 2.0;

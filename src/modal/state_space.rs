@@ -39,6 +39,8 @@ pub struct ModalStateSpace {
     pub form: Form,
     /// Entries a, b, c, d of the blocks [[a, b], [c, d]] of A, one per slot, 1/s; empty if A is dense.
     pub blocks: [Vec<f64>; 4],
+    /// Number of modes.
+    pub modes: usize,
     /// Number of slots with padding; z has twice as many entries.
     pub slots: usize,
     /// Condition number of the modes, the largest ‖left vectors‖·‖right vectors‖; 1 for orthogonal modes.
@@ -50,13 +52,13 @@ pub struct ModalStateSpace {
     /// Slots of each uncoupled part.
     pub parts: Vec<Range<usize>>,
     /// Q of q = Q z, n × 2·slots.
-    displacement: DMatrix<f64>,
+    pub(super) displacement: DMatrix<f64>,
     /// V of q̇ = V z, n × 2·slots.
     velocity: DMatrix<f64>,
     /// P of z = P M q + R M q̇, 2·slots × n.
     from_displacement: DMatrix<f64>,
     /// R of z = P M q + R M q̇, 2·slots × n; a force f gives ż = A z + R f.
-    from_velocity: DMatrix<f64>,
+    pub(super) from_velocity: DMatrix<f64>,
 }
 
 impl ModalStateSpace {
@@ -100,65 +102,16 @@ impl ModalStateSpace {
         Ok(Some(Self::assemble(false, largest, parts)))
     }
 
-    /// The model reduced to the pairs in `slots`; `None` if A is dense.
-    pub fn select_pairs(&self, slots: &[usize]) -> Option<Self> {
-        let Form::Pairs(pairs) = &self.form else {
-            return None;
-        };
-        let entries: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
-        let pairs = slots.iter().map(|slot| pairs[*slot]).collect();
-        let maps = Maps([
-            self.displacement.select_columns(&entries),
-            self.velocity.select_columns(&entries),
-            self.from_displacement.select_rows(&entries).transpose(),
-            self.from_velocity.select_rows(&entries).transpose(),
-        ]);
-        Some(Self::assemble(self.meshed, self.condition, vec![(Form::Pairs(pairs), maps)]))
-    }
-
-    /// Entries that this reduced model keeps of a state, row or column of the complete model, in its own order;
-    /// `slots` are those given to [`Self::select_pairs`].
-    pub fn select_entries(&self, all: &[f64], slots: &[usize]) -> Vec<f64> {
-        let mut kept = vec![0.0; self.len()];
-        for (to, from) in slots.iter().enumerate() {
-            kept[to] = all[*from];
-            kept[self.slots + to] = all[all.len() / 2 + from];
-        }
-        kept
-    }
-
-    /// The `count` slots that loads excite most, ascending; `columns` are the input columns b of the loads.
-    ///
-    /// The measure is |b|/|λ|³. A load with jumps has harmonics that decrease with frequency, so the response of a mode
-    /// decreases as its static displacement |b|/|λ|², divided by |λ|. For each load the measures are normalized to a
-    /// sum of one; the largest value over all loads counts. Rigid-body pairs are always selected first.
-    pub fn most_excited(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
-        let Form::Pairs(pairs) = &self.form else {
-            return Vec::new();
-        };
-        let rigid = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
-        let mut largest: Vec<f64> = pairs.iter().map(|pair| if rigid(pair) { f64::INFINITY } else { 0.0 }).collect();
-        for column in columns {
-            let response = |(slot, pair): (usize, &ModePair)| match column[slot].hypot(column[self.slots + slot]) {
-                load if load > 0.0 && !rigid(pair) => load / pair.smallest().powi(3),
-                _ => 0.0,
-            };
-            let responses: Vec<f64> = pairs.iter().enumerate().map(response).collect();
-            let total = responses.iter().sum::<f64>();
-            for (largest, response) in largest.iter_mut().zip(responses).filter(|(_, response)| *response > 0.0) {
-                *largest = largest.max(response / total);
-            }
-        }
-        let mut order: Vec<usize> = (0..pairs.len()).collect();
-        order.sort_by(|a, b| largest[*b].total_cmp(&largest[*a]));
-        order.truncate(count);
-        order.sort_unstable();
-        order
+    /// Map from the states of `other`, a model of the same system in another subspace, to those of this one.
+    pub fn map_from(&self, model: &Model, other: &Self) -> DMatrix<f64> {
+        &self.from_displacement * model.mass_times(&other.displacement)
+            + &self.from_velocity * model.mass_times(&other.velocity)
     }
 
     /// Combines uncoupled parts and pads their slots; a dense part is the only one.
     fn assemble(meshed: bool, condition: f64, given: Vec<(Form, Maps)>) -> Self {
         let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
+        let modes = given.iter().map(|(_, maps)| maps.slots()).sum();
         for (_, maps) in &given {
             let begin = parts.last().map_or(0, |before| before.end);
             parts.push(begin..begin + maps.slots().next_multiple_of(LANES));
@@ -186,6 +139,7 @@ impl ModalStateSpace {
             blocks: blocks(&form),
             radius: radius(&form),
             form,
+            modes,
             slots,
             condition,
             meshed,

@@ -298,6 +298,7 @@ impl PyModel {
             rtol: given.rtol,
             stages: given.stages,
             modes: given.modes,
+            reduction: given.reduction,
             initial: read_initial(initial)?,
             times: times.as_array().to_vec(),
             geometry: mesh_geometry(&given.geometry)?,

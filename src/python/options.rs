@@ -31,6 +31,8 @@ pub struct RunOptions {
     /// Number of modes of the exponential method.
     #[serde(deserialize_with = "optional_count")]
     pub modes: Option<usize>,
+    /// Largest errors of displacements and of mesh forces from a reduction to fewer modes.
+    pub reduction: Option<[f64; 2]>,
     /// "live" or "frozen".
     #[serde(deserialize_with = "text")]
     pub geometry: String,

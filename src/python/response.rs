@@ -31,6 +31,10 @@ struct StatisticsEntries {
     omega_max: f64,
     /// Condition number of the modes; NaN if the method does not use modes.
     condition: f64,
+    /// Number of modes that a reduced model keeps.
+    modes: Option<usize>,
+    /// Estimated error of displacements and of mesh forces from the reduction to these modes.
+    modes_error: Option<[f64; 2]>,
     /// What limited most steps: "step", "stability" or "tolerance".
     limited_by: &'static str,
 }
@@ -47,6 +51,8 @@ impl From<&Response> for StatisticsEntries {
             step_max: count.longest,
             omega_max: response.spectrum.omega_max,
             condition: response.condition.unwrap_or(f64::NAN),
+            modes: response.reduction.map(|reduction| reduction.modes),
+            modes_error: response.reduction.map(|reduction| reduction.errors),
             limited_by: response.limited_by.name(),
         }
     }

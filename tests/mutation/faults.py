@@ -476,4 +476,23 @@ FAULTS: list[Fault] = [
         ("np.linspace(0.0, length, SAMPLES)", "np.linspace(0.0, 1.0, SAMPLES)"),
         ("[angles] * len(deflections)", "[0.0] * len(deflections)"),
     ),
+    *_faults(
+        "system/accuracy.py",
+        "modal_reduction",
+        (
+            "return REDUCTION_SHARE * displacement, REDUCTION_SHARE * mesh_force",
+            "return REDUCTION_SHARE * mesh_force, REDUCTION_SHARE * displacement",
+        ),
+        ("        if error > most:", "        if error < most:"),
+        ('level or ACCURACIES["engineering"]', 'level or ACCURACIES["draft"]'),
+        ('("displacements", "mesh forces")', '("mesh forces", "displacements")'),
+    ),
+    *_faults(
+        "recording/record.py",
+        "modal_reduction",
+        (
+            '"modes_error", (displacement, mesh_force)',
+            '"modes_error", (mesh_force, displacement)',
+        ),
+    ),
 ]

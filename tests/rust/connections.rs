@@ -54,6 +54,7 @@ fn options(method: Method, step: Option<f64>) -> Options {
         rtol: matches!(method, Method::Rk45).then_some(1e-11),
         stages: None,
         modes: None,
+        reduction: None,
         initial: Initial::Static,
         times: (0..=20).map(|k| f64::from(k) * 1e-3).collect(),
         geometry: Geometry::Live,

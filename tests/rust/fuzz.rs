@@ -309,6 +309,7 @@ fn run(model: Model) {
             rtol: Some(1e-4),
             stages: None,
             modes: None,
+            reduction: None,
             initial: Initial::Rest,
             times: vec![0.0, 1e-3],
             geometry: Geometry::Live,

@@ -133,6 +133,7 @@ fn whole_run(method: Method, system: &SceneDescription, geometry: Geometry, dura
         rtol: None,
         stages: None,
         modes: None,
+        reduction: None,
         initial: Initial::Rest,
         times: Vec::new(),
         geometry,

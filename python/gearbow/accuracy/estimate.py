@@ -119,11 +119,12 @@ def _runs(
     own = _run(model, options, times, _recorded(request))
     yield own
     record = _items(own)
-    exact = {**options, **_tighter(options)}
+    kept = own["statistics"]["modes"]
+    exact = {**options, **_tighter(options), "modes": kept, "reduction": None}
     run = _run(model, exact, times, record)
     yield run
     complete = {**exact, "modes": None}
-    if options["modes"] is not None:
+    if kept is not None:
         run = _run(model, complete, times, record)
     yield run
     fine = Model(refined(model.resolved()))

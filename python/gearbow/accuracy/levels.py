@@ -4,15 +4,20 @@ The total error is that of elements, modes and integration, RMS of the differenc
 signal about its mean. `examples/accuracy.py` measures it on twelve scenes.
 """
 
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from gearbow._core import Model
-from gearbow.errors import SceneError
-from gearbow.recording.record import Event
+from gearbow.errors import AccuracyWarning, SceneError
+from gearbow.recording.record import Event, Statistics
 
-__all__ = ["DEFAULT", "LEVELS", "Level", "find_level"]
+__all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level"]
+
+
+#: Share of the total error that a reduction to fewer modes may use.
+REDUCTION_SHARE = 1.0 / 3.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,19 @@ class Level:
     rtol: float
     displacement: float
     mesh_force: float
+
+    @property
+    def reduction(self) -> tuple[float, float] | None:
+        """Give the largest errors from a reduction to fewer modes.
+
+        Returns
+        -------
+        tuple of float, optional
+            Errors of displacements and of mesh forces; None keeps all modes.
+        """
+        if self.name == "reference":
+            return None
+        return REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force
 
     def explanation(self, events: Iterable[Event], coarse: str | None) -> str:
         """Say what the level promises for a run.
@@ -134,3 +152,32 @@ def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
     if other is not None:
         raise SceneError(f"accuracy: cannot be given together with {other}")
     return LEVELS[name]
+
+
+def check_reduction(statistics: Statistics, level: Level | None) -> None:
+    """Warn if the error of a reduction to a given number of modes exceeds an accuracy level.
+
+    Parameters
+    ----------
+    statistics : Statistics
+        Statistics of the run.
+    level : Level, optional
+        Accuracy level of the run; None is the default level.
+
+    Warns
+    -----
+    AccuracyWarning
+        If the error of displacements or of mesh forces is above the level.
+    """
+    if statistics.modes_error is None:
+        return
+    level = level or LEVELS[DEFAULT]
+    kinds = ("displacements", "mesh forces")
+    permitted = (level.displacement, level.mesh_force)
+    for kind, error, most in zip(kinds, statistics.modes_error, permitted, strict=True):
+        if error > most:
+            message = (
+                f"modes: {statistics.modes} modes leave an error of {error:.1e} in {kind}, above "
+                f"{most:.0e} of accuracy {level.name!r}; keep more modes, or leave out modes"
+            )
+            warnings.warn(message, AccuracyWarning, stacklevel=3)

@@ -67,6 +67,8 @@ _METADATA = record(
         **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
         **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
         limited_by=text,
+        modes=optional(whole),
+        modes_error=optional(each(any_number)),
     ),
     events=each(row(number, text, text, text)),
     final=record(),

@@ -129,6 +129,12 @@ class Statistics:
         tooth contact).
     condition : float
         Condition number of the mode shapes; NaN for a method that does not use modes.
+    modes : int, optional
+        Number of modes that a reduced model keeps; None if the run used the complete model.
+    modes_error : tuple of float, optional
+        Error of the reduction to these modes, of gear displacements and of mesh forces: RMS of the
+        difference / RMS of the signal about its mean, for the worst recorded signal, at most over
+        the first 0.1 s.
     """
 
     steps: int
@@ -140,6 +146,14 @@ class Statistics:
     omega_max: float
     limited_by: str
     condition: float
+    modes: int | None = None
+    modes_error: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Files store a tuple as a list."""
+        if self.modes_error is not None:
+            displacement, mesh_force = self.modes_error
+            object.__setattr__(self, "modes_error", (displacement, mesh_force))
 
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)

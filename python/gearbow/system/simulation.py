@@ -13,7 +13,7 @@ from gearbow._convert import number, text, whole
 from gearbow._progress import reported
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
-from gearbow.accuracy.levels import find_level
+from gearbow.accuracy.levels import check_reduction, find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, SceneError
@@ -62,12 +62,13 @@ class Simulation(LinearAnalyses):
             speed may start or end at zero, but must not change its sign. The torque that
             accelerates a section of a shaft acts on this section.
         accuracy : {"draft", "engineering", "reference"}, optional
-            Largest total error of elements, modes and integration, instead of method, step, rtol,
-            stages and modes: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh
+            Largest total error of elements, modes and integration, instead of method, step, rtol
+            and stages: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh
             forces (RMS of the difference / RMS of the signal about its mean, over the first 0.1 s
             or the time that damping needs to forget). None is "engineering", if neither method,
             step nor rtol is given. `Response.accuracy` says what the level promises for the run,
-            and `Response.errors` estimates the error.
+            and `Response.errors` estimates the error. "draft" and "engineering" keep as many
+            modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss
             collocation; it is the default at constant speed. "rk45" is the Dormand–Prince 5(4)
@@ -86,8 +87,9 @@ class Simulation(LinearAnalyses):
             Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
             number. None is 3.
         modes : int, optional
-            Number of modes of "exponential" and "etdrk4". The modes with the largest response to
-            the loads are kept. None is all.
+            Number of modes of "exponential" and "etdrk4": the displacements that carry the loads to
+            the recorded signals are kept. None is all, or as many as `accuracy` needs.
+            `Statistics.modes_error` gives the error.
         initial : {"synchronous", "static", "rest"} or Response
             Initial state: static equilibrium plus linear synchronous response, static equilibrium,
             or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. A
@@ -139,7 +141,8 @@ class Simulation(LinearAnalyses):
         Warns
         -----
         AccuracyWarning
-            If `accuracy` is given and the elements are too coarse for it.
+            If `accuracy` is given and the elements are too coarse for it, or if the error of a
+            reduction to `modes` exceeds the accuracy level.
         CheckpointWarning
             If the checkpoint cannot be written, for example on a full disk. The run continues, and
             the file does not change.
@@ -164,7 +167,7 @@ class Simulation(LinearAnalyses):
         profile = given_speed(speed, begin, duration)
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
-            given |= {"stages": stages, "modes": modes}
+            given |= {"stages": stages}
         level = find_level(accuracy, given)
         coarse = None
         if level is not None:
@@ -191,6 +194,7 @@ class Simulation(LinearAnalyses):
             "geometry": text(geometry, "geometry"),
             "start": begin,
         }
+        arguments["reduction"] = None if level is None else level.reduction
         wanted, rows = self._times(arguments, output_step, times)
         identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
         with self._checkpoint(checkpoint, checkpoint_interval, identity) as file:
@@ -199,6 +203,8 @@ class Simulation(LinearAnalyses):
             response = self._run(arguments, profile, (wanted, rows), progress, file)
             if level is not None and stages is None and modes is None:
                 response.accuracy = level.explanation(response.events, coarse)
+            if modes is not None:
+                check_reduction(response.statistics, level)
             if file is not None:
                 file.finish(response.to_record())
         return response

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any, TypeVar
 
 from gearbow.analysis.protocol import System, variant
-from gearbow.errors import RunTimeWarning
+from gearbow.errors import AccuracyWarning, RunTimeWarning
 from gearbow.results.response import Response
 
 __all__ = ["Budget", "Cost", "TooSlowError", "measure"]
@@ -158,6 +158,8 @@ def _once(
     with warnings.catch_warnings():
         # The allowance ends a run that takes too long, and says so.
         warnings.simplefilter("ignore", RunTimeWarning)
+        # A study measures the error of a number of modes.
+        warnings.filterwarnings("ignore", "modes: ", AccuracyWarning)
         whole, response = _timed(
             lambda: fresh.simulate(duration, speed, progress=_watch(allowance), **options)
         )

@@ -11,6 +11,7 @@ use crate::integrate::{
 };
 use crate::mesh::Geometry;
 use crate::modal::CachedModel;
+use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
 
@@ -35,6 +36,13 @@ pub(super) struct Start {
     pub state: State,
     /// Whether a run with the same method and setting left the state.
     pub resumes: bool,
+}
+
+impl Start {
+    /// Whether a run left the state that had fewer modes than the model has coordinates, and this run continues it.
+    pub fn is_reduced(&self, model: &Model) -> bool {
+        self.resumes && (1..2 * model.len()).contains(&self.state.modal.len())
+    }
 }
 
 /// Displacements of the equilibrium, initial state, and rotation of the reference shaft.

@@ -7,8 +7,10 @@ mod exponential;
 mod initial;
 mod modal_setup;
 mod options;
+mod pilot;
 mod record;
 mod record_plan;
+mod reduction;
 
 use std::time::{Duration, Instant};
 
@@ -18,6 +20,7 @@ pub use exponential::{round_below, sample_step};
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use record::{MESH_FIELDS, Record, fields};
 pub use record_plan::{Point, RecordPlan, Request};
+pub use reduction::Reduction;
 
 use super::{AnalysisError, Spectrum};
 use crate::exponential::InModes;
@@ -53,6 +56,8 @@ pub struct Response {
     pub limited_by: StepLimit,
     /// Condition number of the modes, if the run used modal coordinates.
     pub condition: Option<f64>,
+    /// The reduction of the linear motion, if there is one.
+    pub reduction: Option<Reduction>,
 }
 
 /// A run that stopped early, with its partial result.
@@ -112,7 +117,8 @@ pub fn simulate(
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
     let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
-    let Ended { state, condition, outcome } = run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
+    let Ended { state, condition, reduction, outcome } =
+        run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
     // A run that was stopped continues from the state that it reached.
     let reached = if outcome.is_ok() { options.start + options.duration } else { origin + state.elapsed };
     let (record, recorder_state) = observer.recorder.finish();
@@ -124,6 +130,7 @@ pub fn simulate(
         statistics,
         spectrum,
         condition,
+        reduction,
     };
     match outcome {
         Ok(()) => Ok(response),
@@ -137,6 +144,8 @@ struct Ended {
     state: State,
     /// Condition number of the modes, if the run used modal coordinates.
     condition: Option<f64>,
+    /// The reduction of the linear motion, if there is one.
+    reduction: Option<Reduction>,
     /// The reason for an early stop.
     outcome: Result<(), Halted>,
 }
@@ -170,19 +179,19 @@ impl Run<'_> {
         if !options.in_modes(&cached.model) {
             let mut state = start.state.clone();
             let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
-            return Ok(Ended { state, condition: None, outcome });
+            return Ok(Ended { state, condition: None, reduction: None, outcome });
         }
-        let setup = ModalSetup::new(cached, options, motion, start, plan.selection(&cached.model))?;
+        let (setup, reduction) = reduction::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
         if is_exponential {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
-            return Ok(Ended { state, condition, outcome });
+            return Ok(Ended { state, condition, reduction, outcome });
         }
         let ModalSetup { linear, nonlinear_loads, maps, output } = setup;
         let mut state = enter(cached, &linear, &nonlinear_loads, start);
         let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
         let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
-        Ok(Ended { state: leave(state, &linear, system.nonlinear_loads()), condition, outcome })
+        Ok(Ended { state: leave(state, &linear, system.nonlinear_loads()), condition, reduction, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, ExcitationPart};
@@ -10,11 +10,13 @@ use super::initial::Start;
 use super::{Method, Options};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::modal::{CachedModel, ModalStateSpace};
+use crate::modal::{CachedModel, ModalStateSpace, Projected};
+use crate::model::Model;
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
 /// The parts of a run in modal coordinates.
+#[derive(Clone)]
 pub(super) struct ModalSetup<'m> {
     /// The linear motion ż = A z.
     pub linear: Arc<ModalStateSpace>,
@@ -27,13 +29,15 @@ pub(super) struct ModalSetup<'m> {
 }
 
 impl<'m> ModalSetup<'m> {
-    /// Sets up a run of a motion that records a selection of coordinates.
+    /// Sets up a run of a motion that records a selection of coordinates. The linear motion is that of `subspace`, or of
+    /// the complete model if there is none. The equilibrium and the synchronous motion are those of the complete model.
     pub fn new(
         cached: &'m CachedModel,
         options: &Options,
         motion: EquationOfMotion<'m>,
         start: &Start,
         selection: Selection,
+        subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let Speed::Constant(speed) = options.speed else {
             let message = format!(
@@ -45,15 +49,20 @@ impl<'m> ModalSetup<'m> {
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
         let linear = match options.method {
-            Method::Exponential if options.modes.is_none() && motion.parts_and_varies() => {
+            Method::Exponential if subspace.is_none() && options.modes.is_none() && motion.parts_and_varies() => {
                 cached.linear_without_meshes(speed)?
             }
             _ => None,
         };
-        let linear = linear.map_or_else(|| cached.linear(speed), Ok)?;
+        let linear = match (subspace, linear) {
+            (Some(subspace), _) => subspace.state_space()?,
+            (None, Some(linear)) => linear,
+            (None, None) => cached.linear(speed)?,
+        };
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-            let known = linear.synchronous(motion.spin(shaft), &motion.turning_forces(shaft));
+            let forces = || motion.turning_forces(shaft);
+            let known = subspace.is_none().then(|| linear.synchronous(motion.spin(shaft), &forces())).flatten();
             let amplitude =
                 known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
             amplitudes.set_column(shaft, &amplitude);
@@ -63,38 +72,28 @@ impl<'m> ModalSetup<'m> {
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
-        let (linear, maps) = match options.modes {
-            Some(count) => keep_modes(cached, &linear, &nonlinear_loads, &maps, count)?,
-            None => (linear, maps),
-        };
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
         Ok(Self { linear, nonlinear_loads, maps, output })
     }
 }
 
-/// Reduces the linear motion and its maps to the modes that the loads excite most. The equilibrium and the synchronous
-/// motion keep all modes.
-fn keep_modes(
-    cached: &CachedModel,
-    linear: &ModalStateSpace,
-    nonlinear_loads: &NonlinearLoads<'_>,
-    maps: &InterfaceMaps,
-    count: usize,
-) -> Result<(Arc<ModalStateSpace>, InterfaceMaps), AnalysisError> {
-    let constant: Vec<(usize, f64)> = cached.model.constant_load.iter().copied().enumerate().collect();
-    let motion = &nonlinear_loads.motion;
-    let turning = motion.sources().flat_map(|shaft| motion.turning_forces(shaft));
-    let other = turning.chain([constant]).map(|load| linear.column(&load));
-    let loads: Vec<Vec<f64>> = maps.columns.iter().cloned().chain(other).collect();
-    let slots = linear.most_excited(&loads, count);
-    let Some(kept) = linear.select_pairs(&slots) else {
-        let message = format!("cannot be left out: they do not carry the motion, condition {:.1e}", linear.condition);
-        return Err(SceneError::new("modes", message).into());
-    };
-    let pick = |row: &Vec<f64>| kept.select_entries(row, &slots);
-    let [rows, columns] = [&maps.rows, &maps.columns].map(|list| list.iter().map(pick).collect());
-    let maps = InterfaceMaps { rows, columns, parts: kept.parts.clone(), ..maps.clone() };
-    Ok((Arc::new(kept), maps))
+impl<'m> ModalSetup<'m> {
+    /// The same run with the linear motion of a subspace.
+    pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
+        let embedding = self.linear.map_from(model, &linear);
+        let restriction = linear.map_from(model, &self.linear);
+        let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
+        let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
+        let maps = InterfaceMaps {
+            rows: self.maps.rows.iter().map(row).collect(),
+            columns: self.maps.columns.iter().map(column).collect(),
+            parts: linear.parts.clone(),
+            ..self.maps.clone()
+        };
+        let nonlinear_loads = self.nonlinear_loads.clone();
+        let output = OutputMap::new(&nonlinear_loads, &linear, selection);
+        Self { linear, nonlinear_loads, maps, output }
+    }
 }
 
 /// Converts the initial state to modal coordinates.
@@ -106,11 +105,7 @@ pub(super) fn enter(
 ) -> State {
     let mut state = start.state.clone();
     let modal = std::mem::take(&mut state.modal);
-    // The stored z is used only if it gives exactly the stored displacements and velocities.
-    let resumes = start.resumes
-        && modal.len() == linear.len()
-        && physical(linear, nonlinear_loads, state.elapsed, &modal) == state.y;
-    if resumes {
+    if resumes(linear, nonlinear_loads, start) {
         return State { y: modal, ..state };
     }
     let (reference_q, reference_v) = nonlinear_loads.reference_motion(state.elapsed);
@@ -122,6 +117,12 @@ pub(super) fn enter(
     let y = linear.state(&cached.model, &q, &v).as_slice().to_vec();
     // The step count starts at zero.
     State { elapsed: state.elapsed, ..State::new(y) }
+}
+
+/// Whether the stored z of an initial state gives exactly its displacements and velocities, so that a run continues from z.
+pub(super) fn resumes(linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>, start: &Start) -> bool {
+    let State { elapsed, y, modal, .. } = &start.state;
+    start.resumes && modal.len() == linear.len() && physical(linear, nonlinear_loads, *elapsed, modal) == *y
 }
 
 /// Converts the final state to displacements and velocities, and keeps its modal coordinates.

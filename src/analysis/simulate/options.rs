@@ -139,8 +139,11 @@ pub struct Options {
     pub rtol: Option<f64>,
     /// Number of stages of the exponential method; 3 if none.
     pub stages: Option<usize>,
-    /// Number of modes that the exponential method keeps; all if none.
+    /// Number of modes that the exponential method keeps; if none, `reduction` decides.
     pub modes: Option<usize>,
+    /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause, as RMS of the
+    /// difference over RMS of the variation; the run keeps all modes if none.
+    pub reduction: Option<[f64; 2]>,
     /// Initial state.
     pub initial: Initial,
     /// Output times, ascending, s.

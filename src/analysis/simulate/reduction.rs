@@ -1,0 +1,400 @@
+//! Reduction of the linear motion to fewer modes, with a measured error.
+//!
+//! Large models are reduced twice. The modes of the components ([`Projected::of_components`]) give a subspace that the
+//! accuracy of a run needs, without a large eigenvalue problem. In it, [`Directions`] finds those displacements that
+//! carry the loads of this run to its recorded signals.
+//!
+//! The error is measured: the first part of the run is integrated with the reduced and with the unreduced motion, and
+//! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
+//! synchronous motion are those of the complete model.
+
+use num_complex::Complex64;
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use super::initial::Start;
+use super::modal_setup::{ModalSetup, resumes};
+use super::pilot::{PILOT_DURATION, differences, pilot};
+use super::record::Record;
+use super::{RecordPlan, Run};
+use crate::analysis::AnalysisError;
+use crate::connection::Connection;
+use crate::exponential::Selection;
+use crate::integrate::Observer;
+use crate::modal::{Directions, Form, LANES, Ports, Projected};
+use crate::model::Model;
+use crate::motion::EquationOfMotion;
+use crate::scene::{Node, SceneError};
+
+/// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
+const SHORT_RUN: f64 = 3.0;
+/// Number of coordinates from which on the modes of the components replace those of the complete model.
+const LARGE_MODEL: usize = 250;
+/// Largest part of all modes that a reduced model has; a larger one saves too little.
+const LARGEST_PART: f64 = 0.75;
+/// Number of mode counts that are tried before the run keeps all modes.
+const MAX_TRIALS: usize = 4;
+/// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
+const MAX_RECORDED: usize = 64;
+/// Errors of displacements and mesh forces that determine the modes of the components without a given target.
+const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
+/// Error of the mesh force for component modes up to the highest frequency that the teeth excite, in a train with sharp
+/// engagement. It decreases with the square of the frequency limit, because the load of a tooth that engages is a step.
+const COMPONENT_ERROR: f64 = 0.3;
+/// Smallest frequency limit of the component modes, in multiples of the frequency that the teeth excite.
+const SMALLEST_LIMIT: f64 = 4.0;
+/// Ratio of successive frequency limits, and their number, until the error is below the target.
+const NEXT_LIMIT: f64 = 1.6;
+const MAX_LIMITS: usize = 4;
+/// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
+const COMPONENT_SHARE: f64 = 0.01;
+/// Ratio of the frequency limits of which the error is estimated.
+const COARSER: f64 = 1.5;
+/// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
+const FIRST_SHARE: f64 = 0.1;
+/// Largest errors, in multiples of the target, with which a continued run keeps its modes.
+const CONTINUED: f64 = 3.0;
+/// Harmonics of the tooth meshing frequency that count as excited.
+const HARMONICS: f64 = 10.0;
+/// Weight of loads across the line of action relative to those along it.
+const ACROSS: f64 = 0.03;
+
+/// A reduction of the linear motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    /// Number of modes that the run keeps.
+    pub modes: usize,
+    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
+    /// variation, for the worst recorded signal.
+    pub errors: [f64; 2],
+}
+
+/// Sets up a run, and reduces its linear motion as the options ask.
+pub(super) fn set_up<'m>(
+    run: &Run<'m>,
+    motion: EquationOfMotion<'m>,
+    start: &Start,
+    plan: &RecordPlan,
+    observer: &mut impl Observer,
+) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
+    let (options, model) = (run.options, &run.cached.model);
+    let is_large = model.len() >= LARGE_MODEL;
+    let is_short = is_short(run, start);
+    let keeps_all = match (options.modes, options.reduction) {
+        (Some(count), _) => count >= model.len(),
+        (None, Some(_)) => plan.energy || !is_large && (is_short || motion.parts_and_varies()),
+        (None, None) => true,
+    };
+    if keeps_all {
+        return Ok((run.complete(motion, start, plan, None)?, None));
+    }
+    let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
+        if options.modes.is_some() {
+            let message = "cannot be left out: nearly parallel modes do not carry the motion";
+            return Err(SceneError::new("modes", message).into());
+        }
+        return Ok((run.complete(motion, start, plan, None)?, None));
+    };
+    match (options.modes, options.reduction) {
+        (None, Some(target)) if !is_short => reducer.choose(target, observer),
+        (None, _) => Ok(reducer.unreduced()),
+        (Some(count), _) => {
+            let setup = reducer.reduced(count)?;
+            let reduction = reducer.measured(&setup, observer)?;
+            Ok((setup, Some(reduction)))
+        }
+    }
+}
+
+/// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
+fn is_short(run: &Run<'_>, start: &Start) -> bool {
+    run.options.duration < SHORT_RUN * PILOT_DURATION && !start.is_reduced(&run.cached.model)
+}
+
+impl<'m> Run<'m> {
+    /// The set-up of the run in a subspace, or with the complete model.
+    fn complete(
+        &self,
+        motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+        subspace: Option<&Projected>,
+    ) -> Result<ModalSetup<'m>, AnalysisError> {
+        let selection = plan.selection(&self.cached.model);
+        ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
+    }
+}
+
+/// What a reduction needs.
+struct Reducer<'a, 'm> {
+    run: &'a Run<'m>,
+    start: &'a Start,
+    plan: &'a RecordPlan,
+    /// The linear motion of the complete model, or of the modes of its components.
+    projected: Arc<Projected>,
+    /// The set-up of a run with this linear motion.
+    unreduced: ModalSetup<'m>,
+    /// The signals of this run.
+    exact: Record,
+    /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
+    components: Option<[f64; 2]>,
+    /// Directions of the displacements in the order of their importance; found at the first use.
+    directions: OnceCell<Directions>,
+}
+
+impl<'a, 'm> Reducer<'a, 'm> {
+    /// Prepares the reduction of a run; `None` if the modes are nearly parallel.
+    fn new(
+        run: &'a Run<'m>,
+        motion: &EquationOfMotion<'m>,
+        start: &'a Start,
+        plan: &'a RecordPlan,
+        observer: &mut impl Observer,
+    ) -> Result<Option<Self>, AnalysisError> {
+        let (options, model) = (run.options, &run.cached.model);
+        let target = options.reduction.unwrap_or(DEFAULT_TARGET);
+        let prepared = |limit: f64| Self::prepared(run, motion, start, plan, limit);
+        if model.len() < LARGE_MODEL {
+            let Some(mut reducer) = prepared(0.0)? else {
+                return Ok(None);
+            };
+            reducer.exact = pilot(run, &reducer.unreduced, start, plan, observer)?;
+            return Ok(Some(reducer));
+        }
+        let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
+        let limits = || std::iter::successors(Some(first), |limit| Some(limit * NEXT_LIMIT)).take(MAX_LIMITS);
+        // A continued run uses the component modes of the run before it, so that it continues bit by bit.
+        if start.is_reduced(model) {
+            for limit in limits() {
+                let Some(mut reducer) = prepared(limit)? else {
+                    return Ok(None);
+                };
+                if reducer.resumes()? {
+                    reducer.measure_components(motion, limit, observer)?;
+                    return Ok(Some(reducer));
+                }
+            }
+        }
+        let mut last = None;
+        for limit in limits() {
+            let Some(mut reducer) = prepared(limit)? else {
+                return Ok(None);
+            };
+            reducer.measure_components(motion, limit, observer)?;
+            let is_accurate = reducer.excess([0.0; 2], target) <= 1.0;
+            let is_complete = reducer.unreduced.linear.modes as f64 >= LARGEST_PART * model.len() as f64;
+            last = Some(reducer);
+            if is_accurate || is_complete || is_short(run, start) {
+                break;
+            }
+        }
+        Ok(last)
+    }
+
+    /// The linear motion and its directions; `limit` is the frequency limit of the component modes of a large model, in
+    /// multiples of the frequency that the teeth excite.
+    fn prepared(
+        run: &'a Run<'m>,
+        motion: &EquationOfMotion<'m>,
+        start: &'a Start,
+        plan: &'a RecordPlan,
+        limit: f64,
+    ) -> Result<Option<Self>, AnalysisError> {
+        let is_large = limit > 0.0;
+        let projected = match is_large {
+            true => of_components(run, motion, plan, limit)?,
+            false => Arc::new(run.cached.projected(run.options.fastest())?),
+        };
+        let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
+        if matches!(unreduced.linear.form, Form::Dense(_)) {
+            return Ok(None);
+        }
+        let directions = OnceCell::new();
+        let exact = Record::default();
+        Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
+    }
+
+    /// Whether this run continues bit by bit a run with the same component modes.
+    fn resumes(&self) -> Result<bool, AnalysisError> {
+        let count = self.start.state.modal.len() / 2;
+        let setup = if count < self.unreduced.linear.slots { self.reduced(count)? } else { self.unreduced.clone() };
+        Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
+    }
+
+    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from that of a lower limit: the errors
+    /// c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
+    fn measure_components(
+        &mut self,
+        motion: &EquationOfMotion<'m>,
+        limit: f64,
+        observer: &mut impl Observer,
+    ) -> Result<(), AnalysisError> {
+        self.exact = pilot(self.run, &self.unreduced, self.start, self.plan, observer)?;
+        let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
+        let model = &self.run.cached.model;
+        let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
+        let found = differences(&pilot(self.run, &coarse, self.start, self.plan, observer)?, &self.exact);
+        self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
+        Ok(())
+    }
+
+    /// The run without a further reduction.
+    fn unreduced(self) -> (ModalSetup<'m>, Option<Reduction>) {
+        let modes = self.unreduced.linear.modes;
+        (self.unreduced, self.components.map(|errors| Reduction { modes, errors }))
+    }
+
+    /// The run with the smallest tried number of modes whose errors of displacements and mesh forces are at most
+    /// `target`; without a further reduction if that saves little.
+    fn choose(
+        &mut self,
+        target: [f64; 2],
+        observer: &mut impl Observer,
+    ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
+        let null = self.projected.modes.null;
+        let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
+        let first = self.directions()?.count(FIRST_SHARE * target[1]) + null;
+        // A continued run keeps the modes of the run before it, so that it continues bit by bit.
+        let before = self.start.is_reduced(&self.run.cached.model).then_some(self.start.state.modal.len() / 2);
+        let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
+        for _ in 0..MAX_TRIALS {
+            count = count.next_multiple_of(LANES);
+            if count > largest {
+                break;
+            }
+            let setup = self.reduced(count)?;
+            let reduction = self.measured(&setup, observer)?;
+            let excess = self.excess(reduction.errors, target);
+            if excess <= allowed {
+                return Ok((setup, Some(reduction)));
+            }
+            allowed = 1.0;
+            count = (count + 1).max(self.directions()?.further(count - null, excess) + null);
+        }
+        let modes = self.unreduced.linear.modes;
+        Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
+    }
+
+    /// Largest ratio of the errors, with those from the modes of the components, to their target.
+    fn excess(&self, errors: [f64; 2], target: [f64; 2]) -> f64 {
+        let components = self.components.unwrap_or_default();
+        let ratio = |kind: usize| errors[kind].max(components[kind]) / target[kind];
+        ratio(0).max(ratio(1))
+    }
+
+    /// Directions of the displacements in the order of their importance.
+    fn directions(&self) -> Result<&Directions, AnalysisError> {
+        if let Some(known) = self.directions.get() {
+            return Ok(known);
+        }
+        let (model, linear) = (&self.run.cached.model, &self.unreduced.linear);
+        let ports = ports(model, &self.unreduced, &self.plan.selection(model));
+        let found = Directions::new(model, &self.projected, linear, &ports, PILOT_DURATION)?;
+        Ok(self.directions.get_or_init(|| found))
+    }
+
+    /// The set-up with `count` modes, rigid-body modes included.
+    fn reduced(&self, count: usize) -> Result<ModalSetup<'m>, AnalysisError> {
+        let model = &self.run.cached.model;
+        if count >= self.unreduced.linear.modes {
+            return Ok(self.unreduced.clone());
+        }
+        let elastic = count.saturating_sub(self.projected.modes.null);
+        let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
+        let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
+        Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
+    }
+
+    /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
+    /// independent, so that their squares add up.
+    fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
+        let found = differences(&pilot(self.run, setup, self.start, self.plan, observer)?, &self.exact);
+        let components = self.components.unwrap_or_default();
+        let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
+        Ok(Reduction { modes: setup.linear.modes, errors })
+    }
+}
+
+/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite, and in
+/// it in the directions that matter for the loads and the recorded coordinates.
+fn of_components(
+    run: &Run<'_>,
+    motion: &EquationOfMotion<'_>,
+    plan: &RecordPlan,
+    limit: f64,
+) -> Result<Arc<Projected>, AnalysisError> {
+    let (model, speed) = (&run.cached.model, run.options.fastest());
+    let ports = interface(model, speed, &plan.selection(model));
+    let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
+    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    loaded.sort_unstable();
+    loaded.dedup();
+    let highest = limit * excited_frequency(motion, speed);
+    let share = COMPONENT_SHARE / (limit * limit);
+    let found = run.cached.subspace((speed, highest, ports), |ports| {
+        let projected = Projected::of_components(model, speed, &loaded, highest)?;
+        let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
+        let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
+        projected.restricted(model, speed, &kept)
+    });
+    Ok(found?)
+}
+
+/// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
+/// the tooth meshing frequency.
+fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
+    motion.fastest_swing().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
+}
+
+/// Scalars on which loads act or that are recorded, as entries (index, coefficient) over the displacements.
+fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec<Vec<(usize, f64)>> {
+    let mut scalars: Vec<_> =
+        model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
+    if selection.displacements.len() <= MAX_RECORDED {
+        scalars.extend(selection.displacements.iter().map(|index| vec![(*index, 1.0)]));
+    }
+    scalars
+}
+
+/// What the reduced motion carries: mesh forces, recorded displacements, and the states in which a run can begin.
+fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
+    let ModalSetup { linear, nonlinear_loads, maps, .. } = setup;
+    let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
+        let mut sum = vec![0.0; linear.len()];
+        for (vector, factor) in vectors.iter().zip(gradient) {
+            sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
+        }
+        sum
+    };
+    let mut ports = Ports::default();
+    for tangent in &maps.tangents {
+        ports.columns.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
+        ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
+    }
+    for column in &maps.columns[..maps.meshes] {
+        ports.columns.push(column.iter().map(|value| ACROSS * value).collect());
+    }
+    ports.columns.extend(maps.columns[maps.meshes..].iter().cloned());
+    let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
+    let nodes = model.scene.shafts.iter().enumerate();
+    for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
+        if let Some(v) = model.numbering.translation(node).filter(|v| recorded(*v)) {
+            ports.rows.push([v, v + 1].map(|index| linear.row(&[(index, 1.0)], false)).to_vec());
+        }
+        if let Some(twist) = model.numbering.twist(node).filter(|twist| recorded(*twist)) {
+            ports.rows.push(vec![linear.row(&[(twist, 1.0)], false)]);
+        }
+    }
+    let rest = vec![0.0; model.len()];
+    ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
+    for source in 0..nonlinear_loads.source_count() {
+        for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
+            let values = |rate: bool| -> Vec<f64> {
+                (0..model.len()).map(|index| part(nonlinear_loads.amplitude(source, index, rate))).collect()
+            };
+            ports.states.push(linear.state(model, &values(false), &values(true)).as_slice().to_vec());
+        }
+    }
+    ports
+}
