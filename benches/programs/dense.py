@@ -5,6 +5,7 @@ The matrices come from gearbow. The equations of mesh, bow and torque are writte
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ class Dense:
         alone = gb.RotorSystem(shafts=[shaft])
         weights = np.zeros((self.n, 2))
         rows = [self.index[dof] for dof in alone.dofs]
-        force = alone.matrices().stiffness @ bow_shape(shaft, alone.dofs)
+        force = alone.matrices().stiffness @ bow_shape(shaft, nodal(alone.dofs))
         weights[rows] = np.column_stack([force.real, -force.imag])
         return weights
 
@@ -151,7 +152,14 @@ class Dense:
         return np.concatenate([y[n:], self.linear @ put])
 
 
-def bow_shape(shaft: gb.Shaft, dofs: tuple[tuple[str, float, str], ...]) -> NDArray[np.complex128]:
+def nodal(
+    dofs: Sequence[tuple[str, float | tuple[float, float], str]],
+) -> list[tuple[str, float, str]]:
+    """Return the coordinates of the nodes: elements of degree 1 have no others."""
+    return [(shaft, x, d) for shaft, x, d in dofs if not isinstance(x, tuple)]
+
+
+def bow_shape(shaft: gb.Shaft, dofs: Sequence[tuple[str, float, str]]) -> NDArray[np.complex128]:
     """Return the coordinates of a half-sine bow as complex amplitudes of the shaft rotation."""
     if shaft.bow is None or shaft.bow.amplitude is None or shaft.segments is None:
         raise TypeError

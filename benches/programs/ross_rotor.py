@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import gearbow as gb
-from programs.dense import bow_shape
+from programs.dense import bow_shape, nodal
 from programs.scenes import Array
 
 with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
@@ -98,9 +98,10 @@ class Ross:
         table = np.zeros((len(times), self.rotor_.ndof))
         for shaft, ratio in zip(self.system.shafts, self.system.speed_ratios, strict=True):
             alone = gb.RotorSystem([shaft])
-            shape = bow_shape(shaft, alone.dofs)
+            dofs = nodal(alone.dofs)
+            shape = bow_shape(shaft, dofs)
             free = np.zeros(DOFS * (len(self.lengths(shaft)) + 1), dtype=complex)
-            for (_, x, kind), value in zip(alone.dofs, shape, strict=True):
+            for (_, x, kind), value in zip(dofs, shape, strict=True):
                 free[DOFS * self.node(x) + PLACE[kind]] = value
             force = ross.Rotor(self.elements(shaft), [], []).K(0.0) @ free
             turn = np.exp(1j * ratio * self.speed * times)

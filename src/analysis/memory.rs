@@ -61,7 +61,7 @@ fn check(n: usize, needed: u64, available: u64) -> Result<(), SceneError> {
     }
     let gigabytes = |bytes: u64| bytes as f64 / 1e9;
     let message = format!(
-        "{n} degrees of freedom need {:.3} GB of memory for dense matrices, {:.3} GB are available; use fewer elements",
+        "{n} degrees of freedom need {:.3} GB of memory for dense matrices, {:.3} GB are available; use fewer elements, or elements of a lower degree",
         gigabytes(needed),
         gigabytes(available)
     );
@@ -119,7 +119,7 @@ mod tests {
     fn the_error_gives_the_required_and_the_available_memory() {
         assert!(check(1000, 8_000_000, 8_000_000).is_ok());
         let text = "shafts: 45005 degrees of freedom need 97.218 GB of memory for dense matrices, 16.000 GB are \
-                    available; use fewer elements";
+                    available; use fewer elements, or elements of a lower degree";
         let refused = check(45_005, 97_218_002_400, 16_000_000_000).map_err(|error| error.to_string());
         assert_eq!(refused, Err(text.to_owned()));
     }

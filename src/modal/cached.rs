@@ -181,7 +181,7 @@ impl CachedModel {
         Ok(FirstOrder::new(self.real_modes(speed)?, &damping, &model.skew_part_matrix()))
     }
 
-    /// Damping matrix C of shafts, bearings and meshes, n × n in internal order, including modal damping.
+    /// Damping matrix C of shafts, bearings and meshes, n × n in the order of the core, including modal damping.
     ///
     /// # Errors
     /// [`DecompositionError`] if the modes that modal damping needs cannot be computed.

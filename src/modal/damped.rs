@@ -21,7 +21,7 @@ const EQUAL_MAGNITUDE: f64 = 1e-9;
 pub struct Mode {
     /// Eigenvalue λ with Im λ ≥ 0, rad/s.
     pub eigenvalue: Complex<f64>,
-    /// Mode shape φ, n entries in internal order: φᴴMφ = 1, the largest entry is real and positive.
+    /// Mode shape φ, n entries in the order of the core: φᴴMφ = 1, the largest entry is real and positive.
     pub shape: DVector<Complex<f64>>,
     /// Type of motion.
     pub whirl: Whirl,

@@ -33,7 +33,7 @@ const EQUAL: f64 = 1e-12;
 pub struct RealModes {
     /// Angular frequencies ω, rad/s: the zeros of the rigid-body modes, then ascending.
     pub frequencies: DVector<f64>,
-    /// Mode shapes Φ with ΦᵀMΦ = I, one per column, n rows in internal order.
+    /// Mode shapes Φ with ΦᵀMΦ = I, one per column, n rows in the order of the core.
     pub vectors: DMatrix<f64>,
     /// Number of rigid-body modes; they are the first columns.
     pub null: usize,

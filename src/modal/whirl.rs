@@ -52,7 +52,7 @@ pub(super) struct Classifier<'m> {
     speed: f64,
     /// Mass matrix, n × n.
     mass: DMatrix<f64>,
-    /// Whether each internal coordinate belongs to bending, n entries.
+    /// Whether each coordinate of the core belongs to bending, n entries.
     lateral: Vec<bool>,
 }
 
@@ -65,7 +65,7 @@ impl<'m> Classifier<'m> {
         Self { model, speed, mass: model.mass_matrix(), lateral }
     }
 
-    /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in internal order.
+    /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in the order of the core.
     pub fn classify(&self, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
         if eigenvalue == Complex::new(0.0, 0.0) {
             return Whirl::Rigid;

@@ -1,4 +1,4 @@
-//! Dense n × n matrices of the complete model in internal order, for eigenvalues, factorizations and users.
+//! Dense n × n matrices of the complete model in the order of the core, for eigenvalues, factorizations and users.
 //!
 //! SI units: translations in m, rotations in rad. A speed Ω is that of the reference shaft, rad/s; its sign selects the
 //! loaded tooth flanks.

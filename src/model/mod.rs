@@ -30,7 +30,7 @@ use crate::scene::{Matrix2, Node, Scene, SceneError};
 /// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Support {
-    /// Internal index of v at its node; w has the next index.
+    /// Index, in the order of the core, of v at its node; w has the next index.
     pub index: usize,
     /// Stiffness matrix over (v, w), N/m.
     pub stiffness: [[f64; 2]; 2],

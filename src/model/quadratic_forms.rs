@@ -1,6 +1,6 @@
 //! Quadratic forms of energy and dissipation, summed over elements, bodies, bearings and meshes.
 //!
-//! q, m and rad, and v, m/s and rad/s, have n entries in internal order.
+//! q, m and rad, and v, m/s and rad/s, have n entries in the order of the core.
 
 use super::{Model, Support};
 

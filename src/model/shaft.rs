@@ -25,7 +25,7 @@ use crate::scene::{Node, Scene, SceneError};
 /// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
 #[derive(Clone, Debug)]
 pub struct Chain<const B: usize, E> {
-    /// Internal index of the first coordinate.
+    /// Index, in the order of the core, of the first coordinate.
     pub start: usize,
     /// Number of nodes.
     pub nodes: usize,
@@ -88,7 +88,7 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
 /// bow + unbalance·(Ω² − iΩ̇).
 #[derive(Clone, Copy, Debug)]
 pub struct Excitation {
-    /// Internal index of the real part (v or Γ); the imaginary part (w or −B) has the next index.
+    /// Index, in the order of the core, of the real part (v or Γ); the imaginary part (w or −B) has the next index.
     pub index: usize,
     /// Force K_s b of the bow, N or N m.
     pub bow: Complex64,

@@ -65,18 +65,28 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>
     for (index, given) in system.shafts.iter().enumerate() {
         let at = EntryPath::entry("shafts", index);
         let segments = segments(given, &at)?;
-        for segment in &segments {
-            elements = segment.elements.unwrap_or(1).saturating_add(elements);
-        }
-        elements = elements.saturating_add(stations[index].len());
+        let degree = degree(given, &at)?;
+        let count = |segment: &description::Segment| segment.elements.unwrap_or(1);
+        let own = segments.iter().fold(stations[index].len(), |sum, segment| count(segment).saturating_add(sum));
+        elements = own.saturating_mul(degree).saturating_add(elements);
         if elements > MAX_ELEMENTS {
+            let counted = if degree > 1 { ", counted by their degree" } else { "" };
             return Err(at.error(format!(
-                "the shafts up to this one have {elements} elements and positions, a system may have at most {MAX_ELEMENTS}; use fewer elements"
+                "the shafts up to this one have {elements} elements and positions{counted}, a system may have at most {MAX_ELEMENTS}; use fewer elements"
             )));
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
     }
     Ok(shafts)
+}
+
+/// The degree of the elements of a shaft.
+fn degree(given: &description::Shaft, at: &EntryPath) -> Result<usize, SceneError> {
+    let degree = given.degree.unwrap_or(1);
+    if (1..=MAX_DEGREE).contains(&degree) {
+        return Ok(degree);
+    }
+    Err(at.field("degree").error(format!("must be from 1 to {MAX_DEGREE}, got {degree}")))
 }
 
 /// The segments of a shaft. A uniform shaft is one segment.
@@ -164,10 +174,6 @@ fn shaft(
         outer_radius: segments[*section].outer_diameter / 2.0,
         inner_radius: segments[*section].inner_diameter / 2.0,
     };
-    let degree = given.degree.unwrap_or(1);
-    if !(1..=MAX_DEGREE).contains(&degree) {
-        return Err(at.field("degree").error(format!("must be between 1 and {MAX_DEGREE}, got {degree}")));
-    }
     let bow = given.bow.as_ref().map(|bow| Bow::new(bow, length, &at.field("bow"))).transpose()?;
     Ok(Shaft {
         name: given.name.clone(),
@@ -175,7 +181,7 @@ fn shaft(
         nodes,
         material: Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?,
         shear: given.shear,
-        degree,
+        degree: degree(given, at)?,
         bow,
     })
 }

@@ -323,6 +323,22 @@ FAULTS: list[Fault] = [
         ('"damping ratio": self.damping_ratios', '"damping ratio": 100.0 * self.damping_ratios'),
     ),
     *_faults(
+        "results/modes.py",
+        "elements",
+        ('direction.rstrip("0123456789")', "direction[:1]"),
+        ("self.shapes[:, : len(dofs)]", "self.shapes[:, -len(dofs) :]"),
+    ),
+    *_faults(
+        "_lookup.py",
+        "elements",
+        ("if not isinstance(x, tuple)", "if isinstance(x, float) or direction"),
+    ),
+    *_faults(
+        "description/shafts.py",
+        "elements",
+        ("degree: int | None = None", "degree: int | None = 2"),
+    ),
+    *_faults(
         "plotting/frequency.py",
         "figure_labels",
         ("np.degrees(np.unwrap(phase[known]))", "np.unwrap(phase[known])"),
@@ -392,7 +408,7 @@ FAULTS: list[Fault] = [
     *_faults(
         "results/modes.py",
         "shape_plot frequency_plots",
-        ("draw(title, self.shapes[number - 1]", "draw(title, self.shapes[number - 2]"),
+        ("draw(title, shapes[number - 1]", "draw(title, shapes[number - 2]"),
         (
             "{100.0 * self.damping_ratios[number - 1]:.2f} %",
             "{self.damping_ratios[number - 1]:.2f} %",

@@ -30,6 +30,7 @@ class Drawn:
     lengths: tuple[float, ...] = (0.4, 0.5)
     diameters: tuple[float, ...] = (0.05, 0.04)
     elements: tuple[int, ...] = (1, 2)
+    degrees: tuple[int, ...] = (1, 1, 1)
     places: tuple[float, ...] = (0.25, 0.6)  # of the gears, as parts of the shafts
     teeth: tuple[int, ...] = (20, 31)
     shear: bool = True
@@ -94,6 +95,7 @@ class Drawn:
                     outer_diameter=diameter * metre,
                     inner_diameter=0.2 * diameter * metre * (i == 0),
                     elements=2 * elements if self.split else elements,
+                    degree=self.degrees[i],
                     material=steel,
                     shear=self.shear,
                     bow=gb.Bow.points(x * metre, np.abs(bow), phases=np.angle(bow)),
@@ -199,6 +201,7 @@ def drawn(draw: st.DrawFn) -> Drawn:
         lengths=each(part(0.2, 1.0)),
         diameters=each(part(0.02, 0.1)),
         elements=each(st.integers(1, 3)),
+        degrees=each(st.sampled_from([1, 1, 2, 3, 5])),
         # no gear is so close to a node that a short element makes a run long
         places=each(st.sampled_from([0.0, 0.25, 0.4, 0.6, 1.0])),
         # a quarter of a turn, or a mirror, then puts a tooth where there was one

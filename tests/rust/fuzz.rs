@@ -366,6 +366,7 @@ fn absurd_sizes_are_refused_before_memory_is_allocated() {
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 1000000000")),
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 3334")),
+        ("counted by their degree", crate::common::TRAIN.replace("elements = 4", "elements = 420, degree = 8")),
     ] {
         let mut found = None;
         let info = measure(|| found = Some(scene(&text)));

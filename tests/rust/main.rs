@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue has failed")]
 
 mod block_tridiagonal;
+mod chain_matrix;
 mod common;
 mod connections;
 mod conservation;

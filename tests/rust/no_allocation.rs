@@ -42,9 +42,10 @@ impl Observer for Onlooker {
     }
 }
 
-/// The train with all damping models.
+/// The train with all damping models, and with internal coordinates.
 fn damped() -> SceneDescription {
     let mut system = train();
+    system.shafts[0].degree = Some(3);
     system.modal_damping = Some(0.01);
     system.rayleigh = Some([10.0, 1e-7]);
     system

@@ -73,8 +73,8 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
             elements,
         })
     };
-    (prop::collection::vec(segment(), 1..5), any::<(bool, bool)>(), material)
-        .prop_flat_map(move |(segments, (uniform, shear), material)| {
+    (prop::collection::vec(segment(), 1..5), any::<(bool, bool)>(), maybe((1_usize..9).boxed()), material)
+        .prop_flat_map(move |(segments, (uniform, shear), degree, material)| {
             let length: f64 = if uniform { segments[0].length } else { segments.iter().map(|part| part.length).sum() };
             let only = segments[0];
             let shaft = Shaft {
@@ -83,6 +83,7 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
                 outer_diameter: uniform.then_some(only.outer_diameter),
                 inner_diameter: uniform.then_some(only.inner_diameter),
                 elements: if uniform { only.elements } else { None },
+                degree,
                 shear,
                 material,
                 bow: None,
@@ -232,6 +233,7 @@ proptest! {
             prop_assert!(shaft.nodes.windows(2).all(|pair| pair[0] < pair[1]));
             let asked = given.elements.unwrap_or_else(|| given.segments.iter().flatten().map(|part| part.elements).sum());
             prop_assert!(shaft.elements.len() >= asked);
+            prop_assert_eq!(shaft.degree, given.degree.unwrap_or(1));
         }
         for (gear, given) in scene.gears.iter().zip(&system.gears) {
             let x = scene.shafts[gear.body.node.shaft].nodes[gear.body.node.node];
@@ -244,7 +246,13 @@ proptest! {
             prop_assert!((a + b).abs() <= 1e-12 * a.abs());
         }
         let model = Model::new(scene).unwrap();
-        prop_assert_eq!(model.len(), 5 * nodes);
+        let internal = model.scene.shafts.iter().map(|shaft| {
+            let bending = if shaft.shear { 2 * shaft.degree - 1 } else { shaft.degree.saturating_sub(2) };
+            let twist = shaft.degree - 1;
+            if shaft.degree > 1 { (2 * bending + twist) * shaft.elements.len() } else { 0 }
+        });
+        prop_assert_eq!(model.len(), 5 * nodes + internal.sum::<usize>());
+        prop_assert_eq!(model.numbering.nodal_dofs().len(), 5 * nodes);
         prop_assert!(model.constant_load.iter().all(|value| value.is_finite()));
     }
 }

@@ -94,8 +94,9 @@ class Shaft(Part):
         and torque becomes a node: the element there is split. None lets gearbow choose number and
         degree, see `gearbow.RotorSystem.discretisation`.
     degree : int, optional
-        Degree p of the elements, 1 to 8; None is 1 if a number of elements is given. The relative error of natural frequencies
-        decreases as (element length)^(2p). Static displacements of nodes are exact for every degree.
+        Degree p of the elements, 1 to 8; None is 1 if a number of elements is given. The relative
+        error of natural frequencies decreases as (element length)^(2p). Static displacements of
+        nodes are exact for any degree.
     segments : sequence of Segment
         The segments from x = 0 on, instead of length, diameters and number of elements.
     material : Material

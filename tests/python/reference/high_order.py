@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -39,6 +40,7 @@ class Shaft:
     nodes: Sequence[float]  # m
     sections: Sequence[Section]  # of each element
     degree: int
+    breaks: Sequence[float] = ()  # m; where the curvature of a bow has a kink
 
     def assemble(self) -> tuple[Array, Array, Array]:
         """Give mass, rotary inertia (a part of the mass) and stiffness."""
@@ -66,7 +68,7 @@ class Shaft:
         force = np.zeros(self.size, dtype=complex)
         for element, section in enumerate(self.sections):
             at, weights, shapes = self.shapes(element)
-            x = self.nodes[element] + self.abscissae()[0] * np.diff(self.nodes)[element]
+            x = self.nodes[element] + self.abscissae(element)[0] * np.diff(self.nodes)[element]
             bending = section.youngs_modulus * section.moment
             force[at] += bending * shapes[3] @ (weights * curvature(x))
         return force
@@ -83,14 +85,19 @@ class Shaft:
     def size(self) -> int:
         return 2 * len(self.nodes) + len(self.sections) * (2 * self.degree - 1)
 
-    def abscissae(self) -> tuple[Array, Array]:
+    def abscissae(self, element: int) -> tuple[Array, Array]:
+        """Give points and weights over [0, 1]: a Gauss rule on each piece between two breaks."""
+        start, end = self.nodes[element], self.nodes[element + 1]
+        inside = [(x - start) / (end - start) for x in self.breaks if start < x < end]
         x, weight = leggauss(self.degree + 12)
-        return (1 + x) / 2, weight / 2
+        pieces = [(a, b - a) for a, b in pairwise([0.0, *inside, 1.0])]
+        points = [a + size * (1 + x) / 2 for a, size in pieces]
+        return np.concatenate(points), np.concatenate([size * weight / 2 for _, size in pieces])
 
     def shapes(self, element: int) -> tuple[Array, Array, list[Array]]:
         """Give indices, weights [m], and u, φ, u' and φ' of every shape function at the points."""
         length = np.diff(self.nodes)[element]
-        x, weight = self.abscissae()
+        x, weight = self.abscissae(element)
         displacements, rotations = lagrange(self.degree + 1), lagrange(self.degree)
         inner = 2 * len(self.nodes) + element * (2 * self.degree - 1)
         second = inner + self.degree

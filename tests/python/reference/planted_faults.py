@@ -16,6 +16,7 @@ SCENE: dict[str, Any] = {
             "outer_diameter": 0.05,
             "inner_diameter": 0.01,
             "elements": 4,
+            "degree": 2,
             "material": {"youngs_modulus": 2e11, "density": 7800.0, "poisson_ratio": 0.3},
         },
         {
