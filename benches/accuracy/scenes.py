@@ -71,7 +71,7 @@ def train(
 
 
 def stepped() -> gb.RotorSystem:
-    """Return a pair of stepped and hollow shafts with tip relief, run-out, gravity and unbalance."""
+    """Return a pair of stepped shafts with transmission error, gravity and unbalance."""
     pinion = [gb.Segment(0.08, 0.035), gb.Segment(0.06, 0.05), gb.Segment(0.16, 0.035)]
     wheel = [gb.Segment(0.1, 0.05, 0.02), gb.Segment(0.1, 0.07, 0.02), gb.Segment(0.1, 0.05, 0.02)]
     return gb.RotorSystem(
@@ -145,7 +145,6 @@ def drawn(seed: int) -> gb.RotorSystem:
     count = int(random.integers(2, 5))
     shafts, gears, meshes, bearings = [], [], [], []
     module = float(random.choice([2e-3, 3e-3, 4e-3]))
-    width = 10.0 * module
     damping = float(random.uniform(200.0, 1500.0))
     for i in range(count):
         name, length = f"s{i}", float(random.uniform(0.25, 0.8))
@@ -159,14 +158,10 @@ def drawn(seed: int) -> gb.RotorSystem:
         shafts.append(gb.Shaft(name, segments=segments, bow=bow))
         places = np.sort(random.uniform(0.15, 0.85, 2)) * length
         if i > 0:
-            gears.append(
-                _gear(f"b{i}", name, places[0], int(random.integers(30, 60)), module, width)
-            )
+            gears.append(_gear(f"b{i}", name, places[0], int(random.integers(30, 60)), module))
             meshes.append((f"a{i - 1}", f"b{i}"))
         if i < count - 1:
-            gears.append(
-                _gear(f"a{i}", name, places[1], int(random.integers(18, 30)), module, width)
-            )
+            gears.append(_gear(f"a{i}", name, places[1], int(random.integers(18, 30)), module))
         stiffness = float(10 ** random.uniform(8.0, 8.6))
         bearings += [
             gb.Bearing(name, x, stiffness=stiffness, damping=damping) for x in (0.0, length)
@@ -190,7 +185,8 @@ def drawn(seed: int) -> gb.RotorSystem:
     )
 
 
-def _gear(name: str, shaft: str, x: float, teeth: int, module: float, width: float) -> gb.Gear:
+def _gear(name: str, shaft: str, x: float, teeth: int, module: float) -> gb.Gear:
+    width = 10.0 * module
     return gb.Gear(name, shaft, float(x), teeth=teeth, module=module, face_width=width)
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gearbow.system.accuracy import ACCURACIES, check_reduction
 
 import gearbow as gb
-from gearbow.system.accuracy import ACCURACIES, check_reduction
 
 SPEED = 100.0
 GEARS = ("g1", "g2", "g3", "g4")

@@ -92,7 +92,7 @@ def test_the_choice_is_not_written_into_the_description(tmp_path):
 
 
 def test_an_unknown_level_is_refused():
-    with pytest.raises(gb.SceneError, match="resolution: .*`fine`"):
+    with pytest.raises(gb.SceneError, match=r"^resolution: .*`fine`"):
         train(resolution="fine")
 
 

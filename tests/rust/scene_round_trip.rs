@@ -66,7 +66,7 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
         }
     }));
     let segment = || {
-        (0.05..2.0, 0.01..0.5, 0.0..0.9, 1_usize..5).prop_map(|(length, outer_diameter, bore, elements)| Segment {
+        (0.05..2.0, 0.01..0.5, 0.0..0.9, maybe(1_usize..5)).prop_map(|(length, outer_diameter, bore, elements)| Segment {
             length,
             outer_diameter,
             inner_diameter: bore * outer_diameter,

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._types import Plain
+from gearbow.accuracy.levels import LEVELS
 from gearbow.errors import SceneError
 from gearbow.system import RotorSystem
-from gearbow.accuracy.levels import LEVELS
 
 if sys.version_info >= (3, 11):
     import tomllib
