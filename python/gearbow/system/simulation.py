@@ -13,7 +13,7 @@ from gearbow._convert import number, text, whole
 from gearbow._progress import reported
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
-from gearbow.accuracy.levels import check_reduction, find_level
+from gearbow.accuracy.levels import Level, check_reduction, find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, SceneError
@@ -168,17 +168,8 @@ class Simulation(LinearAnalyses):
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
             given |= {"stages": stages}
-        level = find_level(accuracy, given)
-        coarse = None
-        if level is not None:
-            rtol = level.rtol
-            coarse = level.coarse(self._model)
-            if accuracy is not None and coarse is not None:
-                message = (
-                    f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out "
-                    f"the numbers of elements, and give resolution={accuracy!r} to RotorSystem"
-                )
-                warnings.warn(message, AccuracyWarning, stacklevel=2)
+        level, coarse = self._level(accuracy, given)
+        rtol = rtol if level is None else level.rtol
         if method is None:
             method = "exponential" if isinstance(profile, float) else "rk45"
         arguments: dict[str, Any] = {
@@ -208,6 +199,24 @@ class Simulation(LinearAnalyses):
             if file is not None:
                 file.finish(response.to_record())
         return response
+
+    def _level(
+        self, accuracy: str | None, given: Mapping[str, Any]
+    ) -> tuple[Level | None, str | None]:
+        """Find the accuracy level, and why the elements are too coarse for it.
+
+        Elements that are too coarse for a given level are worth a warning; without a level, the
+        response says it.
+        """
+        level = find_level(accuracy, given)
+        coarse = None if level is None else level.coarse(self._model)
+        if accuracy is not None and coarse is not None:
+            message = (
+                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out the "
+                f"numbers of elements, and give resolution={accuracy!r} to RotorSystem"
+            )
+            warnings.warn(message, AccuracyWarning, stacklevel=3)
+        return level, coarse
 
     def _checkpoint(
         self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
