@@ -66,11 +66,8 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
         }
     }));
     let segment = || {
-        (0.05..2.0, 0.01..0.5, 0.0..0.9, maybe(1_usize..5)).prop_map(|(length, outer_diameter, bore, elements)| Segment {
-            length,
-            outer_diameter,
-            inner_diameter: bore * outer_diameter,
-            elements,
+        (0.05..2.0, 0.01..0.5, 0.0..0.9, maybe(1_usize..5)).prop_map(|(length, outer_diameter, bore, elements)| {
+            Segment { length, outer_diameter, inner_diameter: bore * outer_diameter, elements }
         })
     };
     (prop::collection::vec(segment(), 1..5), any::<(bool, bool)>(), maybe((1_usize..9).boxed()), material)

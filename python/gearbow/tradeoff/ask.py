@@ -61,8 +61,9 @@ def tradeoff(
     elements : list of float
         Factors on the numbers of elements; each gives a model.
     degrees : list of int, optional
-        Degrees of the elements; each gives a model. None is one below and one above the degree of
-        the system.
+        Degrees of the elements; each gives a model, and the reference has a higher degree. None is
+        one below and one above the degree of the system. With an empty list the reference has the
+        given elements: the errors do not contain theirs.
     frozen : bool
         Whether to run a simplified model with geometry="frozen".
     mean_stiffness : bool

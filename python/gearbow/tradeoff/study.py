@@ -129,8 +129,12 @@ class _Study(Generic[S]):
         raise self._nothing("check of the reference")
 
     def _exact(self) -> _Run[S]:
-        """Run finer elements, from which total errors count; the given ones without the budget."""
-        run = self._tight(refined(self.plan.system, self.plan.degrees))
+        """Run finer elements, from which total errors count.
+
+        These are the given elements if the study has no degrees, or no budget for finer ones.
+        """
+        degrees = self.plan.degrees
+        run = self._tight(refined(self.plan.system, degrees)) if degrees else None
         self._count()
         return run or self.reference
 
