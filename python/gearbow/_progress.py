@@ -59,9 +59,11 @@ class _Estimate:
         if self._report is not None:
             self._report(fraction)
         now = time.perf_counter()
-        # A continued run begins with a completed fraction. The set-up before the first report does
-        # not count.
-        begin, done = self._first = self._first or (now, fraction)
+        # A continued run begins with a completed fraction. Set-up and pilot runs, which complete no
+        # part of the run, do not count.
+        if self._first is None or fraction <= 0.0:
+            self._first = (now, fraction)
+        begin, done = self._first
         elapsed = now - begin
         if self._warned or elapsed < WATCHED or fraction <= done:
             return

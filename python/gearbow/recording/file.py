@@ -68,7 +68,7 @@ _METADATA = record(
         **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
         limited_by=text,
         modes=optional(whole),
-        modes_error=optional(each(any_number)),
+        modes_error=optional(row(any_number, any_number)),
     ),
     events=each(row(number, text, text, text)),
     final=record(),
@@ -166,7 +166,11 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             raise GearbowError(
                 f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
             )
-        _METADATA(about, "")
+        checked = dict(about)
+        if isinstance(about.get("statistics"), dict):
+            # A file may leave out the reduction of a run with all modes.
+            checked["statistics"] = {"modes": None, "modes_error": None, **about["statistics"]}
+        _METADATA(checked, "")
         (_PROFILE if isinstance(about.get("speed"), dict) else number)(about.get("speed"), "speed")
         arrays = _read_arrays(file, about)
         return _run(about, arrays), about
@@ -243,7 +247,9 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "events": [tuple(event) for event in about["events"]],
             "final": final,
             "statistics": {
-                field.name: about["statistics"][field.name] for field in fields(Statistics)
+                field.name: about["statistics"][field.name]
+                for field in fields(Statistics)
+                if field.name in about["statistics"]
             },
         },
         speed=read_speed(about["speed"]),
