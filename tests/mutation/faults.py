@@ -493,14 +493,14 @@ FAULTS: list[Fault] = [
         ("[angles] * len(deflections)", "[0.0] * len(deflections)"),
     ),
     *_faults(
-        "system/accuracy.py",
+        "accuracy/levels.py",
         "modal_reduction",
         (
-            "return REDUCTION_SHARE * displacement, REDUCTION_SHARE * mesh_force",
-            "return REDUCTION_SHARE * mesh_force, REDUCTION_SHARE * displacement",
+            "return REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force",
+            "return REDUCTION_SHARE * self.mesh_force, REDUCTION_SHARE * self.displacement",
         ),
         ("        if error > most:", "        if error < most:"),
-        ('level or ACCURACIES["engineering"]', 'level or ACCURACIES["draft"]'),
+        ("level or LEVELS[DEFAULT]", 'level or LEVELS["draft"]'),
         ('("displacements", "mesh forces")', '("mesh forces", "displacements")'),
     ),
     *_faults(

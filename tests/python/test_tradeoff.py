@@ -77,6 +77,7 @@ def test_the_reference_is_what_an_independent_program_finds():
         tolerances=TOLERANCES,
         steps=[],
         degrees=[],
+        modes=[],
         repeats=1,
     )
     # the tolerance of the independent solution of 1e-10 leaves about as much; its own error hides what is below
