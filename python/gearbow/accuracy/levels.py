@@ -115,9 +115,9 @@ class Level:
 LEVELS = {
     each.name: each
     for each in (
-        Level("draft", 1e-2, displacement=1e-2, mesh_force=1e-1),
+        Level("draft", 1e-3, displacement=1e-2, mesh_force=1e-1),
         Level("engineering", 1e-4, displacement=1e-3, mesh_force=1e-2),
-        Level("reference", 1e-8, displacement=1e-6, mesh_force=1e-4),
+        Level("reference", 1e-7, displacement=1e-6, mesh_force=1e-4),
     )
 }
 #: Level of a run without other settings.
