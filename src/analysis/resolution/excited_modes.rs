@@ -40,7 +40,7 @@ pub struct Excitation {
 }
 
 /// The response of the mesh forces and of the gears to steps of the mesh forces. Without meshes, that of the shafts to
-/// bow, to a uniform and to a linear acceleration of each shaft.
+/// loads like those of bow and unbalance: a uniform and a linear acceleration of each shaft.
 pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
     let model = &cached.model;
     let modes = cached.real_modes(0.0)?;
@@ -53,11 +53,10 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
         add_mesh(model, mesh, &elastic, &mut signals, &mut squares);
     }
     if model.meshes.is_empty() {
-        for load in inertia_loads(model).into_iter().chain(bow_loads(model)) {
+        for load in inertia_loads(model) {
             signals.push(Signal { steady: 0.0, displacement: true });
             for ((frequency, shape), squares) in elastic.iter().zip(&mut squares) {
-                let largest = shape.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-                squares.push((dot(&load, shape) * largest / frequency.powi(2)).powi(2));
+                squares.push((dot(&load, shape) / frequency).powi(4));
             }
         }
     }
@@ -118,18 +117,6 @@ fn elastic_energy(shaft: &ShaftModel, q: &[f64]) -> [f64; 2] {
     let bending = shaft.bending.as_ref().map_or(0.0, |chain| chain.elastic_form::<2>(&q[chain.start..]));
     let twist = shaft.twist.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]));
     [bending, twist]
-}
-
-/// Force of the bow of each bowed shaft at rest, n entries each, N or N m.
-fn bow_loads(model: &Model) -> impl Iterator<Item = Vec<f64>> + '_ {
-    model.shafts.iter().filter(|shaft| shaft.bow.is_some()).map(|shaft| {
-        let mut load = vec![0.0; model.len()];
-        for excitation in &shaft.excitations {
-            load[excitation.index] += excitation.bow.re;
-            load[excitation.index + 1] += excitation.bow.im;
-        }
-        load
-    })
 }
 
 /// Forces of inertia, n entries each, of a uniform and of a linear acceleration of each shaft along y and along z, and of
