@@ -21,7 +21,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check random fuzz faults bench bench-check bench-accept compare fmt wheel readme figures study measure structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz faults bench bench-check bench-accept compare fmt wheel readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -42,6 +42,7 @@ help:
 	@echo "make figures       draw the figures of the documents anew"
 	@echo "make study         run the bow study, for docs/study.md, then make measure"
 	@echo "make measure       measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
+	@echo "make accuracy      measure the total error of the accuracy levels on twelve scenes"
 	@echo "make structure     report import cycles, long files, long functions and large structs"
 	@echo "make clean         remove whatever was built"
 
@@ -110,6 +111,10 @@ study: $(VENV)/.dev
 
 measure: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --measured
+
+# Takes an hour: the references have elements of high degree.
+accuracy: $(VENV)/.dev
+	$(BIN)/python benches/accuracy/measure.py
 
 bench:
 	cargo bench --locked --bench engine

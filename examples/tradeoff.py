@@ -1,20 +1,18 @@
 """Accuracy and cost: error and CPU time of every method and simplified model in three scenes.
 
 ``python examples/tradeoff.py SCENE`` measures the scene shaft, train or seats, prints its tables in
-Markdown and draws its diagram. ``python examples/tradeoff.py words`` measures the errors of the
-accuracy levels of ``simulate(accuracy=...)``. docs/tradeoff.md contains these tables; ``make
-measure`` updates them.
+Markdown and draws its diagram. The number of elements is given and does not vary: the errors are
+those of integration and simplification. docs/tradeoff.md contains these tables; ``make measure``
+updates them.
 """
 
 import argparse
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import gearbow as gb
-from gearbow.system.accuracy import ACCURACIES
 
 LENGTH = 0.5  # length of a shaft, m
 DIAMETER = 0.05  # shaft diameter, m
@@ -110,6 +108,7 @@ def study(scene: Scene) -> gb.Tradeoff[gb.RotorSystem]:
         SPEED,
         signals=scene.of,
         initial=scene.initial,
+        degrees=[],
         budget=BUDGET,
         progress=True,
     )
@@ -122,10 +121,6 @@ def report(scene: Scene, tradeoff: gb.Tradeoff[gb.RotorSystem]) -> Iterator[str]
     yield f"Duration {DURATION:g} s, speed {SPEED:g} rad/s. Signals: {signals}."
     yield f"Reference: {tradeoff.reference}."
     yield f"Its difference from {tradeoff.check} is {tradeoff.floor:.0e}."
-    if tradeoff.discretisation is not None:
-        model, errors = tradeoff.discretisation
-        changes = " and ".join(f"{signal} by {error:.0e}" for signal, error in errors.items())
-        yield f"More elements ({model}) change {changes}."
     yield ""
     yield f"| CPU s per simulated s, error at most | {' | '.join(f'{e:.0e}' for e in TARGETS)} |"
     yield "|---|" + "---|" * len(TARGETS)
@@ -154,49 +149,13 @@ def report(scene: Scene, tradeoff: gb.Tradeoff[gb.RotorSystem]) -> Iterator[str]
         yield f"| {model} | {' | '.join(f'{error:.1e}' for error in trial.errors.values())} |"
 
 
-def words() -> Iterator[str]:
-    """Measure the errors of the accuracy levels in every scene."""
-    names = " | ".join(f"error, {name}" for name in SCENES)
-    yield f"| accuracy | setting | {names} | expected error |"
-    yield "|---|---|" + "---|" * (len(SCENES) + 1)
-    cells: dict[str, list[str]] = {word: [] for word in ACCURACIES}
-    for scene in SCENES.values():
-        found = scene.system().tradeoff(
-            DURATION,
-            SPEED,
-            signals=scene.of,
-            initial=scene.initial,
-            methods=[each.method for each in ACCURACIES.values()],
-            tolerances=[each.rtol for each in ACCURACIES.values()],
-            elements=(),
-            modes=(),
-            frozen=False,
-            mean_stiffness=False,
-            budget=BUDGET,
-            repeats=1,
-        )
-        trials = {}
-        for word, each in ACCURACIES.items():
-            options = {"method": each.method, "rtol": each.rtol}
-            trials[word] = next(trial for trial in found.trials if trial.options == options)
-            cells[word].append(trials[word].error_text)
-        if any(trial.error > ACCURACIES[word].error for word, trial in trials.items()):
-            sys.exit("gearbow/system/accuracy.py: increase the expected error to the measured one")
-    for word, each in ACCURACIES.items():
-        setting = f"{each.method}, rtol {each.rtol:.0e}"
-        yield f"| `{word}` | {setting} | {' | '.join(cells[word])} | {each.error:.0e} |"
-
-
 def main() -> None:
-    """Measure one scene or the accuracy levels."""
+    """Measure one scene."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("what", choices=[*SCENES, "words"])
+    parser.add_argument("what", choices=list(SCENES))
     folder = Path(__file__).parents[1] / "docs" / "figures"
     parser.add_argument("--output", type=Path, default=folder, help="folder of the figure")
     given = parser.parse_args()
-    if given.what == "words":
-        print(*words(), sep="\n")
-        return
     scene = SCENES[given.what]
     tradeoff = study(scene)
     print(*report(scene, tradeoff), sep="\n")

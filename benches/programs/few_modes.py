@@ -47,7 +47,9 @@ class FewModes:
         self.rate, self.speed = (float(value) for value in scene.speed.coefficients[-2:, 0])
 
     @staticmethod
-    def _is_lateral(dofs: Sequence[tuple[str, float, str]], shape: Array) -> bool:
+    def _is_lateral(
+        dofs: Sequence[tuple[str, float | tuple[float, float], str]], shape: Array
+    ) -> bool:
         """Return whether a mode bends the shaft."""
         return dofs[int(np.argmax(np.abs(shape)))][2] != "twist"
 

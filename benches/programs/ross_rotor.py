@@ -59,7 +59,8 @@ class Ross:
     @staticmethod
     def lengths(shaft: gb.Shaft) -> list[float]:
         """Return the lengths of the elements [m]."""
-        return [s.length / s.elements for s in shaft.segments or () for _ in range(s.elements)]
+        counts = [(s.length, s.elements or 1) for s in shaft.segments or ()]
+        return [length / count for length, count in counts for _ in range(count)]
 
     def elements(self, shaft: gb.Shaft) -> list[Any]:
         """Return the shaft elements."""

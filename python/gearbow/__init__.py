@@ -8,6 +8,7 @@ The layers, each of which depends only on those before it:
 
 - `gearbow.description`: parts of a system, and the geometry and kinematics that follow from them,
 - `gearbow.recording` and `gearbow.orders`: recorded runs, their files, spectra and orders,
+- `gearbow.accuracy`: accuracy levels, and the estimated error of a run,
 - `gearbow.results`: results of the analyses,
 - `gearbow.analysis` and `gearbow.tradeoff`: analyses that run variants of a system,
 - `gearbow.system`: the class `RotorSystem`.
@@ -22,7 +23,7 @@ The compiled core `gearbow._core` computes everything except the following:
 - amplification factors and separation margins of peaks (`results.peak`),
 - shares of kinetic energy in modes (`results.modes`), semi-axes and phases of orbits
   (`results.synchronous`), totals and residuals of energies (`recording.energy`),
-- RMS differences of runs (`tradeoff.signals`) and CPU times (`tradeoff.clock`),
+- RMS differences of runs (`accuracy.estimate`, `tradeoff.signals`), CPU times (`tradeoff.clock`),
 - measures of the bow study (`study.measure`).
 """
 
@@ -57,6 +58,7 @@ from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
 from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.discretisation import Discretisation
 from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
@@ -79,6 +81,7 @@ __all__ = [
     "ContactError",
     "ConvergenceError",
     "CriticalSpeedMap",
+    "Discretisation",
     "Disk",
     "EnergyBalance",
     "Event",

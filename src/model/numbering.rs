@@ -5,6 +5,7 @@
 //! internal coordinates of the twist of each element. User order: for each node v, w, B, Γ, θ; then for each element and
 //! each degree of its shape functions the same directions; [`Numbering::dofs`] has this order.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::element::{BendingFunction, twist_degrees};
@@ -163,6 +164,18 @@ impl Numbering {
     /// Index, in the order of the core, of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
+    }
+
+    /// Writes a vector of a numbering with the same nodes and elements of lower degree in this numbering. The shape
+    /// functions are hierarchical: all further coordinates are zero. `None` if a coordinate is missing here.
+    pub fn embed(&self, coarser: &Self, vector: &[f64]) -> Option<Vec<f64>> {
+        let key = |dof: &Dof| (dof.node.shaft, dof.node.node, dof.kind.name(), dof.degree);
+        let own: HashMap<_, usize> = self.dofs.iter().map(|dof| (key(dof), dof.index)).collect();
+        let mut embedded = vec![0.0; self.len()];
+        for dof in &coarser.dofs {
+            embedded[*own.get(&key(dof))?] = vector[dof.index];
+        }
+        Some(embedded)
     }
 
     /// Converts a vector from the order of the core to user order, n entries.

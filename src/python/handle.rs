@@ -1,13 +1,13 @@
 //! The class `_core.Model` and how an analysis runs on it. `model.rs` holds its Python methods.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 
 use super::background;
 use super::errors::warn;
-use crate::analysis::{self, Dense, Interrupt};
+use crate::analysis::{self, Dense, Interrupt, Resolved};
 use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::{Node, Scene, SceneDescription, SceneError};
@@ -17,8 +17,12 @@ use crate::scene::{Node, Scene, SceneDescription, SceneError};
 pub struct PyModel {
     /// The description that the user gave.
     pub description: SceneDescription,
+    /// The description with the chosen numbers and degrees of elements.
+    pub resolved: Resolved,
     /// The assembled model with its cached modes, shared with the threads that analyse it.
     pub cached: Arc<CachedModel>,
+    /// Expected error of the elements, computed on first use.
+    pub expected_error: OnceLock<f64>,
     /// Whether the warning about ill-conditioning has been issued.
     warned: AtomicBool,
 }
@@ -26,8 +30,15 @@ pub struct PyModel {
 impl PyModel {
     /// Checks and assembles a description.
     pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
-        let model = Model::new(Scene::new(&description)?)?;
-        Ok(Self { description, cached: Arc::new(CachedModel::new(model)), warned: AtomicBool::new(false) })
+        let resolved = analysis::resolve(&description)?;
+        let model = Model::new(Scene::new(&resolved.description)?)?;
+        Ok(Self {
+            description,
+            resolved,
+            cached: Arc::new(CachedModel::new(model)),
+            warned: AtomicBool::new(false),
+            expected_error: OnceLock::new(),
+        })
     }
 
     /// The assembled model.

@@ -17,7 +17,7 @@ use crate::analysis::simulate::{Method, Options, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
-use crate::scene::{EntryPath, Node, SceneDescription, nearest};
+use crate::scene::{EntryPath, Node, SceneDescription, SceneError, nearest};
 
 /// A gear or disk by name, or a shaft by name and a position on it, m.
 #[derive(FromPyObject)]
@@ -52,6 +52,35 @@ impl PyModel {
         Ok(pythonize(py, &self.description)?)
     }
 
+    /// The description with the chosen numbers and degrees of elements.
+    fn resolved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(pythonize(py, &self.resolved.description)?)
+    }
+
+    /// Level, expected error, permitted error and highest frequency [rad/s] of the chosen elements.
+    #[getter]
+    fn choice(&self) -> Option<(String, f64, f64, f64)> {
+        self.resolved.choice.as_ref().map(|choice| {
+            let level = format!("{:?}", choice.level).to_lowercase();
+            (level, choice.expected_error, choice.permitted_error, choice.highest_frequency)
+        })
+    }
+
+    #[getter]
+    fn has_meshes(&self) -> bool {
+        !self.model().meshes.is_empty()
+    }
+
+    /// Expected error of mesh forces, or of displacements without meshes, with these elements.
+    fn expected_error(&self, py: Python<'_>) -> PyResult<f64> {
+        if let Some(known) = self.expected_error.get() {
+            return Ok(*known);
+        }
+        let resolved = self.resolved.clone();
+        let error = self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached))?;
+        Ok(*self.expected_error.get_or_init(|| error))
+    }
+
     fn to_toml(&self) -> PyResult<String> {
         Ok(self.description.to_toml()?)
     }
@@ -74,6 +103,23 @@ impl PyModel {
             (shaft.to_owned(), site, dof.name())
         })
         .collect()
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn embed<'py>(
+        &self,
+        py: Python<'py>,
+        coarser: &Self,
+        state: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (own, coarser) = (&self.model().numbering, &coarser.model().numbering);
+        let other = || SceneError::new("state", "is of a system with other nodes");
+        let halves = state.as_slice()?.chunks_exact(coarser.len().max(1));
+        if state.len()? != 2 * coarser.len() {
+            return Err(other().into());
+        }
+        let embedded = halves.map(|half| own.embed(coarser, half)).collect::<Option<Vec<_>>>();
+        Ok(PyArray1::from_vec(py, embedded.ok_or_else(other)?.concat()))
     }
 
     #[getter]

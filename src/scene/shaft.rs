@@ -66,7 +66,8 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>
         let at = EntryPath::entry("shafts", index);
         let segments = segments(given, &at)?;
         let degree = degree(given, &at)?;
-        let own = segments.iter().fold(stations[index].len(), |sum, segment| segment.elements.saturating_add(sum));
+        let count = |segment: &description::Segment| segment.elements.unwrap_or(1);
+        let own = segments.iter().fold(stations[index].len(), |sum, segment| count(segment).saturating_add(sum));
         elements = own.saturating_mul(degree).saturating_add(elements);
         if elements > MAX_ELEMENTS {
             let counted = if degree > 1 { ", counted by their degree" } else { "" };
@@ -113,7 +114,7 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
                 length: needed(given.length, "length")?,
                 outer_diameter: needed(given.outer_diameter, "outer_diameter")?,
                 inner_diameter: given.inner_diameter.unwrap_or(0.0),
-                elements: given.elements.ok_or_else(|| at.error("needs elements, or segments"))?,
+                elements: given.elements,
             };
             (vec![segment], Box::new(|_| at.clone()))
         }
@@ -129,7 +130,7 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
                 segment.inner_diameter, segment.outer_diameter
             )));
         }
-        if segment.elements == 0 {
+        if segment.elements == Some(0) {
             return Err(at.field("elements").error("must be at least 1, got 0"));
         }
     }
@@ -148,8 +149,9 @@ fn shaft(
     let mut sections = Vec::new();
     let mut start = 0.0;
     for (index, segment) in segments.iter().enumerate() {
-        for piece in 1..=segment.elements {
-            nodes.push(start + segment.length * piece as f64 / segment.elements as f64);
+        let count = segment.elements.unwrap_or(1);
+        for piece in 1..=count {
+            nodes.push(start + segment.length * piece as f64 / count as f64);
             sections.push(index);
         }
         start += segment.length;

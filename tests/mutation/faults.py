@@ -234,7 +234,7 @@ FAULTS: list[Fault] = [
         ('columns[f"{name} twist [rad]"]', 'columns[f"{name} twist [mrad]"]'),
         ('data["bearing_force"][:, i, axis]', 'data["bearing_force"][:, i, 1 - axis]'),
         ("name in ENERGIES else", "name not in ENERGIES else"),
-        ('"expected_error": run.expected_error', '"expected_error": None'),
+        ('"errors": None if run.errors is None else', '"errors": None if True else'),
         ('"accuracy": run.accuracy', '"accuracy": None'),
         ('"events": data["events"]', '"events": []'),
     ),
@@ -497,14 +497,14 @@ FAULTS: list[Fault] = [
         ("[angles] * len(deflections)", "[0.0] * len(deflections)"),
     ),
     *_faults(
-        "system/accuracy.py",
+        "accuracy/levels.py",
         "modal_reduction",
         (
-            "return REDUCTION_SHARE * displacement, REDUCTION_SHARE * mesh_force",
-            "return REDUCTION_SHARE * mesh_force, REDUCTION_SHARE * displacement",
+            "return REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force",
+            "return REDUCTION_SHARE * self.mesh_force, REDUCTION_SHARE * self.displacement",
         ),
         ("        if error > most:", "        if error < most:"),
-        ('level or ACCURACIES["engineering"]', 'level or ACCURACIES["draft"]'),
+        ("level or LEVELS[DEFAULT]", 'level or LEVELS["draft"]'),
         ('("displacements", "mesh forces")', '("mesh forces", "displacements")'),
     ),
     *_faults(

@@ -43,6 +43,8 @@ def load(name: str, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Run the module of an example without its `main`."""
     pytest.importorskip("matplotlib")
     path = EXAMPLES / f"{name}.py"
+    # An example may import another one, as when it runs as a program.
+    monkeypatch.syspath_prepend(EXAMPLES)
     # A dataclass looks its module up by name.
     module = SimpleNamespace(__name__=name)
     monkeypatch.setitem(sys.modules, name, module)

@@ -247,6 +247,7 @@ def test_random_scenes(seed: int):
             assert error < 1e-5 * np.abs(exact.displacement(gear)).max()
 
 
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
 @pytest.mark.parametrize("bearing", [1e4, 1e11])
 @pytest.mark.parametrize("largest", [1.0, 3e3])
 def test_extreme_bearings_and_speeds(bearing: float, largest: float):

@@ -199,7 +199,7 @@ def test_the_error_of_a_model_is_that_of_its_most_accurate_run():
     # the tight run of a simplified model is the last of its rows
     study = replace(PAIR, bows={"input": HalfSine(1.5e-4)}, elements=2).package().tradeoff(
         2e-3, 100.0, signals="g1", methods=["exponential"], tolerances=[1e-3, 1e-5],
-        initial="rest", repeats=1, budget=60.0,
+        initial="rest", repeats=1, budget=60.0, degrees=[],
     )  # fmt: skip
     models = {trial.model for trial in study.trials} - {"as given"}
     assert models

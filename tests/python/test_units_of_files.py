@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.recording.errors import ErrorEstimate, Errors
+from gearbow.recording.request import OPTIONS, RunRequest
 from reference.records import ENERGIES, KINEMATICS, MESH_UNITS, WORKS, response
 
 TIME = 2.0 + 0.25 * np.arange(5)
@@ -102,11 +104,23 @@ def test_a_table_has_a_column_for_every_series():
 @pytest.mark.parametrize("suffix", [".npz", ".nc"])
 def test_a_file_contains_the_metadata(tmp_path, suffix: str):
     made = response(TIME, speed=-123.25)
-    made.expected_error, made.accuracy = 1e-4, "engineering: as measured"
+    made.accuracy = "engineering: as measured"
+    estimate = ErrorEstimate(elements=1e-3, modes=0.0, integration=1e-5, total=2e-3)
+    made._errors = Errors({"mesh_force": estimate}, window=0.125, chaotic=True)
+    final = {"state": np.array([0.1, 1e-300]), "contact_modes": np.array([-1]), "time": 0.5}
+    options = {**dict.fromkeys(OPTIONS), "initial": final, "record": [("g1", "g2"), "g1"]}
+    made.request = RunRequest({"shafts": [{"name": "input"}]}, options)
     made.save(tmp_path / f"run{suffix}")
     loaded = gb.Response.load(tmp_path / f"run{suffix}")
     assert loaded.speed == -123.25
-    assert loaded.expected_error == 1e-4
+    assert loaded.errors == {"mesh_force": estimate}
+    assert loaded.errors.window == 0.125
+    assert loaded.errors.chaotic
+    assert loaded.request.description == made.request.description
+    given = dict(loaded.request.options)
+    for name, value in final.items():
+        np.testing.assert_array_equal(given["initial"][name], value)
+    assert {**given, "initial": final} == options
     assert loaded.accuracy == "engineering: as measured"
     assert loaded.kinematics == KINEMATICS
     assert loaded.events == ((0.25, "g3", "g4", "separation"), (0.5, "g1", "g2", "contact"))

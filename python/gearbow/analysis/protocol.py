@@ -7,6 +7,7 @@ from gearbow._types import Array, Dof
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.shafts import Shaft
 from gearbow.errors import SceneWarning
+from gearbow.results.discretisation import Discretisation
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
@@ -25,6 +26,10 @@ class System(Protocol):
     @property
     def dofs(self) -> tuple[Dof, ...]:
         """Degrees of freedom."""
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """Number and degree of the elements of every shaft."""
 
     @property
     def speed_ratios(self) -> Array:

@@ -59,8 +59,9 @@ class Segment(Part):
         Outer diameter [m].
     inner_diameter : float
         Diameter of the bore [m].
-    elements : int
-        Minimum number of elements.
+    elements : int, optional
+        Minimum number of elements; None is 1 if another segment of the shaft has a number. If none
+        has, gearbow chooses all numbers.
 
     Examples
     --------
@@ -71,7 +72,7 @@ class Segment(Part):
     length: float
     outer_diameter: float
     inner_diameter: float = 0.0
-    elements: int = 1
+    elements: int | None = None
 
 
 @dataclass(frozen=True)
@@ -88,12 +89,14 @@ class Shaft(Part):
         Outer diameter of a uniform shaft [m].
     inner_diameter : float
         Diameter of its bore [m].
-    elements : int
+    elements : int, optional
         Minimum number of elements of a uniform shaft. The position of every gear, disk, bearing
-        and torque becomes a node: the element there is split.
+        and torque becomes a node: the element there is split. None lets gearbow choose number and
+        degree, see `gearbow.RotorSystem.discretisation`.
     degree : int, optional
-        Degree p of the elements, 1 to 8; None is 1. The relative error of natural frequencies
-        decreases as (element length)^(2p). Static displacements of nodes are exact for any degree.
+        Degree p of the elements, 1 to 8; None is 1 if a number of elements is given. The relative
+        error of natural frequencies decreases as (element length)^(2p). Static displacements of
+        nodes are exact for any degree.
     segments : sequence of Segment
         The segments from x = 0 on, instead of length, diameters and number of elements.
     material : Material

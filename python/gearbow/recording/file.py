@@ -20,8 +20,22 @@ from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
 from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
 from gearbow.recording.energy import ENERGIES, WORKS
+from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.record import MeshResponse, RunRecord, Statistics
-from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
+from gearbow.recording.request import OPTIONS, RunRequest
+from gearbow.recording.schema import (
+    any_number,
+    anything,
+    each,
+    entries,
+    flag,
+    number,
+    optional,
+    record,
+    row,
+    text,
+    whole,
+)
 from gearbow.recording.tables import CHANNELS, FORMAT, arrays_of, metadata_of, to_xarray
 
 __all__ = ["load", "read", "save"]
@@ -32,8 +46,17 @@ _STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
 #: Required entries of the metadata.
 _METADATA = record(
     format=whole,
-    expected_error=optional(number),
     accuracy=optional(text),
+    request=optional(
+        record(description=record(), options=record(**dict.fromkeys(OPTIONS, anything)))
+    ),
+    errors=optional(
+        record(
+            window=number,
+            chaotic=flag,
+            estimates=entries(record(**{each.name: number for each in fields(ErrorEstimate)})),
+        )
+    ),
     kinematics=optional(
         record(shafts=each(row(text, number)), meshes=each(row(text, text, text, text, number)))
     ),
@@ -231,6 +254,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
         },
         speed=read_speed(about["speed"]),
         kinematics=Kinematics.from_plain(about["kinematics"]),
-        expected_error=about["expected_error"],
         accuracy=about["accuracy"],
+        request=RunRequest.from_plain(about["request"]),
+        errors=Errors.from_plain(about["errors"]),
     )

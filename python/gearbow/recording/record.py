@@ -8,6 +8,8 @@ from gearbow._read_only import ReadOnly
 from gearbow._types import Array, RunData
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
+from gearbow.recording.errors import Errors
+from gearbow.recording.request import RunRequest
 
 __all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
 
@@ -24,17 +26,20 @@ class RunRecord:
         Speed of the reference shaft [rad/s].
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies; None if unknown.
-    expected_error : float or None
-        Expected error of a run with `accuracy=`.
     accuracy : str or None
-        Explanation of the expected error.
+        What an accuracy level promises for the run; None without a level.
+    request : RunRequest or None
+        Scene and options of the run; None if unknown.
+    errors : Errors or None
+        Estimated errors; None if not estimated.
     """
 
     data: RunData
     speed: float | SpeedProfile
     kinematics: Kinematics | None = None
-    expected_error: float | None = None
     accuracy: str | None = None
+    request: RunRequest | None = None
+    errors: Errors | None = None
 
 
 class Event(NamedTuple):

@@ -16,6 +16,8 @@ from gearbow.recording.record import Event, MeshResponse, RunRecord, Statistics
 
 if TYPE_CHECKING:
     from gearbow.description.kinematics import Kinematics
+    from gearbow.recording.errors import Errors
+    from gearbow.recording.request import RunRequest
 
 __all__ = ["Recording"]
 
@@ -38,13 +40,12 @@ class Recording(ReadOnly):
         Speed of the reference shaft [rad/s].
     statistics : Statistics
         Counts and step lengths of the simulation.
-    expected_error : float or None
-        Expected error of a run with `accuracy=`: RMS of the error / RMS of the signal about its
-        mean.
     accuracy : str or None
-        Explanation of the expected error: the settings, and the scenes of the measurement.
+        What an accuracy level promises for the run; None without a level.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the orders.
+    request : RunRequest or None
+        Scene and options of the run; None if unknown.
     """
 
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
@@ -52,9 +53,10 @@ class Recording(ReadOnly):
         self.time = data["time"]
         self.speed = speed
         self.statistics = Statistics(**data["statistics"])
-        self.expected_error: float | None = None
         self.accuracy: str | None = None
         self.kinematics: Kinematics | None = None
+        self.request: RunRequest | None = None
+        self._errors: Errors | None = None
 
     def to_record(self) -> RunRecord:
         """Give the recording as plain data.
@@ -65,7 +67,7 @@ class Recording(ReadOnly):
             All data that a file contains.
         """
         return RunRecord(
-            self._data, self.speed, self.kinematics, self.expected_error, self.accuracy
+            self._data, self.speed, self.kinematics, self.accuracy, self.request, self._errors
         )
 
     @property

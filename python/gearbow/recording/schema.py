@@ -1,7 +1,7 @@
 """Checks of plain data: the valid values of each entry of a file, as a table of small functions.
 
 A check receives a value and its path in the file. It raises `GearbowError` for an invalid value.
-`record`, `each`, `row` and `optional` combine checks.
+`record`, `entries`, `each`, `row` and `optional` combine checks.
 """
 
 import reprlib
@@ -11,7 +11,20 @@ from typing import Any, TypeAlias
 
 from gearbow.errors import GearbowError
 
-__all__ = ["Check", "any_number", "each", "number", "optional", "record", "row", "text", "whole"]
+__all__ = [
+    "Check",
+    "any_number",
+    "anything",
+    "each",
+    "entries",
+    "flag",
+    "number",
+    "optional",
+    "record",
+    "row",
+    "text",
+    "whole",
+]
 
 Check: TypeAlias = Callable[[Any, str], None]
 
@@ -47,6 +60,16 @@ def any_number(value: Any, where: str) -> None:
         number(value, where)
 
 
+def flag(value: Any, where: str) -> None:
+    """Accept True and False."""
+    if not isinstance(value, bool):
+        raise _refuse(where, "true or false", value)
+
+
+def anything(value: Any, where: str) -> None:
+    """Accept every value: another part of the program checks it."""
+
+
 def optional(check: Check) -> Check:
     """Accept None and every value that `check` accepts."""
 
@@ -65,6 +88,17 @@ def each(check: Check) -> Check:
             raise _refuse(where, "a list", value)
         for i, entry in enumerate(value):
             check(entry, f"{where}[{i}]")
+
+    return checked
+
+
+def entries(check: Check) -> Check:
+    """Accept a mapping whose values all pass."""
+
+    def checked(value: Any, where: str) -> None:
+        record()(value, where)
+        for name, entry in value.items():
+            check(entry, f"{where}.{name}")
 
     return checked
 

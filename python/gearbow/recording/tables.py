@@ -144,8 +144,9 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
     about = {
         "format": FORMAT,
         "speed": plain_speed(run.speed),
-        "expected_error": run.expected_error,
         "accuracy": run.accuracy,
+        "request": None if run.request is None else run.request.plain(),
+        "errors": None if run.errors is None else run.errors.plain(),
         "kinematics": None if run.kinematics is None else asdict(run.kinematics),
         "points": data["points"],
         "bearings": data["bearings"],

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from gearbow._extras import extra
 from gearbow._types import At, Record
+from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import is_pair, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.orders.fit import Orders, orders
 from gearbow.orders.spectrum import Spectrum, amplitudes, spectrum
 from gearbow.recording import file, tables
+from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.recording import Recording
 
@@ -43,13 +45,12 @@ class Response(Recording):
         Speed of the reference shaft [rad/s].
     statistics : Statistics
         Counts and step lengths of the simulation.
-    expected_error : float or None
-        Expected error of a run with `accuracy=`: RMS of the error / RMS of the signal about its
-        mean.
     accuracy : str or None
-        Explanation of the expected error: the settings, and the scenes of the measurement.
+        What an accuracy level promises for the run; None without a level.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the orders.
+    request : RunRequest or None
+        Scene and options of the run; None if unknown.
 
     Examples
     --------
@@ -83,9 +84,44 @@ class Response(Recording):
             The response.
         """
         response = cls(record.data, record.speed)
-        response.kinematics = record.kinematics
-        response.expected_error, response.accuracy = record.expected_error, record.accuracy
+        response.kinematics, response.accuracy = record.kinematics, record.accuracy
+        response.request, response._errors = record.request, record.errors
         return response
+
+    @property
+    def errors(self) -> Errors:
+        """Estimated error of the run: contributions of elements, modes and integration.
+
+        The error is the RMS of the difference divided by the RMS of the signal about its mean, for
+        the worst recorded displacement and the worst recorded mesh force. It applies to the time
+        series over the first 0.1 s, or over the time that damping needs to forget, if that is
+        longer. Later, phase errors of undamped modes grow, and the error applies to RMS values and
+        spectra. After chaotic contact it applies to neither; `Errors.chaotic` is then true.
+
+        The first access runs the system again over this time, with a much smaller tolerance, with
+        all modes, and with finer elements. This takes several times as long as a run of this time.
+        The result is kept, and saved with the response.
+
+        Returns
+        -------
+        Errors
+            A dictionary with the keys "displacement" and "mesh_force", where such signals were
+            recorded and vary. Each value has the attributes `elements`, `modes`, `integration` and
+            `total`.
+
+        Raises
+        ------
+        GearbowError
+            If the response does not know its system.
+        """
+        if self._errors is None:
+            if self.request is None:
+                raise GearbowError(
+                    "errors: this response does not know its system; take the errors of a response "
+                    "that simulate returned or that save wrote"
+                )
+            self._errors = estimate_errors(self.request)
+        return self._errors
 
     def spectrum(
         self, of: Record, quantity: str | None = None, *, window: str = "hann"

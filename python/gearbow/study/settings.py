@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._types import Plain
+from gearbow.accuracy.levels import LEVELS
 from gearbow.errors import SceneError
 from gearbow.system import RotorSystem
-from gearbow.system.accuracy import ACCURACIES
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -147,9 +147,9 @@ class Settings:
             )
         if min(self.speeds) <= 0.0:
             raise SceneError(f"study.speeds: must be positive, got {self.speeds}")
-        if self.accuracy not in ACCURACIES:
+        if self.accuracy not in LEVELS:
             raise SceneError(
-                f"study.accuracy: must be one of {', '.join(ACCURACIES)}, got {self.accuracy!r}"
+                f"study.accuracy: must be one of {', '.join(LEVELS)}, got {self.accuracy!r}"
             )
         gears = {gear["name"] for gear in self.scene["gears"]}
         if len(self.scene["shafts"]) != 3 or len(self.scene["meshes"]) != 2:

@@ -19,6 +19,7 @@ from gearbow.description.part import Part, parts, tuples
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
 from gearbow.errors import SceneError, SceneWarning
+from gearbow.results.discretisation import Discretisation
 from gearbow.system.run import SpeedLike, given_speed
 
 if TYPE_CHECKING:
@@ -41,7 +42,10 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "rayleigh": nested,
     "gravity": nested,
     "motion": text,
+    "resolution": text,
 }
+#: Values of options that were not given, where they are not None.
+_DEFAULTS = {"resolution": "engineering"}
 
 
 class SystemDescription:
@@ -61,6 +65,7 @@ class SystemDescription:
     rayleigh: tuple[float, float] | None
     gravity: float | tuple[float, float] | None
     motion: str | None
+    resolution: str
 
     def __init__(
         self,
@@ -76,6 +81,7 @@ class SystemDescription:
         rayleigh: tuple[float, float] | None = None,
         gravity: float | tuple[float, float] | None = None,
         motion: str | None = None,
+        resolution: str = "engineering",
     ) -> None:
         self.shafts = parts(shafts, Shaft, "shafts")
         self.gears = parts(gears, Gear, "gears")
@@ -89,6 +95,7 @@ class SystemDescription:
             "rayleigh": rayleigh,
             "gravity": gravity,
             "motion": motion,
+            "resolution": resolution,
         }
         description: dict[str, Plain] = {
             key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
@@ -97,7 +104,7 @@ class SystemDescription:
         for key, value in options.items():
             converted = None if value is None else _OPTIONS[key](value, key)
             setattr(self, key, tuples(converted))
-            if converted is not None:
+            if converted is not None and converted != _DEFAULTS.get(key):
                 description[key] = converted
         self._model = Model(description)
         _warn(self._model)
@@ -115,7 +122,7 @@ class SystemDescription:
                 tuple(kind._from_description(part) for part in description.get(key, ())),
             )
         for key in _OPTIONS:
-            setattr(system, key, tuples(description.get(key)))
+            setattr(system, key, tuples(description.get(key, _DEFAULTS.get(key))))
         return system
 
     @classmethod
@@ -264,6 +271,30 @@ class SystemDescription:
             The keys are the names of the parameters. Options that were not given are absent.
         """
         return self._model.description()
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """Give the number and degree of the elements of every shaft.
+
+        Where a shaft has no number of elements, both are chosen once, when the system is created,
+        from the scene and the option `resolution`. The number of coordinates is the smallest for
+        which the expected error stays below the level.
+
+        Returns
+        -------
+        Discretisation
+            Elements, their expected error and the highest frequency that they represent.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+        >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+        >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+        >>> system.discretisation.expected_error < 1e-3
+        True
+        """
+        return Discretisation.of(self._model.resolved(), self._model.choice, len(self.dofs))
 
     @property
     def speed_ratios(self) -> Array:

@@ -34,12 +34,15 @@ class RotorSystem(Simulation):
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
         The degrees of freedom of a node; None chooses those that the scene requires.
+    resolution : {"draft", "engineering", "reference"}
+        How fine the elements are of shafts without a number of elements: the error of mesh forces
+        is at most about 1e-1, 1e-2 or 1e-4, see `discretisation`.
 
     Attributes
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
         The given parts.
-    reference, modal_damping, rayleigh, gravity, motion
+    reference, modal_damping, rayleigh, gravity, motion, resolution
         The given options; None if not given.
 
     Raises

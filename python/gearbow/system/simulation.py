@@ -1,6 +1,7 @@
 """Time integration of a system."""
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -12,11 +13,12 @@ from gearbow._convert import number, text, whole
 from gearbow._progress import reported
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
+from gearbow.accuracy.levels import Level, check_reduction, find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import SceneError
+from gearbow.errors import AccuracyWarning, SceneError
+from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
-from gearbow.system.accuracy import accuracy_of, check_reduction
 from gearbow.system.checkpoint import Checkpoint
 from gearbow.system.linear import LinearAnalyses
 from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
@@ -60,9 +62,13 @@ class Simulation(LinearAnalyses):
             speed may start or end at zero, but must not change its sign. The torque that
             accelerates a section of a shaft acts on this section.
         accuracy : {"draft", "engineering", "reference"}, optional
-            Settings with a measured error, instead of method, step, rtol and stages.
-            `Response.expected_error` and `Response.accuracy` give the expected error. "draft" and
-            "engineering" keep as many modes as the error allows (`Statistics.modes`).
+            Largest total error of elements, modes and integration, instead of method, step, rtol
+            and stages: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh
+            forces (RMS of the difference / RMS of the signal about its mean, over the first 0.1 s
+            or the time that damping needs to forget). None is "engineering", if neither method,
+            step nor rtol is given. `Response.accuracy` says what the level promises for the run,
+            and `Response.errors` estimates the error. "draft" and "engineering" keep as many
+            modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss
             collocation; it is the default. "rk45" is the Dormand–Prince 5(4) method with error
@@ -74,7 +80,8 @@ class Simulation(LinearAnalyses):
             the fastest motion for "rk4", and variable steps that meet `rtol` for "exponential".
         rtol : float, optional
             Tolerance of the error of a step of "exponential" and "rk45", relative to the motion in
-            the energy norm. None is 1e-6. It excludes a fixed step.
+            the energy norm. None is that of `accuracy`, or 1e-6 if a method is given. It excludes
+            a fixed step.
         stages : int, optional
             Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
             number. None is 3.
@@ -133,7 +140,8 @@ class Simulation(LinearAnalyses):
         Warns
         -----
         AccuracyWarning
-            If the error of a reduction to `modes` exceeds the accuracy level.
+            If `accuracy` is given and the elements are too coarse for it, or if the error of a
+            reduction to `modes` exceeds the accuracy level.
         CheckpointWarning
             If the checkpoint cannot be written, for example on a full disk. The run continues, and
             the file does not change.
@@ -156,12 +164,11 @@ class Simulation(LinearAnalyses):
         duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         profile = given_speed(speed, begin, duration)
-        level = None
+        given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
-            given = {"method": method, "step": step, "rtol": rtol}
             given |= {"stages": stages}
-            level = accuracy_of(accuracy, given, constant=isinstance(profile, float))
-            method, rtol = level.method, level.rtol
+        level, coarse = self._level(accuracy, given)
+        rtol = rtol if level is None else level.rtol
         if method is None:
             method = "exponential"
         arguments: dict[str, Any] = {
@@ -184,14 +191,31 @@ class Simulation(LinearAnalyses):
             if file is not None and file.complete is not None:
                 return Response.from_record(file.complete)
             response = self._run(arguments, profile, (wanted, rows), progress, file)
-            if level is not None:
-                response.expected_error = level.error
-                response.accuracy = level.explanation(response.events)
+            if level is not None and stages is None and modes is None:
+                response.accuracy = level.explanation(response.events, coarse)
             if modes is not None:
                 check_reduction(response.statistics, level)
             if file is not None:
                 file.finish(response.to_record())
         return response
+
+    def _level(
+        self, accuracy: str | None, given: Mapping[str, Any]
+    ) -> tuple[Level | None, str | None]:
+        """Find the accuracy level, and why the elements are too coarse for it.
+
+        Elements that are too coarse for a given level are worth a warning; without a level, the
+        response says it.
+        """
+        level = find_level(accuracy, given)
+        coarse = None if level is None else level.coarse(self._model)
+        if accuracy is not None and coarse is not None:
+            message = (
+                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out the "
+                f"numbers of elements, and give resolution={accuracy!r} to RotorSystem"
+            )
+            warnings.warn(message, AccuracyWarning, stacklevel=3)
+        return level, coarse
 
     def _checkpoint(
         self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
@@ -241,16 +265,21 @@ class Simulation(LinearAnalyses):
         except BaseException as error:
             partial: RunData | None = getattr(error, "partial", None)
             if partial is not None:
-                error.response = self._response(partial, rows, speed)  # type: ignore[attr-defined]
+                error.response = self._response(partial, rows, (speed, arguments))  # type: ignore[attr-defined]
                 del error.partial  # type: ignore[attr-defined]
             elif not hasattr(error, "response"):
                 error.response = None  # type: ignore[attr-defined]  # no step was done
             raise
-        return self._response(data, rows, speed)
+        return self._response(data, rows, (speed, arguments))
 
     def _response(
-        self, data: RunData, rows: NDArray[np.intp] | None, speed: float | SpeedProfile
+        self,
+        data: RunData,
+        rows: NDArray[np.intp] | None,
+        run: tuple[float | SpeedProfile, dict[str, Any]],
     ) -> Response:
+        speed, arguments = run
         response = Response(in_order(data, rows), speed)
         response.kinematics = Kinematics.of(self)
+        response.request = RunRequest(self.description, arguments)
         return response

@@ -4,11 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
+from gearbow.accuracy.refine import MAX_DEGREE
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.shafts import Shaft
 from gearbow.description.stiffness import Stiffness
+from gearbow.results.discretisation import ShaftElements
 
-__all__ = ["GIVEN", "Model", "refined", "simplified"]
+__all__ = ["GIVEN", "Model", "degrees_of", "refined", "simplified"]
 
 #: Name of the model without simplification.
 GIVEN = "as given"
@@ -45,6 +47,7 @@ def simplified(
     frozen: bool,
     mean_stiffness: bool,
     factors: Sequence[float],
+    degrees: Sequence[int],
     modes: Sequence[int],
 ) -> list[Model[S]]:
     """Make the simplified models that differ from the given system.
@@ -58,7 +61,9 @@ def simplified(
     mean_stiffness : bool
         Whether to make a model with the mean of a time-varying mesh stiffness.
     factors : sequence of float
-        Factors on the numbers of elements; only factors below 1 are used.
+        Factors on the numbers of elements.
+    degrees : sequence of int
+        Degrees of the elements.
     modes : sequence of int
         Numbers of modes of the reduced models.
 
@@ -75,33 +80,57 @@ def simplified(
         if mean is not None:
             found.append(Model("mean stiffness", mean))
     for factor in factors:
-        coarser = _with_elements(system, factor) if factor < 1.0 else None
-        if coarser is not None:
-            found.append(Model(f"elements × {factor:g}", coarser))
+        other = _with_elements(system, factor=factor)
+        if other is not None:
+            found.append(Model(f"elements × {factor:g}", other))
+    for degree in degrees:
+        other = _with_elements(system, degree=degree)
+        if other is not None:
+            found.append(Model(f"degree {degree}", other))
     found += [
         Model(f"{count} modes", system, {"modes": count}, ("exponential",)) for count in modes
     ]
     return found
 
 
-def refined(system: S, factors: Sequence[float]) -> Model[S] | None:
-    """Make the model with the largest number of elements, if a factor exceeds 1.
+def refined(system: S, degrees: Sequence[int]) -> Model[S]:
+    """Make the model with finer elements than every other model: the reference of the total error.
 
     Parameters
     ----------
     system : RotorSystem
         The system.
-    factors : sequence of float
-        Factors on the numbers of elements.
+    degrees : sequence of int
+        Degrees of the elements of other models.
 
     Returns
     -------
-    Model or None
-        The finer model.
+    Model
+        The model. Its degree is above all others, or elements of the largest degree are divided.
     """
-    factor = max(factors, default=1.0)
-    finer = _with_elements(system, factor) if factor > 1.0 else None
-    return None if finer is None else Model(f"elements × {factor:g}", finer)
+    degree = max(*degrees, *degrees_of(system)) + 1
+    # Degree 2 improves the lowest frequencies of few elements too little.
+    degree = max(degree, 3)
+    if degree <= MAX_DEGREE:
+        return Model(f"degree {degree}", _with_elements(system, degree=degree) or system)
+    finer = _with_elements(system, factor=2.0, degree=MAX_DEGREE)
+    return Model(f"elements × 2, degree {MAX_DEGREE}", finer or system)
+
+
+def degrees_of(system: System) -> list[int]:
+    """Give the degrees of the elements of a system.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+
+    Returns
+    -------
+    list of int
+        Degree of each shaft.
+    """
+    return [each.degree for each in system.discretisation.shafts.values()]
 
 
 def _moves(system: System, gear: str) -> bool:
@@ -134,19 +163,22 @@ def _varies(stiffness: object) -> bool:
     return isinstance(stiffness, Stiffness) and stiffness.model not in _STEADY
 
 
-def _with_elements(system: S, factor: float) -> S | None:
-    """Multiply the number of elements of every segment; None if nothing changes."""
-    other = variant(system, shafts=[_scaled(shaft, factor) for shaft in system.shafts])
+def _with_elements(system: S, factor: float = 1.0, degree: int | None = None) -> S | None:
+    """Multiply the numbers of elements, and change the degree; None if nothing changes."""
+    known = system.discretisation.shafts
+    shafts = [_scaled(shaft, known[shaft.name], factor, degree) for shaft in system.shafts]
+    other = variant(system, shafts=shafts)
     return None if other.dofs == system.dofs else other
 
 
-def _scaled(shaft: Shaft, factor: float) -> Shaft:
-    """Multiply the number of elements of a shaft."""
-
-    def scaled(elements: int | None) -> int:
-        return max(1, round((elements or 1) * factor))
-
+def _scaled(shaft: Shaft, known: ShaftElements, factor: float, degree: int | None) -> Shaft:
+    """Multiply the numbers of elements of a shaft, and change the degree."""
+    numbers = [max(1, round(number * factor)) for number in known.numbers]
+    shaft = replace(shaft, degree=known.degree if degree is None else degree)
     if shaft.segments is None:
-        return replace(shaft, elements=scaled(shaft.elements))
-    segments = [replace(segment, elements=scaled(segment.elements)) for segment in shaft.segments]
+        return replace(shaft, elements=numbers[0])
+    segments = [
+        replace(segment, elements=number)
+        for segment, number in zip(shaft.segments, numbers, strict=True)
+    ]
     return replace(shaft, segments=segments)

@@ -8,9 +8,10 @@ from typing import Any, Generic
 from gearbow._convert import number, whole
 from gearbow._times import grid
 from gearbow._types import Array
+from gearbow.accuracy.refine import MAX_DEGREE
 from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
-from gearbow.tradeoff.models import Model, simplified
+from gearbow.tradeoff.models import Model, degrees_of, simplified
 from gearbow.tradeoff.settings import METHODS, Setting, ladders
 from gearbow.tradeoff.signals import Signal, read_signals
 
@@ -41,8 +42,8 @@ class Plan(Generic[S]):
         Settings for the given system.
     simpler : list of Model
         The simplified models.
-    factors : list of float
-        Factors on the numbers of elements.
+    degrees : list of int
+        Degrees of the elements of the simplified models.
     repeats : int
         Maximum number of runs of each setting.
     """
@@ -55,7 +56,7 @@ class Plan(Generic[S]):
     initial: str
     settings: list[Setting]
     simpler: list[Model[S]]
-    factors: list[float]
+    degrees: list[int]
     repeats: int
 
     def settings_of(self, model: Model[S]) -> list[Setting]:
@@ -97,6 +98,7 @@ def plan(
     tolerances: Iterable[float] | None,
     modes: Iterable[int] | None,
     elements: Iterable[float],
+    degrees: Iterable[int] | None,
     frozen: bool,
     mean_stiffness: bool,
     initial: str,
@@ -109,7 +111,7 @@ def plan(
     ----------
     system : RotorSystem
         The system.
-    duration, speed, signals, methods, steps, tolerances, modes, elements : object
+    duration, speed, signals, methods, steps, tolerances, modes, elements, degrees : object
         As in `gearbow.RotorSystem.tradeoff`.
     frozen, mean_stiffness, initial, output_step, repeats : object
         As in `gearbow.RotorSystem.tradeoff`.
@@ -133,7 +135,7 @@ def plan(
         raise SceneError(f"initial: must be one of {', '.join(_INITIAL)}, got {initial!r}")
     if output_step is None:
         output_step = system.default_output_step(duration, speed)
-    factors = _numbers(elements, "elements")
+    factors, orders = _numbers(elements, "elements"), _degrees(degrees, system)
     names = _methods(methods)
     settings = ladders(
         system,
@@ -157,9 +159,10 @@ def plan(
             frozen=frozen,
             mean_stiffness=mean_stiffness,
             factors=factors,
+            degrees=orders,
             modes=_modes(modes, names, system),
         ),
-        factors=factors,
+        degrees=orders,
         repeats=whole(repeats, "repeats"),
     )
 
@@ -183,6 +186,18 @@ def _modes(given: Iterable[int] | None, names: list[str], system: System) -> lis
     if given is None:
         return [count for count in (len(system.dofs) // part for part in (2, 4, 8)) if count]
     return [whole(count, f"modes[{i}]") for i, count in enumerate(given)]
+
+
+def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
+    """Read the degrees; the default is one below and one above those of the system."""
+    if given is None:
+        known = degrees_of(system)
+        return [degree for degree in (min(known) - 1, max(known) + 1) if 1 <= degree <= MAX_DEGREE]
+    found = [whole(degree, f"degrees[{i}]") for i, degree in enumerate(given)]
+    for i, degree in enumerate(found):
+        if degree > MAX_DEGREE:
+            raise SceneError(f"degrees[{i}]: must be from 1 to {MAX_DEGREE}, got {degree}")
+    return found
 
 
 def _numbers(values: Iterable[object], name: str, most: float = math.inf) -> list[float]:

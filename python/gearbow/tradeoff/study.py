@@ -84,7 +84,7 @@ class _Study(Generic[S]):
         check = self._check()
         # Runs that agree to the last bit are still rounded: no error below that is known.
         self.floor = max(check.signals.error(reference.signals, reference.signals), ROUND_OFF)
-        discretisation = self._discretisation()
+        self.exact = self._exact()
         known = (reference.setting.options, check.setting.options)
         settings = [setting for setting in plan.settings if setting.options not in known]
         trials = [self._trial(run, reference) for run in self._runs(self.given, settings)]
@@ -100,7 +100,7 @@ class _Study(Generic[S]):
             reference=str(reference.setting),
             check=str(check.setting),
             floor=self.floor,
-            discretisation=discretisation,
+            discretisation=self._discretisation(),
             duration=plan.duration,
             speed=plan.speed,
             signals=tuple(str(signal) for signal in plan.wanted),
@@ -128,13 +128,22 @@ class _Study(Generic[S]):
                 return run
         raise self._nothing("check of the reference")
 
-    def _discretisation(self) -> tuple[str, dict[str, float]] | None:
-        finer = refined(self.plan.system, self.plan.factors)
-        run = None if finer is None else self._tight(finer)
+    def _exact(self) -> _Run[S]:
+        """Run finer elements, from which total errors count.
+
+        These are the given elements if the study has no degrees, or no budget for finer ones.
+        """
+        degrees = self.plan.degrees
+        run = self._tight(refined(self.plan.system, degrees)) if degrees else None
         self._count()
-        if finer is None or run is None:
+        return run or self.reference
+
+    def _discretisation(self) -> tuple[str, dict[str, float]] | None:
+        """Give the error of the given elements; None if the budget has no finer elements."""
+        if self.exact is self.reference:
             return None
-        return finer.name, self.reference.signals.errors(run.signals, run.signals)
+        exact = self.exact.signals
+        return self.exact.model.name, self.reference.signals.errors(exact, exact)
 
     def _tight(self, model: Model[S]) -> _Run[S] | None:
         """Run another model with the reference setting, or with a similar one within the budget."""
@@ -217,7 +226,7 @@ class _Study(Generic[S]):
 
     def _trial(self, run: _Run[S], own: _Run[S]) -> Trial[S]:
         """Return the row of a run; `own` is the reference run of the same model."""
-        reference = self.reference.signals
+        reference = self.exact.signals
         statistics = run.response.statistics
         errors = run.signals.errors(reference, reference)
         return Trial(

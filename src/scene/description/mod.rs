@@ -40,6 +40,9 @@ pub struct SceneDescription {
     /// Degrees of freedom of a node; by default those that the scene needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionKind>,
+    /// How fine the elements are that the description does not give; `engineering` by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<Resolution>,
     /// Shafts.
     pub shafts: Vec<Shaft>,
     /// Gears.
@@ -69,6 +72,19 @@ pub enum MotionKind {
     Torsion,
     /// All: v, w, B, Γ, θ.
     Coupled,
+}
+
+/// How fine the elements are that the description does not give, by the error of mesh forces that they permit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resolution {
+    /// 1e-1.
+    Draft,
+    /// 1e-2.
+    #[default]
+    Engineering,
+    /// 1e-4.
+    Reference,
 }
 
 /// Gravity as a number or as a vector, m/s².

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::reading::{some_whole, whole};
+use super::reading::some_whole;
 
 /// An isotropic elastic material. It needs one of `poisson_ratio` and `shear_modulus`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,6 +59,14 @@ pub struct Shaft {
     pub segments: Option<Vec<Segment>>,
 }
 
+impl Shaft {
+    /// Whether the description gives no number of elements.
+    pub fn is_automatic(&self) -> bool {
+        let mut segments = self.segments.iter().flatten();
+        self.elements.is_none() && segments.all(|segment| segment.elements.is_none())
+    }
+}
+
 /// A part of a shaft with a constant cross-section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,8 +79,8 @@ pub struct Segment {
     #[serde(default)]
     pub inner_diameter: f64,
     /// Smallest number of elements.
-    #[serde(default = "one", deserialize_with = "whole")]
-    pub elements: usize,
+    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    pub elements: Option<usize>,
 }
 
 /// Shape of a residual bow.
@@ -122,8 +130,4 @@ fn yes() -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
 fn is_true(flag: &bool) -> bool {
     *flag
-}
-
-fn one() -> usize {
-    1
 }

@@ -274,7 +274,7 @@ def v1() -> gb.RotorSystem:
                 gb.Shaft(
                     name,
                     segments=[
-                        gb.Segment(length=length, outer_diameter=diameter)
+                        gb.Segment(length=length, outer_diameter=diameter, elements=1)
                         for length, diameter in zip(lengths, diameters, strict=True)
                     ],
                     material=material,
@@ -327,6 +327,7 @@ def v2() -> gb.RotorSystem:
                         length=cm[i + 1] - cm[i],
                         outer_diameter=outer / 100,
                         inner_diameter=published.V2_BORES.get(i + 1, 0.0) / 100,
+                        elements=1,
                     )
                     for i, outer in enumerate(published.V2_OUTER)
                 ],

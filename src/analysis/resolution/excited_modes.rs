@@ -1,0 +1,151 @@
+//! The modes that the teeth excite: frequency, damping, amplitude, and the elastic energy in each part of the shafts.
+
+use crate::linalg::DecompositionError;
+use crate::mesh::GearMesh;
+use crate::modal::CachedModel;
+use crate::model::{Model, ShaftModel};
+
+/// Step of a mesh force, relative to the static force, that its teeth excite.
+const STEP: f64 = 0.3;
+
+/// A mode of the mean mesh stiffness that the loads excite.
+#[derive(Clone, Debug)]
+pub struct ExcitedMode {
+    /// Natural frequency ω, rad/s.
+    pub frequency: f64,
+    /// Damping φᵀCφ, twice the rate of decay, 1/s.
+    pub damping: f64,
+    /// Square of the amplitude of each signal after a step of its load.
+    pub squares: Vec<f64>,
+    /// Fractions of the elastic energy in the bending and in the torsion of each shaft.
+    pub energy: Vec<[f64; 2]>,
+}
+
+/// A signal that a load excites.
+#[derive(Clone, Copy, Debug)]
+pub struct Signal {
+    /// Mean square of its variation that the modes do not cause: that of a bow which rotates.
+    pub steady: f64,
+    /// Whether it is a displacement.
+    pub displacement: bool,
+}
+
+/// Signals and modes of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Excitation {
+    /// The signals.
+    pub signals: Vec<Signal>,
+    /// The modes.
+    pub modes: Vec<ExcitedMode>,
+}
+
+/// The response of the mesh forces and of the gears to steps of the mesh forces. Without meshes, that of the shafts to
+/// loads like those of bow and unbalance: a uniform and a linear acceleration of each shaft.
+pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
+    let model = &cached.model;
+    let modes = cached.real_modes(0.0)?;
+    let elastic = (modes.null..modes.frequencies.len()).filter(|column| modes.frequencies[*column] > 0.0);
+    let elastic: Vec<(f64, &[f64])> = elastic
+        .map(|column| (modes.frequencies[column], &modes.vectors.as_slice()[column * model.len()..][..model.len()]))
+        .collect();
+    let (mut signals, mut squares) = (Vec::new(), vec![Vec::new(); elastic.len()]);
+    for mesh in 0..model.meshes.len() {
+        add_mesh(model, mesh, &elastic, &mut signals, &mut squares);
+    }
+    if model.meshes.is_empty() {
+        for load in inertia_loads(model) {
+            signals.push(Signal { steady: 0.0, displacement: true });
+            for ((frequency, shape), squares) in elastic.iter().zip(&mut squares) {
+                squares.push((dot(&load, shape) / frequency).powi(4));
+            }
+        }
+    }
+    let modes = elastic.iter().zip(squares).map(|((frequency, shape), squares)| ExcitedMode {
+        frequency: *frequency,
+        damping: damping(model, *frequency, shape),
+        squares,
+        energy: model.shafts.iter().map(|shaft| elastic_energy(shaft, shape).map(|e| e / frequency.powi(2))).collect(),
+    });
+    Ok(Excitation { modes: modes.collect(), signals })
+}
+
+/// Adds the force of a mesh, and the displacements of its gears, after a step of the force.
+fn add_mesh(
+    model: &Model,
+    index: usize,
+    elastic: &[(f64, &[f64])],
+    signals: &mut Vec<Signal>,
+    squares: &mut [Vec<f64>],
+) {
+    let mesh = &model.meshes[index];
+    let deflections: Vec<f64> =
+        elastic.iter().map(|(_, shape)| mesh.deflection_at_rest(model.sigma(index, 0.0), shape)).collect();
+    let load = model.constant_load.as_slice();
+    let static_deflection: f64 =
+        elastic.iter().zip(&deflections).map(|((w, shape), value)| value * dot(load, shape) / (w * w)).sum();
+    let step = STEP * mesh.stiffness * static_deflection;
+    signals.push(Signal { steady: 0.0, displacement: false });
+    for (((w, _), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
+        squares.push((value / w).powi(4));
+    }
+    for gear in [model.scene.meshes[index].driver, model.scene.meshes[index].driven] {
+        let node = model.scene.gears[gear].body.node;
+        let Some(v) = model.numbering.translation(node) else { continue };
+        let bow = model.shafts[node.shaft].bow.as_ref().map_or(0.0, |bow| bow[2 * node.node].norm_sqr());
+        signals.push(Signal { steady: bow, displacement: true });
+        for (((w, shape), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
+            squares.push((shape[v].hypot(shape[v + 1]) * value * step / (w * w)).powi(2));
+        }
+    }
+}
+
+/// φᵀCφ of a mode, 1/s.
+fn damping(model: &Model, frequency: f64, shape: &[f64]) -> f64 {
+    let meshes = model.meshes.iter().enumerate();
+    let of_mesh = |(index, mesh): (usize, &GearMesh)| {
+        mesh.damping * mesh.deflection_at_rest(model.sigma(index, 0.0), shape).powi(2)
+    };
+    model.damping_form(shape) + 2.0 * model.scene.modal_damping * frequency + meshes.map(of_mesh).sum::<f64>()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Twice the elastic energy of the bending and of the torsion of a shaft, J.
+fn elastic_energy(shaft: &ShaftModel, q: &[f64]) -> [f64; 2] {
+    let bending = shaft.bending.as_ref().map_or(0.0, |chain| chain.elastic_form::<2>(&q[chain.start..]));
+    let twist = shaft.twist.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]));
+    [bending, twist]
+}
+
+/// Forces of inertia, n entries each, of a uniform and of a linear acceleration of each shaft along y and along z, and of
+/// a uniform angular acceleration about x.
+fn inertia_loads(model: &Model) -> Vec<Vec<f64>> {
+    let mut loads = Vec::new();
+    for (shaft, given) in model.scene.shafts.iter().enumerate() {
+        let mut push = |set: &dyn Fn(&mut [f64], usize, f64)| {
+            let mut motion = vec![0.0; model.len()];
+            for (node, x) in given.nodes.iter().enumerate() {
+                set(&mut motion, node, *x);
+            }
+            let mut load = vec![0.0; model.len()];
+            model.multiply_mass(&motion, &mut load);
+            loads.push(load);
+        };
+        if let Some(start) = model.numbering.lateral(shaft) {
+            for direction in 0..2 {
+                push(&|motion, node, _| motion[start + 4 * node + direction] = 1.0);
+                // The rotation φ of the section is the slope of u.
+                push(&|motion, node, x| {
+                    motion[start + 4 * node + direction] = x;
+                    motion[start + 4 * node + 2 + direction] = 1.0;
+                });
+            }
+        }
+        if let Some(start) = model.numbering.torsion(shaft) {
+            push(&|motion, node, _| motion[start + node] = 1.0);
+        }
+    }
+    loads
+}

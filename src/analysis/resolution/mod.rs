@@ -1,0 +1,318 @@
+//! Number and degree of the shaft elements, chosen from the scene where it does not give them.
+//!
+//! Teeth that enter and leave contact are steps of the load on the meshes. The response to a step shows which modes the
+//! teeth excite, with which amplitude, and how fast they decay. An element changes the natural frequencies. Within the
+//! time T, the change Δω of a frequency becomes a phase error Δω·T, unless damping decays the mode before. The expected
+//! error is the RMS of the difference between the step responses with ω and with ω + Δω, relative to the RMS of the
+//! response. Of all numbers and degrees that meet the level, those with the fewest coordinates are chosen.
+
+mod excited_modes;
+mod layout;
+
+use super::AnalysisError;
+use excited_modes::{Excitation, ExcitedMode, excitation};
+use layout::Layout;
+
+use crate::element::{BendingFunction, twist_degrees};
+use crate::modal::CachedModel;
+use crate::model::Model;
+use crate::scene::description::Resolution;
+use crate::scene::{MAX_DEGREE, Scene, SceneDescription, SceneError};
+
+/// Time over which phase errors grow, s: that of the errors that the accuracy levels promise.
+const TIME: f64 = 0.1;
+/// Degree of the elements of the model whose modes are examined.
+const PROBE_DEGREE: usize = 4;
+/// Longest element of that model, in diameters of the shaft.
+const PROBE_LENGTH: f64 = 10.0;
+/// Largest number of elements of a shaft of that model that is due to this length.
+const PROBE_ELEMENTS: f64 = 8.0;
+/// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/20 and
+/// 1/1.3 of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to
+/// a lightly damped natural frequency, it is up to 1.2 times as large.
+const SAFETY: f64 = 1.25;
+/// Ratio between successive element lengths that are examined.
+const FINER: f64 = 0.8;
+/// Number of element lengths that are examined.
+const LENGTHS: usize = 16;
+/// Largest number of coordinates that is chosen.
+const MAX_COORDINATES: usize = 1200;
+/// Relative error of a natural frequency that counts as resolved.
+const RESOLVED: f64 = 1e-3;
+
+/// Numbers and degrees of the elements of a scene, and what to expect of them.
+#[derive(Clone, Debug)]
+pub struct Resolved {
+    /// The description with numbers and degrees for every shaft.
+    pub description: SceneDescription,
+    /// The chosen elements; `None` if the scene gives all numbers.
+    pub choice: Option<Choice>,
+}
+
+/// The chosen elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The level that they meet.
+    pub level: Resolution,
+    /// Expected error of mesh forces, or of displacements in a scene without meshes: RMS of the difference over RMS of the
+    /// variation.
+    pub expected_error: f64,
+    /// Largest error that the level permits.
+    pub permitted_error: f64,
+    /// Highest frequency whose waves the elements represent with a relative error of 1e-3, rad/s.
+    pub highest_frequency: f64,
+}
+
+/// Chooses number and degree of the elements where a description does not give them.
+///
+/// # Errors
+/// [`SceneError`] if the scene is invalid.
+pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
+    let automatic: Vec<usize> =
+        given.shafts.iter().enumerate().filter(|(_, shaft)| shaft.is_automatic()).map(|(index, _)| index).collect();
+    if automatic.is_empty() {
+        return Ok(Resolved { description: given.clone(), choice: None });
+    }
+    let level = given.resolution.unwrap_or_default();
+    // One element between any two places of parts; this scene is checked as the final one.
+    let plain = with_elements(given, &automatic, |_| (Vec::new(), 1));
+    let scene = Scene::new(&plain)?;
+    let layouts: Vec<Layout> =
+        automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
+    let probe = with_elements(given, &automatic, |i| {
+        let shaft = &scene.shafts[automatic[i]];
+        let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
+        (layouts[i].counts((PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS)), PROBE_DEGREE)
+    });
+    let model = Model::new(Scene::new(&probe)?)?;
+    let permitted_error = permitted(level, model.meshes.is_empty());
+    let known = at_tabulated_speed(model).map(CachedModel::new).ok();
+    let known = known.and_then(|cached| excitation(&cached).ok().map(|excitation| (cached, excitation)));
+    let Some((cached, excitation)) = known else {
+        // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
+        let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
+        return Ok(Resolved { description: probe, choice: Some(choice) });
+    };
+    let ratio = force_over_displacement(level, &cached.model);
+    let search = Search {
+        given,
+        automatic: &automatic,
+        layouts: &layouts,
+        excitation: &excitation,
+        ratio,
+        model: &cached.model,
+    };
+    let best = search.best(permitted_error);
+    let highest =
+        |(layout, lengths): (&Layout, &Vec<Vec<f64>>)| layout.highest_frequency(lengths, best.degree, RESOLVED);
+    let choice = Choice {
+        level,
+        expected_error: best.error.min(1.0),
+        permitted_error,
+        highest_frequency: layouts.iter().zip(&best.lengths).map(highest).fold(f64::INFINITY, f64::min),
+    };
+    let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), search.degree(i, best.degree)));
+    Ok(Resolved { description, choice: Some(choice) })
+}
+
+/// The model with the bearing coefficients of the lowest speed that all tables contain.
+fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
+    if model.bearings.is_empty() {
+        return Ok(model);
+    }
+    let first = model.bearings.iter().filter_map(|bearing| bearing.knots().min_by(f64::total_cmp));
+    model.at_speed(first.fold(0.0, f64::max))
+}
+
+/// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the
+/// difference over RMS of the variation.
+///
+/// # Errors
+/// [`AnalysisError`] if the modes cannot be computed.
+pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, AnalysisError> {
+    if let Some(choice) = &resolved.choice {
+        return Ok(choice.expected_error);
+    }
+    let (given, scene) = (&resolved.description, &cached.model.scene);
+    let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
+    // Every node counts as a place of a part, so that the elements are those of the model.
+    let layouts: Vec<Layout> =
+        given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
+    let excitation = if cached.model.bearings.is_empty() {
+        excitation(cached)
+    } else {
+        excitation(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
+    }?;
+    let ratio = force_over_displacement(Resolution::Engineering, &cached.model);
+    let search = Search {
+        given,
+        automatic: &automatic,
+        layouts: &layouts,
+        excitation: &excitation,
+        ratio,
+        model: &cached.model,
+    };
+    Ok(search.candidate(1, f64::INFINITY).error.min(1.0))
+}
+
+/// Permitted error of mesh forces over that of displacements; 1 for a scene without meshes, whose errors are those of
+/// displacements.
+fn force_over_displacement(level: Resolution, model: &Model) -> f64 {
+    if model.meshes.is_empty() { 1.0 } else { permitted(level, false) / permitted(level, true) }
+}
+
+/// Largest error of mesh forces, or of displacements in a scene without meshes.
+fn permitted(level: Resolution, meshless: bool) -> f64 {
+    match (level, meshless) {
+        (Resolution::Draft, false) => 1e-1,
+        (Resolution::Draft, true) | (Resolution::Engineering, false) => 1e-2,
+        (Resolution::Engineering, true) => 1e-3,
+        (Resolution::Reference, false) => 1e-4,
+        (Resolution::Reference, true) => 1e-6,
+    }
+}
+
+/// The description with the number of elements of each segment, and the degree, of the automatic shafts. Missing numbers
+/// are 1.
+fn with_elements(
+    given: &SceneDescription,
+    automatic: &[usize],
+    elements: impl Fn(usize) -> (Vec<usize>, usize),
+) -> SceneDescription {
+    let mut description = given.clone();
+    for (i, index) in automatic.iter().enumerate() {
+        let (counts, degree) = elements(i);
+        let shaft = &mut description.shafts[*index];
+        let count = |segment: usize| Some(counts.get(segment).copied().unwrap_or(1));
+        match &mut shaft.segments {
+            Some(segments) => {
+                segments.iter_mut().enumerate().for_each(|(i, segment)| segment.elements = count(i));
+            }
+            None => shaft.elements = count(0),
+        }
+        shaft.degree = shaft.degree.or(Some(degree));
+    }
+    description
+}
+
+/// The search for the cheapest elements.
+struct Search<'a> {
+    given: &'a SceneDescription,
+    /// Indices of the shafts without given elements.
+    automatic: &'a [usize],
+    /// Their segments.
+    layouts: &'a [Layout],
+    excitation: &'a Excitation,
+    /// Permitted error of mesh forces over that of displacements.
+    ratio: f64,
+    model: &'a Model,
+}
+
+/// Elements of the automatic shafts.
+struct Candidate {
+    degree: usize,
+    /// Number of elements of each segment of each shaft.
+    counts: Vec<Vec<usize>>,
+    /// Lengths of the elements of each segment of each shaft, m.
+    lengths: Vec<Vec<Vec<f64>>>,
+    /// Number of coordinates.
+    coordinates: usize,
+    /// Expected error.
+    error: f64,
+}
+
+impl Search<'_> {
+    /// The candidate with the fewest coordinates that meets the permitted error; otherwise the most accurate one.
+    fn best(&self, permitted: f64) -> Candidate {
+        let mut best: Option<Candidate> = None;
+        let mut most_accurate: Option<Candidate> = None;
+        let longest = self.layouts.iter().map(Layout::longest).fold(0.0, f64::max);
+        for degree in 2..=MAX_DEGREE {
+            for i in 0..LENGTHS {
+                let candidate = self.candidate(degree, longest * FINER.powi(i as i32));
+                let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
+                if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
+                    break;
+                }
+                if candidate.error <= permitted {
+                    best = Some(candidate);
+                    break;
+                }
+                if most_accurate.as_ref().is_none_or(|known| candidate.error < known.error) {
+                    most_accurate = Some(candidate);
+                }
+            }
+        }
+        best.or(most_accurate).unwrap_or_else(|| self.candidate(PROBE_DEGREE, longest))
+    }
+
+    /// Degree of an automatic shaft: the given one, or that of the candidate.
+    fn degree(&self, i: usize, degree: usize) -> usize {
+        self.given.shafts[self.automatic[i]].degree.unwrap_or(degree)
+    }
+
+    fn candidate(&self, degree: usize, longest: f64) -> Candidate {
+        let counts: Vec<_> = self.layouts.iter().map(|layout| layout.counts(longest)).collect();
+        let lengths: Vec<_> = self.layouts.iter().zip(&counts).map(|(layout, counts)| layout.lengths(counts)).collect();
+        let coordinates = (0..self.layouts.len()).map(|i| self.coordinates(i, &counts[i], degree)).sum();
+        let error = self.error(&lengths, degree);
+        Candidate { degree, counts, lengths, coordinates, error }
+    }
+
+    /// Number of coordinates of an automatic shaft.
+    fn coordinates(&self, i: usize, counts: &[usize], degree: usize) -> usize {
+        let (elements, degree) = (self.layouts[i].elements(counts), self.degree(i, degree));
+        let shear = self.given.shafts[self.automatic[i]].shear;
+        let scene = &self.model.scene;
+        let bending = 4 * (elements + 1) + 2 * BendingFunction::all(degree, shear).len() * elements;
+        let twist = elements + 1 + twist_degrees(degree).count() * elements;
+        usize::from(scene.lateral) * bending + usize::from(scene.torsion) * twist
+    }
+
+    /// Expected error of the worst load: RMS of the difference between the step responses.
+    fn error(&self, lengths: &[Vec<Vec<f64>>], degree: usize) -> f64 {
+        let Excitation { signals, modes } = self.excitation;
+        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * TIME]).collect();
+        for mode in modes {
+            let [difference, response] = self.squares(mode, lengths, degree);
+            for (sum, square) in sums.iter_mut().zip(&mode.squares) {
+                sum[0] += square * difference;
+                sum[1] += square * response;
+            }
+        }
+        let relative = signals.iter().zip(&sums).map(|(signal, [difference, response])| {
+            let weight = if signal.displacement { self.ratio } else { 1.0 };
+            weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
+        });
+        SAFETY * relative.fold(0.0, f64::max)
+    }
+
+    /// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
+    /// oscillation, s.
+    fn squares(&self, mode: &ExcitedMode, lengths: &[Vec<Vec<f64>>], degree: usize) -> [f64; 2] {
+        let mut error = 0.0;
+        for (i, layout) in self.layouts.iter().enumerate() {
+            let errors = layout.frequency_errors(&lengths[i], self.degree(i, degree), mode.frequency);
+            let energy = mode.energy[self.automatic[i]];
+            error += errors[0] * energy[0] + errors[1] * energy[1];
+        }
+        let change = mode.frequency * error.min(1.0);
+        let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, change));
+        [response - cosine, response / 2.0]
+    }
+}
+
+/// ∫₀ᵀ e^{−ct} dt, s.
+fn decay(damping: f64) -> f64 {
+    if damping * TIME > 1e-6 { -(-damping * TIME).exp_m1() / damping } else { TIME }
+}
+
+/// ∫₀ᵀ e^{−ct} cos(dt) dt, s.
+fn decaying_cosine(c: f64, d: f64) -> f64 {
+    if c.hypot(d) * TIME < 1e-4 {
+        // Two terms of the series in d; the difference from `decay` would lose its digits.
+        return decay(c) - d * d * TIME * TIME * TIME / 6.0;
+    }
+    let ((sin, cos), fade) = ((d * TIME).sin_cos(), (-c * TIME).exp());
+    (c - fade * (c * cos - d * sin)) / (c * c + d * d)
+}

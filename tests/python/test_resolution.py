@@ -1,0 +1,136 @@
+"""Number and degree of elements that gearbow chooses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from test_errors import difference, train
+
+SPEED = 100.0
+
+
+def automatic(**options):
+    """Return the pair without numbers of elements."""
+    system = train(**options)
+    shafts = [replace(shaft, elements=None) for shaft in system.shafts]
+    return system.replace(shafts=shafts)
+
+
+def exact(system, factor=2):
+    """Return the system with more elements of degree 7."""
+    shafts = []
+    for shaft in system.shafts:
+        (number,) = system.discretisation.shafts[shaft.name].numbers
+        shafts.append(replace(shaft, elements=factor * number, degree=7))
+    return system.replace(shafts=shafts)
+
+
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+def test_chosen_elements_keep_the_error_of_their_level(level):
+    system = automatic().replace(resolution=level)
+    permitted = {"draft": 1e-1, "engineering": 1e-2}[level]
+    assert system.discretisation.expected_error <= permitted
+    assert system.discretisation.permitted_error == permitted
+    response = system.simulate(0.05, SPEED, accuracy=level)
+    fine = exact(system).simulate(0.05, SPEED, method="exponential", rtol=1e-8)
+    errors = difference(response, fine)
+    assert errors["mesh_force"] <= permitted
+    assert errors["displacement"] <= permitted / 10
+    for kind, error in errors.items():
+        assert error / 3 < response.errors[kind].total < 3 * error
+
+
+def test_levels_differ_in_their_number_of_coordinates():
+    levels = ("draft", "engineering", "reference")
+    sizes = [len(automatic().replace(resolution=level).dofs) for level in levels]
+    assert sizes == sorted(set(sizes))
+
+
+def test_engineering_is_the_default():
+    system = automatic()
+    assert system.resolution == "engineering"
+    assert "resolution" not in system.description
+    assert system.discretisation == system.replace(resolution="engineering").discretisation
+    assert system.discretisation.level == "engineering"
+
+
+def test_given_numbers_are_kept():
+    system = train(3)
+    assert system.discretisation.level is None
+    assert system.discretisation.expected_error is None
+    assert {s.degree for s in system.discretisation.shafts.values()} == {1}
+    assert {s.numbers for s in system.discretisation.shafts.values()} == {(3,)}
+    first, second = system.shafts
+    mixed = system.replace(shafts=[first, replace(second, elements=None)])
+    assert mixed.discretisation.shafts["input"].numbers == (3,)
+    assert mixed.discretisation.shafts["output"].degree > 1
+    cubic = system.replace(shafts=[replace(s, elements=None, degree=4) for s in system.shafts])
+    assert {s.degree for s in cubic.discretisation.shafts.values()} == {4}
+
+
+def test_a_number_for_one_segment_is_a_number_for_all():
+    segments = [gb.Segment(0.2, 0.04, elements=2), gb.Segment(0.2, 0.05)]
+    shaft = gb.Shaft("input", segments=segments)
+    system = train().replace(shafts=[shaft, train().shafts[1]])
+    found = system.discretisation.shafts["input"]
+    assert (found.numbers, found.degree) == ((2, 1), 1)
+
+
+def test_the_choice_is_not_written_into_the_description(tmp_path):
+    system = automatic().replace(resolution="draft")
+    system.save(tmp_path / "scene.toml")
+    loaded = gb.RotorSystem.load(tmp_path / "scene.toml")
+    for other in (loaded, gb.RotorSystem.from_dict(system.description)):
+        assert other.shafts[0].elements is None
+        assert other.shafts[0].degree is None
+        assert other.resolution == "draft"
+        assert other.dofs == system.dofs
+        assert other.discretisation == system.discretisation
+    assert "elements" not in (tmp_path / "scene.toml").read_text()
+
+
+def test_an_unknown_level_is_refused():
+    with pytest.raises(gb.SceneError, match=r"^resolution: .*`fine`"):
+        train(resolution="fine")
+
+
+def test_the_choice_can_be_printed():
+    text = str(automatic().discretisation)
+    assert "input: " in text
+    assert "elements of degree" in text
+    assert "engineering: expected error" in text
+
+
+def test_without_meshes_the_elements_serve_bow_and_unbalance():
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=500.0) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.4, 10.0, 0.03, 0.06)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    options = {"record": ["disk"], "initial": "rest"}
+    response = system.simulate(0.1, 200.0, **options)
+    fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
+    moved, known = response.displacement("disk"), fine.displacement("disk")
+    error = np.linalg.norm(moved - known) / np.linalg.norm(known - known.mean(axis=0))
+    assert error < 1e-3
+    assert error / 3 < response.errors["displacement"].total < 3 * error
+
+
+def test_elements_too_coarse_for_the_level_give_a_warning():
+    with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
+        train(1).simulate(1e-3, SPEED, accuracy="draft")
+    draft = automatic().replace(resolution="draft")
+    with pytest.warns(gb.AccuracyWarning, match="they have the resolution 'draft'"):
+        draft.simulate(1e-3, SPEED, accuracy="engineering")
+    # the default level says it in the response
+    assert "does not include the elements" in draft.simulate(1e-3, SPEED).accuracy
+    assert "does not include" not in draft.simulate(1e-3, SPEED, accuracy="draft").accuracy
+    assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
+
+
+def test_bearings_with_a_speed_table_have_a_choice():
+    table = gb.SpeedTable([50.0, 200.0], [1e8, 2e8])
+    bearings = [replace(bearing, stiffness=table) for bearing in automatic().bearings]
+    system = automatic().replace(bearings=bearings)
+    assert system.discretisation.expected_error <= 1e-2
