@@ -5,6 +5,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::packed::Panel;
+use crate::connection::{Direction, Interface};
 
 /// Rows w and columns b of the interface over a state z.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +43,20 @@ pub struct LinearizedContact {
 }
 
 impl LinearizedContact {
+    /// The directions of all connections.
+    pub fn all(interfaces: &[Interface], includes_meshes: bool) -> Vec<Self> {
+        let (mut from, mut tangents) = (0, Vec::new());
+        for interface in interfaces {
+            let scalars = from..from + interface.scalars();
+            from = scalars.end;
+            tangents.extend(interface.directions().into_iter().map(|Direction { gradient, stiffness }| {
+                let root = if includes_meshes { 0.0 } else { stiffness.max(0.0).sqrt() };
+                Self { scalars: scalars.clone(), gradient, root }
+            }));
+        }
+        tangents
+    }
+
     /// √k g·u. Its square is twice the mesh energy that |z|² does not contain, J.
     pub fn mesh_energy_norm(&self, interface_state: &[f64]) -> f64 {
         self.root * self.along(interface_state, 0)

@@ -15,7 +15,7 @@ use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
     RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
 };
-use crate::connection::{Direction, GuaranteedInterval, Interface, InterfaceOptions};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -68,7 +68,7 @@ impl<'m> NonlinearLoads<'m> {
         let rows: Vec<Vec<f64>> =
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
         let mesh_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
-        let tangents = tangents(&interfaces, linear.includes_meshes);
+        let tangents = LinearizedContact::all(&interfaces, linear.includes_meshes);
         let sources = rotating_sources(&motion);
         let (prescribed, prescribed_columns) =
             prescribed_loads(&motion, linear, (&interfaces, &entries), &sources, &reference);
@@ -395,18 +395,4 @@ fn interfaces(
 /// The end of a run where the base circles of a mesh overlap; no other connection has any.
 fn halt(interface: &Interface, overlap: Overlap) -> Halt {
     Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap }
-}
-
-/// The directions of all connections.
-fn tangents(interfaces: &[Interface], includes_meshes: bool) -> Vec<LinearizedContact> {
-    let (mut from, mut tangents) = (0, Vec::new());
-    for interface in interfaces {
-        let scalars = from..from + interface.scalars();
-        from = scalars.end;
-        tangents.extend(interface.directions().into_iter().map(|Direction { gradient, stiffness }| {
-            let root = if includes_meshes { 0.0 } else { stiffness.max(0.0).sqrt() };
-            LinearizedContact { scalars: scalars.clone(), gradient, root }
-        }));
-    }
-    tangents
 }

@@ -229,7 +229,7 @@ proptest! {
         for (shaft, given) in scene.shafts.iter().zip(&system.shafts) {
             prop_assert_eq!(shaft.elements.len() + 1, shaft.nodes.len());
             prop_assert!(shaft.nodes.windows(2).all(|pair| pair[0] < pair[1]));
-            let asked = given.elements.unwrap_or_else(|| given.segments.iter().flatten().filter_map(|part| part.elements).sum());
+            let asked = given.elements.unwrap_or_else(|| given.segments.iter().flatten().map(|part| part.elements.unwrap_or(1)).sum());
             prop_assert!(shaft.elements.len() >= asked);
             prop_assert_eq!(shaft.degree, given.degree.unwrap_or(1));
         }

@@ -9,6 +9,7 @@ mod longest_step;
 mod modal_setup;
 mod options;
 mod pilot;
+mod ports;
 mod ramp;
 mod record;
 mod record_plan;
@@ -103,11 +104,7 @@ pub fn simulate(
         motion.join_smooth_pieces();
     }
     if !motion.accepts_contact_modes(&start.state.contact_modes) {
-        let contact_modes = start.state.contact_modes.len();
-        let message = format!(
-            "are {contact_modes} numbers that this system cannot have left; give the final state of its own run"
-        );
-        return Err(SceneError::new("initial.contact_modes", message).into());
+        return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
     let mut observer = RunObserver {
@@ -141,6 +138,13 @@ pub fn simulate(
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
     }
+}
+
+/// The error of an initial state whose contact modes no run of this system leaves.
+fn foreign_contact_modes(start: &Start) -> SceneError {
+    let count = start.state.contact_modes.len();
+    let message = format!("are {count} numbers that this system cannot have left; give the final state of its own run");
+    SceneError::new("initial.contact_modes", message)
 }
 
 /// What a run leaves.

@@ -8,24 +8,20 @@
 //! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
 //! synchronous motion are those of the complete model.
 
-use num_complex::Complex64;
-
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
 use super::pilot::{PILOT_DURATION, differences, pilot};
+use super::ports::{interface, ports};
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
-use crate::connection::Connection;
-use crate::exponential::Selection;
 use crate::integrate::Observer;
-use crate::modal::{Directions, LANES, Ports, Projected, StateMatrix};
-use crate::model::Model;
+use crate::modal::{Directions, LANES, Projected, StateMatrix};
 use crate::motion::{EquationOfMotion, Speed};
-use crate::scene::{Node, SceneError};
+use crate::scene::SceneError;
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
@@ -35,8 +31,6 @@ const LARGE_MODEL: usize = 250;
 const LARGEST_PART: f64 = 0.75;
 /// Number of mode counts that are tried before the run keeps all modes.
 const MAX_TRIALS: usize = 4;
-/// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
-const MAX_RECORDED: usize = 64;
 /// Errors of displacements and mesh forces that determine the modes of the components without a given target.
 const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
 /// Error of the mesh force for component modes up to the highest frequency that the teeth excite, in a train with sharp
@@ -57,8 +51,6 @@ const FIRST_SHARE: f64 = 0.1;
 const CONTINUED: f64 = 3.0;
 /// Harmonics of the tooth meshing frequency that count as excited.
 const HARMONICS: f64 = 10.0;
-/// Weight of loads across the line of action relative to those along it.
-const ACROSS: f64 = 0.03;
 
 /// A reduction of the linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -348,56 +340,4 @@ fn of_components(
 /// the tooth meshing frequency.
 fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
     motion.highest_mesh_frequency().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
-}
-
-/// Scalars on which loads act or that are recorded, as entries (index, coefficient) over the displacements.
-fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec<Vec<(usize, f64)>> {
-    let mut scalars: Vec<_> =
-        model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
-    if selection.displacements.len() <= MAX_RECORDED {
-        scalars.extend(selection.displacements.iter().map(|index| vec![(*index, 1.0)]));
-    }
-    scalars
-}
-
-/// What the reduced motion carries: mesh forces, recorded displacements, and the states in which a run can begin.
-fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
-    let ModalSetup { linear, nonlinear_loads, maps, .. } = setup;
-    let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
-        let mut sum = vec![0.0; linear.len()];
-        for (vector, factor) in vectors.iter().zip(gradient) {
-            sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
-        }
-        sum
-    };
-    let mut ports = Ports::default();
-    for tangent in &maps.tangents {
-        ports.columns.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
-        ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
-    }
-    for column in &maps.columns[..maps.meshes] {
-        ports.columns.push(column.iter().map(|value| ACROSS * value).collect());
-    }
-    ports.columns.extend(maps.columns[maps.meshes..].iter().cloned());
-    let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
-    let nodes = model.scene.shafts.iter().enumerate();
-    for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
-        if let Some(v) = model.numbering.translation(node).filter(|v| recorded(*v)) {
-            ports.rows.push([v, v + 1].map(|index| linear.row(&[(index, 1.0)], false)).to_vec());
-        }
-        if let Some(twist) = model.numbering.twist(node).filter(|twist| recorded(*twist)) {
-            ports.rows.push(vec![linear.row(&[(twist, 1.0)], false)]);
-        }
-    }
-    let rest = vec![0.0; model.len()];
-    ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
-    for source in 0..nonlinear_loads.source_count() {
-        for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
-            let values = |rate: bool| -> Vec<f64> {
-                (0..model.len()).map(|index| part(nonlinear_loads.amplitude(source, index, rate))).collect()
-            };
-            ports.states.push(linear.state(model, &values(false), &values(true)).as_slice().to_vec());
-        }
-    }
-    ports
 }
