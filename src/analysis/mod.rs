@@ -8,6 +8,7 @@ mod error;
 mod interrupt;
 mod memory;
 mod peaks;
+mod pins;
 mod root;
 pub mod simulate;
 mod stability;

@@ -148,6 +148,34 @@ impl LuFactors {
     }
 }
 
+/// LU factors, with partial pivoting, of a small square complex matrix.
+#[derive(Clone, Debug)]
+pub struct ComplexLu(nalgebra::LU<Complex<f64>, nalgebra::Dyn, nalgebra::Dyn>);
+
+impl ComplexLu {
+    /// Factorizes a matrix.
+    pub fn new(matrix: &DMatrix<Complex<f64>>) -> Self {
+        Self(matrix.clone().lu())
+    }
+
+    /// Whether no pivot is zero or not finite.
+    pub fn is_regular(&self) -> bool {
+        self.pivots().all(|pivot| pivot.l1_norm() > 0.0 && pivot.is_finite())
+    }
+
+    /// Replaces the right-hand side by the solution of a regular system.
+    pub fn solve(&self, right: &mut DMatrix<Complex<f64>>) {
+        self.0.solve_mut(right);
+    }
+
+    /// Numbers whose product is the determinant.
+    pub fn pivots(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
+        let upper = self.0.lu_internal();
+        let sign: Complex<f64> = self.0.p().determinant();
+        (0..upper.nrows()).map(|i| upper[(i, i)]).chain(std::iter::once(sign))
+    }
+}
+
 /// Solves the real system A X = B by LU decomposition with partial pivoting.
 pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     LuFactors::new(matrix).solve(right)

@@ -21,6 +21,6 @@ pub use cached::{AtSpeed, CachedModel};
 pub use damped::{Mode, modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};
-pub use real::RealModes;
+pub use real::{RealModes, null_motions};
 pub use state_space::{Form, LANES, MAX_CONDITION, ModalStateSpace};
 pub use whirl::Whirl;

@@ -10,6 +10,7 @@
 mod at_speed;
 mod bow;
 mod dense;
+mod dynamic_stiffness;
 mod flanks;
 mod numbering;
 mod quadratic_forms;
@@ -17,6 +18,7 @@ mod shaft;
 
 use nalgebra::{DMatrix, DVector};
 
+pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use num_complex::Complex64;
+
 use crate::scene::{Node, Scene};
 
 /// Motion that a coordinate describes.
@@ -146,6 +148,38 @@ impl Numbering {
     /// Internal index of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
+    }
+
+    /// First internal index, and number of pairs (v, w) and (Γ, −B), of the bending of each shaft.
+    pub fn bending(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.blocks.iter().filter_map(|block| block.lateral.map(|start| (start, 2 * block.nodes)))
+    }
+
+    /// Whether a coordinate, by its internal index, belongs to bending.
+    pub fn is_lateral(&self, index: usize) -> bool {
+        self.pair(index).is_some()
+    }
+
+    /// Circular coordinates of a coordinate with its force on them, for a unit force on the coordinate: 1 on p and m for
+    /// the first of a pair, ±i for the second, and 1 on θ (`Model::dynamic_stiffness`).
+    pub fn circular(&self, index: usize) -> impl Iterator<Item = (usize, Complex64)> + use<> {
+        let one = Complex64::ONE;
+        let [first, second] = match self.pair(index) {
+            None => [Some((index, one)), None],
+            Some((start, unknowns, offset)) => {
+                let force = if offset % 2 == 0 { one } else { Complex64::i() };
+                let p = start + offset / 2;
+                [Some((p, force)), Some((p + unknowns, force.conj()))]
+            }
+        };
+        first.into_iter().chain(second)
+    }
+
+    /// First index and number of pairs of the bending of the shaft to which an internal index belongs, and its offset.
+    fn pair(&self, index: usize) -> Option<(usize, usize, usize)> {
+        let block = self.blocks.iter().rev().find(|block| block.lateral.is_some_and(|start| start <= index))?;
+        let (start, unknowns) = (block.lateral?, 2 * block.nodes);
+        (index < start + 2 * unknowns).then_some((start, unknowns, index - start))
     }
 
     /// Converts a vector from internal order to user order, n entries.
