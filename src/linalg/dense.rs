@@ -9,6 +9,7 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
+use super::band::Singular;
 use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
 
@@ -21,9 +22,18 @@ pub enum DecompositionError {
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge")]
     Eigenvalues,
+    /// A matrix of the iteration for a few modes is singular.
+    #[error("a linear system of the modes has no accurate solution")]
+    Singular,
     /// The matrices depend on the speed, and none was chosen.
     #[error("a bearing depends on the speed: choose one with CachedModel::at_speed before a decomposition")]
     SpeedDependent,
+}
+
+impl From<Singular> for DecompositionError {
+    fn from(_: Singular) -> Self {
+        Self::Singular
+    }
 }
 
 /// Eigenvalues and right eigenvectors of an n × n matrix, in no particular order.

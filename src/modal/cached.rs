@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::first_order::FirstOrder;
 use super::real::RealModes;
+use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
 use crate::model::Model;
@@ -25,6 +26,8 @@ pub struct CachedModel {
     pub model: Model,
     /// Undamped modes for each [`crate::model::Rotation`].
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
+    /// Lowest and highest frequency for each [`crate::model::Rotation`].
+    ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
@@ -57,6 +60,7 @@ impl CachedModel {
         Self {
             model,
             modes: [const { OnceLock::new() }; 3],
+            ranges: [const { OnceLock::new() }; 3],
             linear: Mutex::new(Vec::new()),
             at_speeds: Mutex::default(),
         }
@@ -92,6 +96,18 @@ impl CachedModel {
         }
         let cell = &self.modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+    }
+
+    /// Lowest and highest undamped frequency, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if an iteration fails, or a bearing depends on the speed.
+    pub fn spectral_range(&self, speed: f64) -> Result<&SpectralRange, DecompositionError> {
+        if !self.model.bearings.is_empty() {
+            return Err(DecompositionError::SpeedDependent);
+        }
+        let cell = &self.ranges[self.model.rotation(speed) as usize];
+        cell.get_or_init(|| SpectralRange::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }
 
     /// State-space model of the complete system at `speed` of the reference shaft, rad/s.

@@ -8,6 +8,7 @@ use nalgebra::{Complex, DVector};
 
 use super::cached::CachedModel;
 use super::first_order::FirstOrder;
+use super::lowest::lowest;
 use super::real::RealModes;
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::{DecompositionError, eigen};
@@ -59,6 +60,51 @@ pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, Decompositio
         a.eigenvalue.im.total_cmp(&b.eigenvalue.im).then(a.eigenvalue.norm().total_cmp(&b.eigenvalue.norm()))
     });
     Ok(modes)
+}
+
+/// Number of degrees of freedom from which on a few modes are computed with the band matrices of the shafts.
+const MIN_STRUCTURED: usize = 100;
+/// Part of all modes up to which they are a few.
+const MAX_PART: f64 = 0.15;
+
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
+///
+/// A few modes of a large model take time proportional to n. Modal damping needs all modes, and so do modes that cannot be
+/// told apart from the others: they come from dense matrices.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
+    let n = cached.model.len();
+    if n >= MIN_STRUCTURED && count as f64 <= MAX_PART * n as f64 {
+        if let Some(modes) = structured_modes(cached, speed, count)? {
+            return Ok(modes);
+        }
+    }
+    let mut all = modes(cached, speed)?;
+    all.truncate(count);
+    Ok(all)
+}
+
+/// The same with the band matrices of the shafts only; `None` if they do not give the modes.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn structured_modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    if cached.model.scene.modal_damping > 0.0 {
+        return Ok(None);
+    }
+    let classifier = Classifier::new(&cached.model, speed);
+    let mode = |(eigenvalue, shape)| {
+        let shape = normalized(shape);
+        let whirl = classifier.classify(eigenvalue, &shape);
+        Mode { eigenvalue, shape, whirl }
+    };
+    Ok(lowest(cached, speed, count)?.map(|pairs| pairs.into_iter().map(mode).collect()))
 }
 
 /// Type of motion of the mode with λ = `eigenvalue`, rad/s, and undamped modal coordinates η = `coordinates`.

@@ -7,20 +7,24 @@
 //! of frequency and speed (`quadratic`).
 
 mod cached;
+mod contour;
 mod damped;
 mod eigenpairs;
 mod first_order;
+mod lowest;
 mod pairs;
 mod quadratic;
 mod real;
 mod rigid_body;
+mod spectral_range;
 mod state_space;
 mod whirl;
 
 pub use cached::{AtSpeed, CachedModel};
-pub use damped::{Mode, modes, whirl};
+pub use damped::{Mode, lowest_modes, modes, structured_modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};
 pub use real::{RealModes, null_motions};
+pub use spectral_range::SpectralRange;
 pub use state_space::{Form, LANES, MAX_CONDITION, ModalStateSpace};
 pub use whirl::Whirl;

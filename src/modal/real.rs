@@ -74,7 +74,12 @@ impl RealModes {
     }
 
     /// Sorts modes, of which the first `known` are rigid-body modes, by frequency; `elastic_form` gives φᵀKφ.
-    fn ascending(model: &Model, vectors: DMatrix<f64>, known: usize, elastic_form: impl Fn(&[f64]) -> f64) -> Self {
+    pub(super) fn ascending(
+        model: &Model,
+        vectors: DMatrix<f64>,
+        known: usize,
+        elastic_form: impl Fn(&[f64]) -> f64,
+    ) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);
         let vectors = separate_equal_modes(model, vectors, known, rayleigh);
         let frequency = |column: usize| rayleigh(vectors.column(column).as_slice()).max(0.0).sqrt();

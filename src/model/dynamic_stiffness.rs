@@ -27,6 +27,8 @@ pub struct Weights {
     pub mass: Complex64,
     /// Factor of G.
     pub gyroscopic: Complex64,
+    /// Whether K contains only the symmetric part of the stiffness of the bearings.
+    pub symmetric: bool,
 }
 
 impl Weights {
@@ -37,6 +39,7 @@ impl Weights {
             damping: eigenvalue,
             mass: eigenvalue * eigenvalue,
             gyroscopic: eigenvalue * speed,
+            symmetric: false,
         }
     }
 
@@ -47,6 +50,7 @@ impl Weights {
             damping: Complex64::ONE,
             mass: 2.0 * eigenvalue,
             gyroscopic: Complex64::from(speed),
+            symmetric: false,
         }
     }
 
@@ -82,10 +86,10 @@ impl Model {
             push_torsion(&mut sum, shaft, weights);
         }
         for support in &self.supports {
+            let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
             for i in 0..2 {
                 for j in 0..2 {
-                    let value =
-                        weights.stiffness * support.stiffness[i][j] + weights.damping * support.damping[i][j];
+                    let value = weights.stiffness * stiffness[i][j] + weights.damping * support.damping[i][j];
                     self.add_entry(&mut sum, support.index + i, support.index + j, value);
                 }
             }

@@ -5,13 +5,13 @@
 //! ```
 //!
 //! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
-//! force F. Matrices are stored per shaft as block-tridiagonal matrices; dense ones (`dense`) are assembled on demand.
+//! force F. Matrices are stored per shaft as block-tridiagonal matrices; dense and sparse ones (`matrices`) are assembled on demand.
 
 mod at_speed;
 mod bow;
-mod dense;
 mod dynamic_stiffness;
 mod flanks;
+mod matrices;
 mod numbering;
 mod quadratic_forms;
 mod shaft;
