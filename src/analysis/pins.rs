@@ -59,9 +59,4 @@ impl Pins {
             x.iter_mut().zip(null.iter()).for_each(|(x, null)| *x -= component.clone().scale(*null));
         }
     }
-
-    /// Forces of the springs at the displacements x, N or N m.
-    pub fn forces<'a>(&'a self, x: &'a DVector<f64>) -> impl Iterator<Item = f64> + 'a {
-        self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate])
-    }
 }

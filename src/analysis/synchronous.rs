@@ -24,6 +24,11 @@ pub enum ExcitationPart {
     Unbalance,
 }
 
+/// Memory that a synchronous response needs at first.
+pub fn memory_of_response(model: &Model) -> Dense {
+    if model.scene.modal_damping == 0.0 { Dense::Bands } else { Dense::Undamped }
+}
+
 /// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core. The
 /// meshes are linearised at rest.
 ///

@@ -11,8 +11,8 @@ mod krylov;
 mod pencil;
 mod sparse;
 
-pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use band::Singular;
+pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use coupled_bands::{ChainMatrix, CoupledBands, CoupledFactors, Determinant};
 pub use dense::{DecompositionError, Eigen, LuFactors, eigen, hermitian_eigen, solve, solve_complex};
 pub use krylov::{Krylov, Operator, RitzPair};

@@ -52,12 +52,30 @@ impl Sparse {
         }
     }
 
-    /// `out += |self| |x|`, with the magnitudes of all entries.
-    pub fn multiply_sizes(&self, x: &[f64], out: &mut [f64]) {
-        for (row, out) in out.iter_mut().enumerate() {
-            let range = self.starts[row]..self.starts[row + 1];
-            let terms = self.columns[range.clone()].iter().zip(&self.values[range]);
-            *out += terms.map(|(column, value)| (value * x[*column]).abs()).sum::<f64>();
+    /// Diagonal entries.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = vec![0.0; self.starts.len() - 1];
+        self.for_each(|row, column, value| {
+            if row == column {
+                diagonal[row] = value;
+            }
+        });
+        diagonal
+    }
+
+    /// Largest value of `size(row, column, value)` over all entries; zero without entries.
+    pub fn largest(&self, size: impl Fn(usize, usize, f64) -> f64) -> f64 {
+        let mut largest = 0.0_f64;
+        self.for_each(|row, column, value| largest = largest.max(size(row, column, value)));
+        largest
+    }
+
+    /// Calls `visit(row, column, value)` for every entry.
+    pub fn for_each(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        for row in 0..self.starts.len() - 1 {
+            for entry in self.starts[row]..self.starts[row + 1] {
+                visit(row, self.columns[entry], self.values[entry]);
+            }
         }
     }
 }
@@ -69,7 +87,10 @@ mod tests {
     #[test]
     fn entries_of_one_place_are_added_and_zeros_are_left_out() {
         let matrix = Sparse::new(3, vec![(2, 0, 5.0), (0, 1, 2.0), (0, 1, -0.5), (1, 1, 1.0), (1, 1, -1.0)]);
-        assert_eq!((&*matrix.starts, &*matrix.columns, &*matrix.values), (&[0, 1, 1, 2][..], &[1, 0][..], &[1.5, 5.0][..]));
+        assert_eq!(
+            (&*matrix.starts, &*matrix.columns, &*matrix.values),
+            (&[0, 1, 1, 2][..], &[1, 0][..], &[1.5, 5.0][..])
+        );
         let mut out = [1.0; 3];
         matrix.multiply_add(2.0, &[1.0, 10.0, 0.0], &mut out);
         assert_eq!(out, [31.0, 1.0, 11.0]);

@@ -16,6 +16,9 @@ use crate::scene::SceneError;
 /// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
 const CAPACITY: usize = 8;
 
+/// Number of degrees of freedom from which on a Krylov space gives two frequencies faster than all modes.
+const MIN_KRYLOV: usize = 100;
+
 /// Speed of the reference shaft, rad/s, and whether the meshes are included.
 type Key = (f64, bool);
 
@@ -107,7 +110,14 @@ impl CachedModel {
             return Err(DecompositionError::SpeedDependent);
         }
         let cell = &self.ranges[self.model.rotation(speed) as usize];
-        cell.get_or_init(|| SpectralRange::new(&self.model, speed)).as_ref().map_err(|error| *error)
+        let range = || {
+            if self.model.len() < MIN_KRYLOV || self.modes[self.model.rotation(speed) as usize].get().is_some() {
+                Ok(SpectralRange::of_modes(self.real_modes(speed)?))
+            } else {
+                SpectralRange::new(&self.model, speed)
+            }
+        };
+        cell.get_or_init(range).as_ref().map_err(|error| *error)
     }
 
     /// State-space model of the complete system at `speed` of the reference shaft, rad/s.

@@ -63,8 +63,12 @@ pub(super) fn missing(
     contour: Rectangle,
 ) -> Option<i64> {
     let Rectangle { left, right, top } = contour;
-    let corners =
-        [Complex64::new(right, 0.0), Complex64::new(right, top), Complex64::new(-left, top), Complex64::new(-left, 0.0)];
+    let corners = [
+        Complex64::new(right, 0.0),
+        Complex64::new(right, top),
+        Complex64::new(-left, top),
+        Complex64::new(-left, 0.0),
+    ];
     let value = |at: Complex64| determinant(at).map(|found| deflated(found, known, at));
     let (mut turned, mut count) = (0.0, 0);
     let mut here = value(corners[0])?;

@@ -62,31 +62,11 @@ pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, Decompositio
     Ok(modes)
 }
 
-/// Number of degrees of freedom from which on a few modes are computed with the band matrices of the shafts.
-const MIN_STRUCTURED: usize = 100;
-/// Part of all modes up to which they are a few.
-const MAX_PART: f64 = 0.15;
-
-/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
+/// matrices of the shafts. Time and memory are proportional to n.
 ///
-/// A few modes of a large model take time proportional to n. Modal damping needs all modes, and so do modes that cannot be
-/// told apart from the others: they come from dense matrices.
-///
-/// # Errors
-/// [`DecompositionError`] if a decomposition fails.
-pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
-    let n = cached.model.len();
-    if n >= MIN_STRUCTURED && count as f64 <= MAX_PART * n as f64 {
-        if let Some(modes) = structured_modes(cached, speed, count)? {
-            return Ok(modes);
-        }
-    }
-    let mut all = modes(cached, speed)?;
-    all.truncate(count);
-    Ok(all)
-}
-
-/// The same with the band matrices of the shafts only; `None` if they do not give the modes.
+/// `None` for modal damping, whose matrix is full, and where the lowest modes cannot be told apart from the others, as with
+/// many overdamped ones.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.

@@ -31,8 +31,8 @@ const RECOGNISED: f64 = 1e-7;
 const GAP: f64 = 1e-4;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
-/// A rate matrix that changes a rigid-body mode by less than this fraction does not act on it.
-const UNCOUPLED: f64 = 1e-12;
+/// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
+const UNCOUPLED: f64 = 1e-11;
 /// Number of times that start vectors are added for missing eigenvalues.
 const MAX_RESTARTS: usize = 4;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
@@ -87,14 +87,19 @@ struct Problem<'m> {
 impl<'m> Problem<'m> {
     fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
         let rate = model.sparse_rate(speed);
-        let circulates = model.supports.iter().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
+        let circulates =
+            model.supports.iter().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
         let null = null_motions(model, speed)?;
+        // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
+        let inertia = model.sparse_mass().diagonal();
+        let scaled = |row: usize, column: usize, value: f64| value.abs() / (inertia[row] * inertia[column]).sqrt();
+        let largest = rate.largest(scaled);
         let acts = |column: usize| {
             let motion: Vec<f64> = null.column(column).iter().copied().collect();
-            let (mut force, mut size) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
+            let mut force = vec![0.0; motion.len()];
             rate.multiply_add(1.0, &motion, &mut force);
-            rate.multiply_sizes(&motion, &mut size);
-            force.iter().zip(&size).any(|(force, size)| force.abs() > UNCOUPLED * size)
+            let size = motion.iter().zip(&inertia).map(|(x, m)| x.abs() * m.sqrt()).fold(0.0, f64::max);
+            force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
         };
         Ok(Self {
             shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
@@ -148,7 +153,7 @@ impl<'m> Problem<'m> {
                     Some(0) => return Ok(Some(self.eigenpairs(&space, &found, count))),
                     Some(missing) if missing > 0 && restarts < MAX_RESTARTS => {
                         restarts += 1;
-                        let _ = space.add_start();
+                        space.add_start()?;
                         space.add_start()?;
                         target = steps + per_mode * count + 20;
                     }
@@ -190,7 +195,10 @@ impl<'m> Problem<'m> {
             }
             let (below, above) = (if next > 0 { found[next - 1].0.im } else { 0.0 }, found[next].0.im);
             if above > (1.0 + GAP) * below {
-                return found[..next].iter().all(|(_, pair)| pair.residual <= ACCURATE).then(|| f64::midpoint(below, above));
+                return found[..next]
+                    .iter()
+                    .all(|(_, pair)| pair.residual <= ACCURATE)
+                    .then(|| f64::midpoint(below, above));
             }
         }
         None
@@ -258,9 +266,8 @@ impl<'m> Problem<'m> {
     /// than K.
     fn rayleigh(&self, value: Complex64, shape: &DVector<Complex64>) -> Complex64 {
         let parts = [shape.map(|entry| entry.re), shape.map(|entry| entry.im)];
-        let elastic = |part: &DVector<f64>| {
-            self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed))
-        };
+        let elastic =
+            |part: &DVector<f64>| self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed));
         let mut stiffness = Complex64::from(elastic(&parts[0]) + elastic(&parts[1]));
         for support in &self.model.supports {
             let local = [shape[support.index], shape[support.index + 1]];
@@ -280,11 +287,12 @@ impl<'m> Problem<'m> {
             parts[0].dot(&images[1]) - parts[1].dot(&images[0]),
         );
         let root = (rate * rate - 4.0 * stiffness).sqrt();
-        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0]
-            .into_iter()
-            .fold(Complex64::new(f64::INFINITY, 0.0), |best, one| {
+        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
+            Complex64::new(f64::INFINITY, 0.0),
+            |best, one| {
                 if (one - value).norm() < (best - value).norm() { one } else { best }
-            });
+            },
+        );
         let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
         if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
     }

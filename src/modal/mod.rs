@@ -5,6 +5,9 @@
 //! decoupled pairs of real coordinates (`pairs`) → state-space model (`state_space`) → cache of all of these per model
 //! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
+//!
+//! A few modes of a large model come from Krylov spaces (`lowest`), with a count of the eigenvalues (`contour`) and the
+//! lowest and highest undamped frequency (`spectral_range`).
 
 mod cached;
 mod contour;
@@ -21,7 +24,7 @@ mod state_space;
 mod whirl;
 
 pub use cached::{AtSpeed, CachedModel};
-pub use damped::{Mode, lowest_modes, modes, structured_modes, whirl};
+pub use damped::{Mode, modes, structured_modes, whirl};
 pub use pairs::ModePair;
 pub use quadratic::{OrderIntersection, Quadratic};
 pub use real::{RealModes, null_motions};

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::real::null_motions;
+use super::real::{RealModes, null_motions};
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Singular, Sparse};
 use crate::model::{Model, Weights};
 
@@ -29,6 +29,15 @@ pub struct SpectralRange {
 }
 
 impl SpectralRange {
+    /// Frequencies of known modes.
+    pub(super) fn of_modes(modes: &RealModes) -> Self {
+        Self {
+            slowest: modes.frequencies.iter().copied().find(|frequency| *frequency > 0.0),
+            fastest: modes.highest(),
+            fastest_shape: modes.vectors.column(modes.frequencies.imax()).into_owned(),
+        }
+    }
+
     /// Frequencies of a model with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     ///
     /// # Errors

@@ -5,8 +5,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{Model, Support};
 use super::shaft::{BendingChain, TwistChain};
+use super::{Model, Support};
 use crate::connection::Coefficients;
 use crate::linalg::{BlockTridiagonal, Sparse};
 

@@ -73,7 +73,9 @@ fn a_damped_train_has_the_modes_of_dense_matrices() {
 
 #[test]
 fn an_undamped_train_has_the_modes_of_dense_matrices() {
-    let cached = train(8, |text| text.replace("damping_ratio = 0.05", "damping_ratio = 0.0").replace("damping = 500.0", "damping = 0.0"));
+    let cached = train(8, |text| {
+        text.replace("damping_ratio = 0.05", "damping_ratio = 0.0").replace("damping = 500.0", "damping = 0.0")
+    });
     for speed in [0.0, 150.0, -800.0] {
         assert_same_modes(&cached, speed, 12);
     }
