@@ -8,11 +8,11 @@ use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Singul
 use crate::model::{Model, Weights};
 
 /// Relative change of a frequency at which an iteration ends.
-const CONVERGED: f64 = 1e-9;
+const CONVERGED: f64 = 1e-7;
 /// Steps between two comparisons.
 const STEPS: usize = 20;
 /// Largest number of steps.
-const MAX_STEPS: usize = 200;
+const MAX_STEPS: usize = 120;
 /// Shift of the first iteration for the lowest frequency, relative to the highest one: round-off of the stiffness is
 /// 1e-8 of it.
 const SHIFT: f64 = 1e-5;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,3 +54,21 @@ def test_published_rotors_have_the_response_of_dense_matrices(path: Path):
         warnings.simplefilter("ignore", gb.SceneWarning)
         system = gb.RotorSystem.load(path)
     assert_same_response(system, np.linspace(0.0, 2000.0, 21))
+
+
+def refined(scene: Drawn) -> gb.RotorSystem:
+    """Return the scene with so many elements that a few of its modes take band matrices."""
+    elements = tuple(max(10, 30 // len(scene.lengths)) for _ in scene.lengths)
+    return replace(scene, elements=elements).system()
+
+
+@scenes(10)
+def test_the_lowest_modes_are_those_of_dense_matrices(scene: Drawn):
+    system = refined(scene)
+    found, wanted = system.modes(scene.speed, count=8), system.modes(scene.speed)
+    size = np.abs(wanted.eigenvalues[:8])
+    round_off = (
+        np.finfo(float).eps * (np.abs(wanted.eigenvalues).max() / np.maximum(size, 1e-9)) ** 2
+    )
+    difference = np.abs(found.eigenvalues - wanted.eigenvalues[:8])
+    assert np.all(difference <= np.maximum(1e-9, 10 * round_off) * size)
