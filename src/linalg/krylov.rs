@@ -8,13 +8,16 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::dense::{DecompositionError, eigen};
+use super::dense::{DecompositionError, Eigen, eigen};
 
 /// A vector that loses more than this factor in orthogonalization lies in the space.
 const DEPENDENT: f64 = 1e-12;
 
 /// An operator with the inner product in which it is close to normal.
 pub trait Operator {
+    /// Whether T is symmetric in the inner product.
+    const SYMMETRIC: bool;
+
     /// Number of entries of a vector.
     fn size(&self) -> usize;
 
@@ -156,7 +159,14 @@ impl<'a, T: Operator> Krylov<'a, T> {
         let m = self.images.len();
         let rest = self.count() - self.locked - m;
         let entry = |row: usize, column: usize| self.images[column].get(self.locked + row).copied().unwrap_or(0.0);
-        let eigen = eigen(&DMatrix::from_fn(m, m, entry))?;
+        let projected = DMatrix::from_fn(m, m, entry);
+        let eigen = if T::SYMMETRIC {
+            // Vectors of equal eigenvalues are then orthogonal.
+            let found = ((&projected + projected.transpose()) / 2.0).symmetric_eigen();
+            Eigen { values: found.eigenvalues.map(Complex::from), vectors: found.eigenvectors.map(Complex::from) }
+        } else {
+            eigen(&projected)?
+        };
         let tail = DMatrix::from_fn(rest, m, |row, column| Complex::from(entry(m + row, column)));
         let pair = |(value, vector): (&Complex<f64>, DVector<Complex<f64>>)| RitzPair {
             value: *value,

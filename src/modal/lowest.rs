@@ -313,6 +313,8 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
 }
 
 impl Operator for FirstOrderInverse<'_, '_> {
+    const SYMMETRIC: bool = false;
+
     fn size(&self) -> usize {
         2 * self.problem.model.len()
     }

@@ -92,6 +92,8 @@ struct MassInverse<'m> {
 }
 
 impl Operator for MassInverse<'_> {
+    const SYMMETRIC: bool = true;
+
     fn size(&self) -> usize {
         self.model.len()
     }
@@ -124,6 +126,8 @@ impl<'m> ShiftInverse<'m> {
 }
 
 impl Operator for ShiftInverse<'_> {
+    const SYMMETRIC: bool = true;
+
     fn size(&self) -> usize {
         self.model.len()
     }

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_random_scenes import Drawn, scenes
 
 import gearbow as gb
+from test_random_scenes import Drawn, scenes
 
 pytestmark = pytest.mark.implausible
 
