@@ -87,9 +87,9 @@ impl Model {
         }
         for support in &self.supports {
             let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
-            for i in 0..2 {
-                for j in 0..2 {
-                    let value = weights.stiffness * stiffness[i][j] + weights.damping * support.damping[i][j];
+            for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
+                for (j, (stiffness, damping)) in stiffness.iter().zip(damping).enumerate() {
+                    let value = weights.stiffness * *stiffness + weights.damping * *damping;
                     self.add_entry(&mut sum, support.index + i, support.index + j, value);
                 }
             }
