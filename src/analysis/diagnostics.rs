@@ -19,17 +19,15 @@ const ROUND_OFF_LIMIT: f64 = 1e-6;
 /// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
 pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<String>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
-    let (model, modes) = (&cached.model, cached.real_modes(speed)?);
-    let (Some(slowest), fastest) = (modes.frequencies.iter().find(|frequency| **frequency > 0.0), modes.highest())
-    else {
+    let (model, range) = (&cached.model, cached.spectral_range(speed)?);
+    let (Some(slowest), fastest) = (range.slowest, range.fastest) else {
         return Ok(None);
     };
     let lost = f64::EPSILON * (fastest / slowest).powi(2);
     if lost <= ROUND_OFF_LIMIT {
         return Ok(None);
     }
-    let shape = modes.vectors.column(modes.frequencies.imax());
-    let shape = shape.as_slice();
+    let shape = range.fastest_shape.as_slice();
     // The cause has the largest strain energy in the fastest mode.
     let bearing = |support: &Support| {
         let [v, w] = [shape[support.index], shape[support.index + 1]];

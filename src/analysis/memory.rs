@@ -1,4 +1,4 @@
-//! Checks whether the dense matrices of an analysis fit into the available memory.
+//! Checks whether the matrices of an analysis fit into the available memory.
 //!
 //! Rust aborts the process when an allocation fails, and Linux kills a process that uses too much memory. Therefore an
 //! analysis that needs too much memory is refused before it starts.
@@ -9,9 +9,11 @@ use std::path::Path;
 use crate::model::Model;
 use crate::scene::SceneError;
 
-/// Dense (n, n) matrices that an analysis needs simultaneously, for n degrees of freedom.
+/// Matrices that an analysis needs simultaneously, for n degrees of freedom; dense (n, n) ones unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dense {
+    /// Band matrices of the shafts and vectors of a Krylov space: no dense matrix.
+    Bands,
     /// Mass, stiffness, damping and gyroscopic matrix.
     Matrices,
     /// Undamped modes, also for equilibrium, synchronous response and critical speeds.
@@ -25,6 +27,7 @@ impl Dense {
     /// cross-coupled bearings: 5; 10 (equilibrium) to 18 (critical speeds); 42 (modes) to 52 (Campbell diagram).
     const fn count(self) -> u64 {
         match self {
+            Self::Bands => 0,
             Self::Matrices => 6,
             Self::Undamped => 20,
             Self::Damped => 56,
@@ -34,6 +37,9 @@ impl Dense {
     /// Memory of the matrices for `n` degrees of freedom, bytes.
     pub const fn bytes(self, n: usize) -> u64 {
         let n = n as u64;
+        if matches!(self, Self::Bands) {
+            return BYTES_OF_BANDS.saturating_mul(n);
+        }
         self.count().saturating_mul(8).saturating_mul(n.saturating_mul(n))
     }
 
@@ -50,6 +56,8 @@ impl Dense {
     }
 }
 
+/// Memory of band matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
+const BYTES_OF_BANDS: u64 = 8192;
 /// Required memory up to which nothing is checked, bytes.
 const UNCHECKED: u64 = 64 << 20;
 /// Assumed available memory if the system does not provide it, bytes.
@@ -113,6 +121,7 @@ mod tests {
         assert_eq!(Dense::Matrices.bytes(1000), 6 * 8 * 1_000_000);
         assert!(Dense::Damped.bytes(45_005) > 700_000_000_000);
         assert_eq!(Dense::Damped.bytes(usize::MAX), u64::MAX);
+        assert_eq!(Dense::Bands.bytes(45_005), 45_005 * 8192);
     }
 
     #[test]

@@ -5,10 +5,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::AnalysisError;
-use crate::linalg::solve_complex;
-use crate::modal::CachedModel;
-use crate::model::{Excitation, Model};
+use super::pins::Pins;
+use super::{AnalysisError, Dense};
+use crate::linalg::{CoupledBands, Singular, solve_complex};
+use crate::modal::{CachedModel, null_motions};
+use crate::model::{Excitation, Model, Weights};
 use crate::scene::Node;
 
 /// Part of the excitation by a rotating shaft.
@@ -21,6 +22,11 @@ pub enum ExcitationPart {
     Bow,
     /// Unbalance only.
     Unbalance,
+}
+
+/// Memory that a synchronous response needs at first.
+pub fn memory_of_response(model: &Model) -> Dense {
+    if model.scene.modal_damping == 0.0 { Dense::Bands } else { Dense::Undamped }
 }
 
 /// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core. The
@@ -111,6 +117,49 @@ pub(super) fn synchronous_of(
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
         return Ok(DVector::zeros(model.len()));
     }
+    let mut force = DVector::zeros(model.len());
+    for excitation in &shaft.excitations {
+        // v = Re(A e^{iϑ}) and w = Im(A e^{iϑ}) = Re(−iA e^{iϑ}).
+        let amplitude = acting(excitation);
+        force[excitation.index] += amplitude;
+        force[excitation.index + 1] -= amplitude * Complex::i();
+    }
+    // The matrix of modal damping is full.
+    if model.scene.modal_damping == 0.0 {
+        let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
+        let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
+        let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
+        let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+        pins.add_to(model, &mut matrix);
+        if let Ok(mut found) = solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, &force) {
+            pins.remove_null_motions(&mut found);
+            return Ok(found);
+        }
+    }
+    solve_dense(&cached, [speed, spin], flank_speed, force)
+}
+
+/// Solves S x = f for the band matrices of the shafts.
+fn solve_structured(
+    model: &Model,
+    matrix: CoupledBands,
+    sense: f64,
+    force: &DVector<Complex<f64>>,
+) -> Result<DVector<Complex<f64>>, Singular> {
+    let mut x = model.to_circular(force.as_slice());
+    matrix.factor(sense)?.solve(&mut x)?;
+    Ok(DVector::from_vec(model.from_circular(&x)))
+}
+
+/// The same with the dense matrix, which may contain modal damping; `speed` and `spin` in rad/s.
+fn solve_dense(
+    cached: &CachedModel,
+    [speed, spin]: [f64; 2],
+    flank_speed: f64,
+    force: DVector<Complex<f64>>,
+) -> Result<DVector<Complex<f64>>, AnalysisError> {
+    let model = &cached.model;
+    Dense::Undamped.require(model)?;
     let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(flank_speed));
     let rate = cached.damping_matrix(flank_speed)? + model.gyroscopic_matrix() * speed;
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
@@ -124,13 +173,7 @@ pub(super) fn synchronous_of(
         let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
         dynamic += (&weighted * weighted.transpose() * (lowest * lowest)).map(|value| Complex::new(value, 0.0));
     }
-    let mut force = DMatrix::zeros(model.len(), 1);
-    for excitation in &shaft.excitations {
-        // v = Re(A e^{iϑ}) and w = Im(A e^{iϑ}) = Re(−iA e^{iϑ}).
-        let amplitude = acting(excitation);
-        force[(excitation.index, 0)] += amplitude;
-        force[(excitation.index + 1, 0)] -= amplitude * Complex::i();
-    }
+    let force = DMatrix::from_column_slice(model.len(), 1, force.as_slice());
     Ok(solve_complex(&dynamic, &force).column(0).into_owned())
 }
 

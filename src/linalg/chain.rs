@@ -7,6 +7,7 @@
 
 use nalgebra::DMatrix;
 
+use super::band_order::BandOrder;
 use super::block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite};
 use crate::element::InternalBlocks;
 
@@ -33,6 +34,12 @@ impl<const B: usize> ChainMatrix<B> {
     /// Number of unknowns.
     pub fn len(&self) -> usize {
         B * self.nodes() + self.internal.iter().map(|blocks| blocks.block.nrows()).sum::<usize>()
+    }
+
+    /// Order of the unknowns in a band matrix. All elements have the same number of internal unknowns.
+    pub fn band_order(&self) -> BandOrder {
+        let per_element = self.internal.first().map_or(0, |blocks| blocks.block.nrows());
+        BandOrder { per_node: B, nodes: self.nodes(), per_element }
     }
 
     /// Whether there are no unknowns.

@@ -9,6 +9,7 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector};
 use thiserror::Error;
 
+use super::band::Singular;
 use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
 
@@ -21,9 +22,18 @@ pub enum DecompositionError {
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge")]
     Eigenvalues,
+    /// A matrix of the iteration for a few modes is singular.
+    #[error("a linear system of the modes has no accurate solution")]
+    Singular,
     /// The matrices depend on the speed, and none was chosen.
     #[error("a bearing depends on the speed: choose one with CachedModel::at_speed before a decomposition")]
     SpeedDependent,
+}
+
+impl From<Singular> for DecompositionError {
+    fn from(_: Singular) -> Self {
+        Self::Singular
+    }
 }
 
 /// Eigenvalues and right eigenvectors of an n × n matrix, in no particular order.
@@ -145,6 +155,34 @@ impl LuFactors {
     /// Solves A X = B for B = `right`.
     pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
         copy(self.0.solve(view(right)).as_ref())
+    }
+}
+
+/// LU factors, with partial pivoting, of a small square complex matrix.
+#[derive(Clone, Debug)]
+pub struct ComplexLu(nalgebra::LU<Complex<f64>, nalgebra::Dyn, nalgebra::Dyn>);
+
+impl ComplexLu {
+    /// Factorizes a matrix.
+    pub fn new(matrix: &DMatrix<Complex<f64>>) -> Self {
+        Self(matrix.clone().lu())
+    }
+
+    /// Whether no pivot is zero or not finite.
+    pub fn is_regular(&self) -> bool {
+        self.pivots().all(|pivot| pivot.l1_norm() > 0.0 && pivot.is_finite())
+    }
+
+    /// Replaces the right-hand side by the solution of a regular system.
+    pub fn solve(&self, right: &mut DMatrix<Complex<f64>>) {
+        self.0.solve_mut(right);
+    }
+
+    /// Numbers whose product is the determinant.
+    pub fn pivots(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
+        let upper = self.0.lu_internal();
+        let sign: Complex<f64> = self.0.p().determinant();
+        (0..upper.nrows()).map(|i| upper[(i, i)]).chain(std::iter::once(sign))
     }
 }
 

@@ -1,13 +1,24 @@
-//! Linear algebra: matrices of chains of nodes, and dense decompositions by faer.
+//! Linear algebra: matrices of chains of nodes, band matrices that a few coordinates couple, and dense decompositions by
+//! faer.
 
+mod band;
+mod band_order;
 mod block_tridiagonal;
 mod chain;
 mod convert;
+mod coupled_bands;
 mod dense;
 mod inverse_iteration;
+mod krylov;
 mod pencil;
+mod sparse;
 
+pub use band::Singular;
+pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};
+pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, Determinant};
 pub use dense::{DecompositionError, Eigen, LuFactors, eigen, hermitian_eigen, solve, solve_complex};
+pub use krylov::{Krylov, Operator, RitzPair};
 pub use pencil::{SymmetricPencil, symmetric_pencil};
+pub use sparse::Sparse;

@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 use super::first_order::FirstOrder;
 use super::projected::Projected;
 use super::real::RealModes;
+use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
 use crate::model::Model;
@@ -15,6 +16,9 @@ use crate::scene::SceneError;
 
 /// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
 const CAPACITY: usize = 8;
+
+/// Number of degrees of freedom from which on a Krylov space gives two frequencies faster than all modes.
+const MIN_KRYLOV: usize = 100;
 
 /// Speed of the reference shaft, rad/s, and whether the meshes are included.
 type Key = (f64, bool);
@@ -30,6 +34,8 @@ pub struct CachedModel {
     pub model: Model,
     /// Undamped modes for each [`crate::model::Rotation`].
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
+    /// Lowest and highest frequency for each [`crate::model::Rotation`].
+    ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
     /// The last [`CAPACITY`] subspaces.
@@ -64,6 +70,7 @@ impl CachedModel {
         Self {
             model,
             modes: [const { OnceLock::new() }; 3],
+            ranges: [const { OnceLock::new() }; 3],
             linear: Mutex::new(Vec::new()),
             subspaces: Mutex::default(),
             at_speeds: Mutex::default(),
@@ -100,6 +107,25 @@ impl CachedModel {
         }
         let cell = &self.modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+    }
+
+    /// Lowest and highest undamped frequency, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if an iteration fails, or a bearing depends on the speed.
+    pub fn spectral_range(&self, speed: f64) -> Result<&SpectralRange, DecompositionError> {
+        if !self.model.bearings.is_empty() {
+            return Err(DecompositionError::SpeedDependent);
+        }
+        let cell = &self.ranges[self.model.rotation(speed) as usize];
+        let range = || {
+            if self.model.len() < MIN_KRYLOV || self.modes[self.model.rotation(speed) as usize].get().is_some() {
+                Ok(SpectralRange::of_modes(self.real_modes(speed)?))
+            } else {
+                SpectralRange::new(&self.model, speed)
+            }
+        };
+        cell.get_or_init(range).as_ref().map_err(|error| *error)
     }
 
     /// State-space model of the complete system at `speed` of the reference shaft, rad/s.

@@ -25,6 +25,7 @@ pub(super) fn modes_of_components(
     limit: f64,
 ) -> Result<RealModes, DecompositionError> {
     let mass = model.mass_matrix();
+    let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
     let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
     let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, None));
     let mut shapes: Vec<DVector<f64>> = Vec::new();
@@ -32,7 +33,7 @@ pub(super) fn modes_of_components(
         let member = |index: usize| component.binary_search(&index).is_ok();
         let inside = |column: &usize| (0..model.len()).all(|row| rigid[(row, *column)] == 0.0 || member(row));
         let own: Vec<usize> = (0..rigid.ncols()).filter(inside).collect();
-        let null = rigid_body_modes(&rigid.select_columns(&own), &deflections, &mass)?.select_rows(&component);
+        let null = rigid_body_modes(&rigid.select_columns(&own), &deflections, kinetic)?.select_rows(&component);
         let block = |matrix: &DMatrix<f64>| matrix.select_rows(&component).select_columns(&component);
         let pencil = symmetric_pencil(&block(&stiffness), &block(&mass), &null)?;
         let local = |index: &usize| component.binary_search(index).ok();
@@ -46,10 +47,10 @@ pub(super) fn modes_of_components(
         }
     }
     let basis = DMatrix::from_columns(&shapes);
-    let null = rigid_body_modes(&rigid, &spring_deflections(model, Some(speed)), &mass)?;
+    let null = rigid_body_modes(&rigid, &spring_deflections(model, Some(speed)), kinetic)?;
     let stiffness = stiffness + model.connection_stiffness_matrix(speed);
     let projected = basis.tr_mul(&(stiffness * &basis));
-    let known = basis.tr_mul(&(mass * &null));
+    let known = basis.tr_mul(&(&mass * &null));
     let size = basis.ncols();
     let mut vectors = &basis * symmetric_pencil(&projected, &DMatrix::identity(size, size), &known)?.vectors;
     vectors.columns_mut(0, null.ncols()).copy_from(&null);

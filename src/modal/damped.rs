@@ -8,6 +8,7 @@ use nalgebra::{Complex, DVector};
 
 use super::cached::CachedModel;
 use super::first_order::FirstOrder;
+use super::lowest::lowest;
 use super::real::RealModes;
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::{DecompositionError, eigen};
@@ -40,7 +41,7 @@ impl Mode {
         if size == 0.0 { 0.0 } else { -self.eigenvalue.re / size }
     }
 
-    /// Re(φ̄_i (Mφ)_i), the share of each coordinate in the kinetic energy, n entries in internal order with the sum 1.
+    /// Re(φ̄_i (Mφ)_i), the share of each coordinate in the kinetic energy, n entries in the order of the core with the sum 1.
     pub fn kinetic_shares(&self, model: &Model) -> DVector<f64> {
         let part = |part: fn(&Complex<f64>) -> f64| {
             let values = self.shape.map(|value| part(&value));
@@ -71,6 +72,31 @@ pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, Decompositio
         a.eigenvalue.im.total_cmp(&b.eigenvalue.im).then(a.eigenvalue.norm().total_cmp(&b.eigenvalue.norm()))
     });
     Ok(modes)
+}
+
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
+/// matrices of the shafts. Time and memory are proportional to n.
+///
+/// `None` for modal damping, whose matrix is full, and where the lowest modes cannot be told apart from the others, as with
+/// many overdamped ones.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn structured_modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    if cached.model.scene.modal_damping > 0.0 {
+        return Ok(None);
+    }
+    let classifier = Classifier::new(&cached.model, speed);
+    let mode = |(eigenvalue, shape)| {
+        let shape = normalized(shape);
+        let whirl = classifier.classify(eigenvalue, &shape);
+        Mode { eigenvalue, shape, whirl }
+    };
+    Ok(lowest(cached, speed, count)?.map(|pairs| pairs.into_iter().map(mode).collect()))
 }
 
 /// Type of motion of the mode with λ = `eigenvalue`, rad/s, and undamped modal coordinates η = `coordinates`.

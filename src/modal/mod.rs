@@ -5,29 +5,36 @@
 //! decoupled pairs of real coordinates (`pairs`) → state-space model (`state_space`) → cache of all of these per model
 //! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
+//!
+//! A few modes of a large model come from Krylov spaces (`lowest`), with a count of the eigenvalues (`contour`) and the
+//! lowest and highest undamped frequency (`spectral_range`).
 
 mod balanced;
 mod cached;
 mod components;
+mod contour;
 mod damped;
 mod eigenpairs;
 mod first_order;
 mod gyroscopic;
+mod lowest;
 mod pairs;
 mod projected;
 mod quadratic;
 mod real;
 mod rigid_body;
+mod spectral_range;
 mod state_space;
 mod whirl;
 
 pub use balanced::{Directions, Ports};
 pub use cached::{AtSpeed, CachedModel};
-pub use damped::{Mode, modes, whirl};
+pub use damped::{Mode, modes, structured_modes, whirl};
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use pairs::ModePair;
 pub use projected::Projected;
 pub use quadratic::{OrderIntersection, Quadratic};
-pub use real::RealModes;
+pub use real::{RealModes, null_motions};
+pub use spectral_range::SpectralRange;
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

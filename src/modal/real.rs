@@ -43,12 +43,12 @@ impl RealModes {
     /// Modes of the complete model, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     pub(super) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
         let mass = model.mass_matrix();
-        let null = rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), &mass)?;
+        let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
+        let null = rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)?;
         let stiffness =
             model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.connection_stiffness_matrix(speed);
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
-        let form = |shape: &[f64]| model.elastic_form(shape, |mesh| model.sigma(mesh, speed));
-        Ok(Self::ascending(model, vectors, null.ncols(), form))
+        Ok(Self::of_shapes(model, speed, vectors, null.ncols()))
     }
 
     /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft. Mode shapes are zero
@@ -60,7 +60,8 @@ impl RealModes {
         let modes_of_part = |part: Range<usize>| {
             let in_part: Vec<usize> =
                 (0..rigid.ncols()).filter(|i| rigid.column(*i).rows_range(part.clone()).amax() > 0.0).collect();
-            let null = rigid_body_modes(&rigid.select_columns(&in_part), &deflections, &mass)?;
+            let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
+            let null = rigid_body_modes(&rigid.select_columns(&in_part), &deflections, kinetic)?;
             let block = |matrix: &DMatrix<f64>| matrix.view_range(part.clone(), part.clone()).into_owned();
             let null_in_part = null.rows_range(part.clone()).into_owned();
             let shapes = symmetric_pencil(&block(&stiffness), &block(&mass), &null_in_part)?.vectors;
@@ -77,7 +78,12 @@ impl RealModes {
     }
 
     /// Sorts modes, of which the first `known` are rigid-body modes, by frequency; `elastic_form` gives φᵀKφ.
-    fn ascending(model: &Model, vectors: DMatrix<f64>, known: usize, elastic_form: impl Fn(&[f64]) -> f64) -> Self {
+    pub(super) fn ascending(
+        model: &Model,
+        vectors: DMatrix<f64>,
+        known: usize,
+        elastic_form: impl Fn(&[f64]) -> f64,
+    ) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);
         let vectors = separate_equal_modes(model, vectors, known, rayleigh);
         let frequency = |column: usize| rayleigh(vectors.column(column).as_slice()).max(0.0).sqrt();
@@ -111,6 +117,16 @@ impl RealModes {
         }
         scaled * weighted.transpose()
     }
+}
+
+/// Rigid-body modes of the complete model, one per column and orthonormal in M, with the loaded tooth flanks of `speed`
+/// (reference shaft, rad/s). Time and memory are proportional to n.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn null_motions(model: &Model, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
+    let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
+    rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)
 }
 
 /// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible.
@@ -147,11 +163,11 @@ fn separate_equal_modes(
 }
 
 /// Rigid-body modes, one per column and orthonormal in M: the combinations of `rigid` motions (columns) that deflect no
-/// spring. Each row of `deflections` gives the deflection of one spring per coordinate.
+/// spring. Each row of `deflections` gives the deflection of one spring per coordinate; `kinetic` gives XᵀMX.
 pub(super) fn rigid_body_modes(
     rigid: &DMatrix<f64>,
     deflections: &DMatrix<f64>,
-    mass: &DMatrix<f64>,
+    kinetic: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> Result<DMatrix<f64>, DecompositionError> {
     let mut rigid = rigid.clone();
     let mut deflections = deflections * &rigid;
@@ -169,9 +185,8 @@ pub(super) fn rigid_body_modes(
         symmetric_pencil(&(deflections.transpose() * deflections), &DMatrix::identity(size, size), &none(size))?;
     let free: Vec<usize> = (0..size).filter(|i| pencil.values[*i] <= ZERO_STIFFNESS).collect();
     let motions = rigid * pencil.vectors.select_columns(&free);
-    let kinetic = motions.transpose() * mass * &motions;
     let size = free.len();
-    Ok(motions * symmetric_pencil(&DMatrix::identity(size, size), &kinetic, &none(size))?.vectors)
+    Ok(&motions * symmetric_pencil(&DMatrix::identity(size, size), &kinetic(&motions), &none(size))?.vectors)
 }
 
 /// Deflection of every bearing direction and of every mesh per coordinate, one spring per row, n columns.

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DVector};
 
 use crate::model::{DofKind, Model};
 
@@ -50,8 +50,6 @@ pub(super) struct Classifier<'m> {
     model: &'m Model,
     /// Speed of the reference shaft, rad/s.
     speed: f64,
-    /// Mass matrix, n × n.
-    mass: DMatrix<f64>,
     /// Whether each coordinate of the core belongs to bending, n entries.
     lateral: Vec<bool>,
 }
@@ -62,7 +60,7 @@ impl<'m> Classifier<'m> {
         for dof in model.numbering.dofs() {
             lateral[dof.index] = dof.kind.is_lateral();
         }
-        Self { model, speed, mass: model.mass_matrix(), lateral }
+        Self { model, speed, lateral }
     }
 
     /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in the order of the core.
@@ -102,7 +100,7 @@ impl<'m> Classifier<'m> {
         let quadratic_form = |part: fn(&Complex<f64>) -> f64| {
             let vector =
                 DVector::from_fn(shape.len(), |i, _| if self.lateral[i] == lateral { part(&shape[i]) } else { 0.0 });
-            vector.dot(&(&self.mass * &vector))
+            self.model.kinetic_form(vector.as_slice())
         };
         quadratic_form(|value| value.re) + quadratic_form(|value| value.im)
     }

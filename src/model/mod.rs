@@ -5,18 +5,22 @@
 //! ```
 //!
 //! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
-//! force F. Matrices are stored per shaft as matrices of chains; dense ones (`dense`) are assembled on demand.
+//! force F. Matrices are stored per shaft as matrices of chains; dense and sparse ones (`matrices`) are assembled on
+//! demand.
 
 mod at_speed;
 mod bow;
-mod dense;
+mod circular;
+mod dynamic_stiffness;
 mod flanks;
+mod matrices;
 mod numbering;
 mod quadratic_forms;
 mod shaft;
 
 use nalgebra::{DMatrix, DVector};
 
+pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};

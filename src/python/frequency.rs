@@ -92,10 +92,11 @@ pub fn synchronous<'py>(
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
-    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), Dense::Undamped)?;
+    let memory = analysis::memory_of_response(model.model());
+    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let worker_speeds = speeds.clone();
-    let amplitudes = model.run(py, Dense::Undamped, move |cached, interrupt| {
+    let amplitudes = model.run(py, memory, move |cached, interrupt| {
         let at = |speed: &f64| {
             interrupt.check()?;
             analysis::synchronous(cached, *speed, part)
@@ -145,8 +146,8 @@ pub fn peaks(
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    let found =
-        model.run(py, Dense::Undamped, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
+    let memory = analysis::memory_of_response(model.model());
+    let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;
     let row =
         |peak: &analysis::Peak| (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open));

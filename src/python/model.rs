@@ -178,11 +178,10 @@ impl PyModel {
     #[pyo3(signature = (speed, count=None))]
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
-        self.warn_of_ill_conditioning(py, speed, Dense::Damped)?;
-        let mut modes = self.run(py, Dense::Damped, move |cached, _| -> Result<_, AnalysisError> {
-            Ok(modal::modes(&*cached.at_speed(speed)?, speed)?)
-        })?;
-        modes.truncate(count.unwrap_or(usize::MAX));
+        let count = count.unwrap_or(usize::MAX);
+        let memory = analysis::memory_of_modes(self.model(), count);
+        self.warn_of_ill_conditioning(py, speed, memory)?;
+        let modes = self.run(py, memory, move |cached, _| analysis::lowest_modes(cached, speed, count))?;
         let numbering = &self.model().numbering;
         let shapes: Vec<Complex<f64>> =
             modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();

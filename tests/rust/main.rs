@@ -23,4 +23,5 @@ mod scene;
 mod scene_round_trip;
 mod speed;
 mod stability;
+mod structured;
 mod teeth;

@@ -1,0 +1,187 @@
+//! Krylov space of a real operator, for its eigenvalues of largest magnitude: the band Arnoldi method (Saad 2011, Numerical
+//! Methods for Large Eigenvalue Problems, sections 6.3 and 6.4).
+//!
+//! The basis V is orthonormal in an inner product that the caller chooses. Applying the operator T to the first m basis
+//! vectors, one after the other, gives T V_m = V H, so that eigenvalues of the first m rows of H approximate those of T; the
+//! other rows give the residuals. Start vectors may be added at any time: a space with p start vectors finds eigenvalues of
+//! multiplicity p.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::dense::{DecompositionError, Eigen, eigen};
+
+/// A vector that loses more than this factor in orthogonalization lies in the space.
+const DEPENDENT: f64 = 1e-12;
+
+/// An operator with the inner product in which it is close to normal.
+pub trait Operator {
+    /// Whether T is symmetric in the inner product.
+    const SYMMETRIC: bool;
+
+    /// Number of entries of a vector.
+    fn size(&self) -> usize;
+
+    /// T x.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a linear system has no accurate solution.
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError>;
+
+    /// W x, where xᵀWy is the inner product of x and y.
+    fn weigh(&self, x: &[f64]) -> Vec<f64>;
+}
+
+/// Approximation of an eigenpair.
+#[derive(Clone, Debug)]
+pub struct RitzPair {
+    /// Eigenvalue θ of the operator.
+    pub value: Complex<f64>,
+    /// Norm of the residual ‖T x − θ x‖ for ‖x‖ = 1, relative to |θ|.
+    pub residual: f64,
+    /// Components of x in the basis.
+    components: DVector<Complex<f64>>,
+}
+
+/// A Krylov space.
+#[derive(Debug)]
+pub struct Krylov<'a, T> {
+    operator: &'a T,
+    /// Basis vectors, one after the other.
+    basis: Vec<f64>,
+    /// Number of the first basis vectors, which span a space that the operator maps into itself.
+    locked: usize,
+    /// Components of T v in the basis, for every basis vector v to which the operator was applied.
+    images: Vec<Vec<f64>>,
+    /// State of the random numbers.
+    seed: u64,
+}
+
+impl<'a, T: Operator> Krylov<'a, T> {
+    /// A space of the vectors of `locked`, which span a space that the operator maps into itself. Its eigenpairs are left
+    /// out.
+    pub fn new(operator: &'a T, locked: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        let mut space = Self { operator, basis: Vec::new(), locked: 0, images: Vec::new(), seed: 1 };
+        for vector in locked {
+            space.push(vector);
+        }
+        space.locked = space.count();
+        space
+    }
+
+    /// Number of basis vectors.
+    fn count(&self) -> usize {
+        self.basis.len() / self.operator.size().max(1)
+    }
+
+    /// Number of vectors to which the operator was applied.
+    pub fn steps(&self) -> usize {
+        self.images.len()
+    }
+
+    /// Whether the basis spans all vectors.
+    pub fn is_complete(&self) -> bool {
+        self.count() >= self.operator.size()
+    }
+
+    /// Adds `vector` to the basis, orthogonalized and normalized. Returns its components, of which the last is that of the
+    /// added vector.
+    fn push(&mut self, mut vector: Vec<f64>) -> Vec<f64> {
+        let (size, count) = (self.operator.size(), self.count());
+        let norm = |vector: &[f64], weighted: &[f64]| {
+            vector.iter().zip(weighted).map(|(x, w)| x * w).sum::<f64>().max(0.0).sqrt()
+        };
+        let weighted = self.operator.weigh(&vector);
+        let before = norm(&vector, &weighted);
+        let basis = nalgebra::DMatrixView::from_slice(&self.basis, size, count);
+        let mut components = DVector::zeros(count);
+        let mut weighted = DVector::from_vec(weighted);
+        // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
+        for _ in 0..2 {
+            let part = basis.tr_mul(&weighted);
+            let mut view = nalgebra::DVectorViewMut::from_slice(&mut vector, size);
+            view.gemv(-1.0, &basis, &part, 1.0);
+            components += part;
+            weighted = DVector::from_vec(self.operator.weigh(&vector));
+        }
+        let mut components: Vec<f64> = components.iter().copied().collect();
+        let after = norm(&vector, weighted.as_slice());
+        if after > DEPENDENT * before && after.is_finite() {
+            self.basis.extend(vector.iter().map(|value| value / after));
+            components.push(after);
+        }
+        components
+    }
+
+    /// Adds a start vector with random entries.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] of the operator.
+    pub fn add_start(&mut self) -> Result<(), DecompositionError> {
+        let mut next = || {
+            // SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+            self.seed = self.seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.seed;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
+        };
+        let start: Vec<f64> = (0..self.operator.size()).map(|_| next()).collect();
+        // The operator removes the components of the small eigenvalues.
+        let start = self.operator.apply(&start)?;
+        self.push(start);
+        Ok(())
+    }
+
+    /// Applies the operator to the next basis vector; adds a start vector if there is none.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] of the operator.
+    pub fn step(&mut self) -> Result<(), DecompositionError> {
+        let size = self.operator.size();
+        let next = self.locked + self.images.len();
+        if next == self.count() {
+            self.add_start()?;
+        }
+        if next == self.count() {
+            return Ok(());
+        }
+        let image = self.operator.apply(&self.basis[next * size..(next + 1) * size])?;
+        let components = self.push(image);
+        self.images.push(components);
+        Ok(())
+    }
+
+    /// All approximations of eigenpairs.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the eigenvalue iteration does not converge.
+    pub fn ritz_pairs(&self) -> Result<Vec<RitzPair>, DecompositionError> {
+        let m = self.images.len();
+        let rest = self.count() - self.locked - m;
+        let entry = |row: usize, column: usize| self.images[column].get(self.locked + row).copied().unwrap_or(0.0);
+        let projected = DMatrix::from_fn(m, m, entry);
+        let eigen = if T::SYMMETRIC {
+            // Vectors of equal eigenvalues are then orthogonal.
+            let found = ((&projected + projected.transpose()) / 2.0).symmetric_eigen();
+            Eigen { values: found.eigenvalues.map(Complex::from), vectors: found.eigenvectors.map(Complex::from) }
+        } else {
+            eigen(&projected)?
+        };
+        let tail = DMatrix::from_fn(rest, m, |row, column| Complex::from(entry(m + row, column)));
+        let pair = |(value, vector): (&Complex<f64>, DVector<Complex<f64>>)| RitzPair {
+            value: *value,
+            residual: (&tail * &vector).norm() / value.norm(),
+            components: vector,
+        };
+        let columns = eigen.vectors.column_iter().map(|column| column.into_owned());
+        Ok(eigen.values.iter().zip(columns).map(pair).collect())
+    }
+
+    /// The vector of an approximation.
+    pub fn vector(&self, pair: &RitzPair) -> DVector<Complex<f64>> {
+        let size = self.operator.size();
+        let basis = nalgebra::DMatrixView::from_slice(&self.basis[self.locked * size..], size, self.images.len());
+        let part = |part: fn(&Complex<f64>) -> f64| basis * pair.components.map(|value| part(&value));
+        part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
+    }
+}

@@ -1,0 +1,108 @@
+//! Circular coordinates, in which the planes of a shaft uncouple: p = v + iw (forward) and m = v − iw (backward) of each
+//! pair of bending coordinates, and the torsion as it is.
+//!
+//! A vector of circular coordinates has, in the place of the bending coordinates of a shaft, first all p and then all m.
+//! The coordinates of each of these chains, and of torsion, have the order of a band matrix: those of a node, the internal
+//! ones of the element after it, those of the next node. Forces transform in the same way as displacements:
+//! f_p = f_v + i f_w.
+
+use num_complex::Complex64;
+
+use super::Model;
+use crate::linalg::{BandOrder, CoupledBands};
+
+/// The coordinates of one chain of a shaft.
+struct Part {
+    /// Index, in the order of the core, of the first coordinate.
+    start: usize,
+    /// Order of the unknowns, (v, w) or θ, in a band matrix.
+    order: BandOrder,
+    /// Whether each unknown is a pair (v, w).
+    lateral: bool,
+}
+
+impl Part {
+    fn contains(&self, index: usize) -> bool {
+        let lanes = if self.lateral { 2 } else { 1 };
+        (self.start..self.start + lanes * self.order.len()).contains(&index)
+    }
+}
+
+impl Model {
+    /// Chains of all shafts.
+    fn parts(&self) -> impl Iterator<Item = Part> + '_ {
+        self.shafts.iter().flat_map(|shaft| {
+            let bending = shaft.bending.as_ref();
+            let bending =
+                bending.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: true });
+            let twist = shaft.twist.as_ref();
+            let twist =
+                twist.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: false });
+            bending.into_iter().chain(twist)
+        })
+    }
+
+    /// Circular coordinates of a coordinate, with the force on each for a unit force on the coordinate, and the part of
+    /// each in the displacement of the coordinate. A force along v or w is f_p = 1 or i and f_m = 1 or −i; v = (p + m)/2
+    /// and w = (p − m)/2i.
+    fn circular(&self, index: usize) -> impl Iterator<Item = (usize, Complex64, Complex64)> {
+        let part = self.parts().find(|part| part.contains(index));
+        let entries = part.map(|Part { start, order, lateral }| {
+            let offset = index - start;
+            if !lateral {
+                return [Some((start + order.row(offset), Complex64::ONE, Complex64::ONE)), None];
+            }
+            let force = if offset.is_multiple_of(2) { Complex64::ONE } else { Complex64::I };
+            let p = start + order.row(offset / 2);
+            [Some((p, force, force.conj() * 0.5)), Some((p + order.len(), force.conj(), force * 0.5))]
+        });
+        entries.into_iter().flatten().flatten()
+    }
+
+    /// Adds `value` to the entry of two coordinates in the order of the core.
+    pub fn add_entry(&self, sum: &mut CoupledBands, row: usize, column: usize, value: Complex64) {
+        if value == Complex64::ZERO {
+            return;
+        }
+        for (row, force, _) in self.circular(row) {
+            for (column, _, displacement) in self.circular(column) {
+                sum.add(row, column, value * force * displacement);
+            }
+        }
+    }
+
+    /// Converts a vector of displacements or forces from the order of the core to circular coordinates.
+    pub fn to_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
+        let mut out = x.to_vec();
+        for Part { start, order, lateral } in self.parts() {
+            for unknown in 0..order.len() {
+                let row = start + order.row(unknown);
+                if lateral {
+                    let (v, w) = (x[start + 2 * unknown], Complex64::I * x[start + 2 * unknown + 1]);
+                    (out[row], out[row + order.len()]) = (v + w, v - w);
+                } else {
+                    out[row] = x[start + unknown];
+                }
+            }
+        }
+        out
+    }
+
+    /// Converts a vector from circular coordinates to the order of the core.
+    pub fn from_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
+        let mut out = x.to_vec();
+        for Part { start, order, lateral } in self.parts() {
+            for unknown in 0..order.len() {
+                let row = start + order.row(unknown);
+                if lateral {
+                    let (p, m) = (x[row], x[row + order.len()]);
+                    out[start + 2 * unknown] = (p + m) * 0.5;
+                    out[start + 2 * unknown + 1] = (p - m) * Complex64::new(0.0, -0.5);
+                } else {
+                    out[start + unknown] = x[row];
+                }
+            }
+        }
+        out
+    }
+}

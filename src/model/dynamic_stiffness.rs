@@ -1,0 +1,176 @@
+//! Dynamic stiffness S(λ) = λ²M + λ(C + ΩG) + K as band matrices of the shafts that a few coordinates couple.
+//!
+//! The circular coordinates p = v + iw (forward) and m = v − iw (backward) of each node uncouple the two planes of a shaft:
+//! the gyroscopic term is −iλΩ_s G_s for p and +iλΩ_s G_s for m. A shaft is therefore three chains: p, m and torsion. A
+//! bearing with the same coefficients in every direction belongs to the chains. Other bearings couple p and m of their
+//! node, and a mesh couples six coordinates.
+//!
+//! `circular.rs` has the order of the circular coordinates, in which the internal coordinates of an element lie between
+//! those of its nodes.
+
+use num_complex::Complex64;
+
+use super::Model;
+use super::shaft::ShaftModel;
+use crate::connection::Row;
+use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
+
+/// Weights of the matrices in S = stiffness·K + damping·C + mass·M + gyroscopic·G, where G is that of the unit speed of
+/// the reference shaft.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// Factor of K.
+    pub stiffness: Complex64,
+    /// Factor of C.
+    pub damping: Complex64,
+    /// Factor of M.
+    pub mass: Complex64,
+    /// Factor of G.
+    pub gyroscopic: Complex64,
+    /// Whether K contains only the symmetric part of the stiffness of the bearings.
+    pub symmetric: bool,
+}
+
+impl Weights {
+    /// Weights of S(λ) at a speed of the reference shaft, rad/s; λ in rad/s.
+    pub fn dynamic(eigenvalue: Complex64, speed: f64) -> Self {
+        Self {
+            stiffness: Complex64::ONE,
+            damping: eigenvalue,
+            mass: eigenvalue * eigenvalue,
+            gyroscopic: eigenvalue * speed,
+            symmetric: false,
+        }
+    }
+
+    /// Weights of ∂S/∂λ.
+    pub fn slope(eigenvalue: Complex64, speed: f64) -> Self {
+        Self {
+            stiffness: Complex64::ZERO,
+            damping: Complex64::ONE,
+            mass: 2.0 * eigenvalue,
+            gyroscopic: Complex64::from(speed),
+            symmetric: false,
+        }
+    }
+
+    /// Weights of K.
+    pub fn stiffness() -> Self {
+        Self::dynamic(Complex64::ZERO, 0.0)
+    }
+}
+
+impl Model {
+    /// Weighted sum of the matrices of shafts, bearings and connections, with the loaded flanks at `speed` (reference
+    /// shaft, rad/s).
+    pub fn dynamic_stiffness(&self, weights: &Weights, speed: f64) -> CoupledBands {
+        let mut sum = self.shaft_stiffness(weights);
+        for connection in self.connections(speed) {
+            let (rows, coefficients) = (connection.rows(), connection.linear(speed));
+            for (i, left) in rows.iter().enumerate() {
+                for (j, right) in rows.iter().enumerate() {
+                    let value = weights.stiffness * coefficients.stiffness[(i, j)]
+                        + weights.damping * coefficients.damping[(i, j)];
+                    self.add_product(&mut sum, left, right, value);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Weighted sum of the matrices of shafts and bearings.
+    pub fn shaft_stiffness(&self, weights: &Weights) -> CoupledBands {
+        let mut sum = CoupledBands::default();
+        for shaft in &self.shafts {
+            push_bending(&mut sum, shaft, weights);
+            push_torsion(&mut sum, shaft, weights);
+        }
+        for support in &self.supports {
+            let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
+            for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
+                for (j, (stiffness, damping)) in stiffness.iter().zip(damping).enumerate() {
+                    let value = weights.stiffness * *stiffness + weights.damping * *damping;
+                    self.add_entry(&mut sum, support.index + i, support.index + j, value);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Diagonal entries of the stiffness matrix of the shafts, n entries in the order of the core.
+    pub fn chain_stiffness(&self) -> Vec<f64> {
+        let mut diagonal = vec![0.0; self.len()];
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                chain.stiffness.for_each(|row, column, value| {
+                    if row == column {
+                        diagonal[chain.start + 2 * row..chain.start + 2 * row + 2].fill(value);
+                    }
+                });
+            }
+            if let Some(chain) = &shaft.twist {
+                chain.stiffness.for_each(|row, column, value| {
+                    if row == column {
+                        diagonal[chain.start + row] = value;
+                    }
+                });
+            }
+        }
+        diagonal
+    }
+
+    /// Adds value·left·rightᵀ.
+    pub fn add_product(&self, sum: &mut CoupledBands, left: &Row, right: &Row, value: Complex64) {
+        for (row, left) in left {
+            for (column, right) in right {
+                self.add_entry(sum, *row, *column, value * left * right);
+            }
+        }
+    }
+}
+
+/// Appends the chains p and m of a shaft.
+fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
+    let Some(chain) = &shaft.bending else {
+        return;
+    };
+    let mut band = zeros(&chain.stiffness);
+    add(&mut band, &chain.stiffness, weights.stiffness);
+    add(&mut band, &chain.mass, weights.mass);
+    if let Some(damping) = &chain.damping {
+        add(&mut band, damping, weights.damping);
+    }
+    for sign in [-1.0, 1.0] {
+        let mut band = band.clone();
+        add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
+        sum.push(band);
+    }
+}
+
+/// Appends the torsional chain of a shaft.
+fn push_torsion(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
+    let Some(chain) = &shaft.twist else {
+        return;
+    };
+    let mut band = zeros(&chain.stiffness);
+    add(&mut band, &chain.stiffness, weights.stiffness);
+    add(&mut band, &chain.mass, weights.mass);
+    if let Some(damping) = &chain.damping {
+        add(&mut band, damping, weights.damping);
+    }
+    sum.push(band);
+}
+
+/// Zero band matrix for the coordinates of a chain.
+fn zeros<const B: usize>(matrix: &ChainMatrix<B>) -> BandChain {
+    let order = matrix.band_order();
+    BandChain::zeros(order.len(), order.reach())
+}
+
+/// Adds `weight` times a matrix of the chain.
+fn add<const B: usize>(band: &mut BandChain, matrix: &ChainMatrix<B>, weight: Complex64) {
+    if weight != Complex64::ZERO {
+        let order = matrix.band_order();
+        matrix.for_each(|row, column, value| band.add(order.row(row), order.row(column), weight * value));
+    }
+}

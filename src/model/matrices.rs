@@ -1,0 +1,212 @@
+//! Entries of the matrices of the complete model in the order of the core, and the dense or sparse matrices of them.
+//!
+//! SI units: translations in m, rotations in rad. A speed Ω is that of the reference shaft, rad/s; its sign selects the
+//! loaded tooth flanks.
+
+use nalgebra::DMatrix;
+
+use super::shaft::{BendingChain, TwistChain};
+use super::{Model, Support};
+use crate::connection::Coefficients;
+use crate::linalg::{ChainMatrix, Sparse};
+
+/// Adds a value to the entry (row, column) of a matrix.
+type Add<'a> = &'a mut dyn FnMut(usize, usize, f64);
+
+impl Model {
+    /// Mass matrix M.
+    pub fn mass_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_mass(add))
+    }
+
+    /// Stiffness matrix of the shafts.
+    pub fn shaft_stiffness_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_shaft_stiffness(add))
+    }
+
+    /// Stiffness matrix of the bearings.
+    pub fn support_stiffness_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_supports(|support| support.stiffness, add))
+    }
+
+    /// Symmetric part of the bearing stiffness.
+    pub fn symmetric_part_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_supports(|support| support.symmetric_part, add))
+    }
+
+    /// Bearing stiffness without its symmetric part.
+    pub fn skew_part_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_supports(Support::skew_part, add))
+    }
+
+    /// Stiffness matrix of the connections at a speed of the reference shaft; meshes are linearised at rest.
+    pub fn connection_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
+        self.dense(|add| self.visit_connections(speed, |coefficients| coefficients.stiffness, add))
+    }
+
+    /// Stiffness matrix K of shafts, bearings and connections.
+    pub fn stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
+        self.shaft_stiffness_matrix() + self.support_stiffness_matrix() + self.connection_stiffness_matrix(speed)
+    }
+
+    /// Damping matrix of shafts, bearings and connections, without modal damping, which `CachedModel` adds.
+    pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
+        self.dense(|add| self.visit_connections(speed, |coefficients| coefficients.damping, add))
+            + self.damping_matrix_without_meshes()
+    }
+
+    /// Damping matrix of shafts and bearings, without modal damping.
+    pub fn damping_matrix_without_meshes(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_damping_without_meshes(add))
+    }
+
+    /// Gyroscopic matrix G per unit speed of the reference shaft: the term −iΩ_s G_s u̇ of each shaft s for the real
+    /// and imaginary part of u.
+    pub fn gyroscopic_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_gyroscopic(add))
+    }
+
+    /// Mass matrix M.
+    pub fn sparse_mass(&self) -> Sparse {
+        self.sparse(|add| self.visit_mass(add))
+    }
+
+    /// Stiffness matrix K of shafts, bearings and connections.
+    pub fn sparse_stiffness(&self, speed: f64) -> Sparse {
+        self.sparse(|add| {
+            self.visit_shaft_stiffness(add);
+            self.visit_supports(|support| support.stiffness, add);
+            self.visit_connections(speed, |coefficients| coefficients.stiffness, add);
+        })
+    }
+
+    /// The same with the symmetric part of the bearing stiffness.
+    pub fn sparse_symmetric_stiffness(&self, speed: f64) -> Sparse {
+        self.sparse(|add| {
+            self.visit_shaft_stiffness(add);
+            self.visit_supports(|support| support.symmetric_part, add);
+            self.visit_connections(speed, |coefficients| coefficients.stiffness, add);
+        })
+    }
+
+    /// Damping matrix of shafts, bearings and connections, without modal damping.
+    pub fn sparse_damping(&self, speed: f64) -> Sparse {
+        self.sparse(|add| {
+            self.visit_damping_without_meshes(add);
+            self.visit_connections(speed, |coefficients| coefficients.damping, add);
+        })
+    }
+
+    /// Gyroscopic matrix G per unit speed of the reference shaft.
+    pub fn sparse_gyroscopic(&self) -> Sparse {
+        self.sparse(|add| self.visit_gyroscopic(add))
+    }
+
+    /// C + ΩG at the speed Ω of the reference shaft, rad/s, without modal damping.
+    pub fn sparse_rate(&self, speed: f64) -> Sparse {
+        self.sparse(|add| {
+            self.visit_damping_without_meshes(add);
+            self.visit_connections(speed, |coefficients| coefficients.damping, add);
+            self.visit_gyroscopic(&mut |row, column, value| add(row, column, speed * value));
+        })
+    }
+
+    fn dense(&self, visit: impl Fn(Add<'_>)) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.len(), self.len());
+        visit(&mut |row, column, value| matrix[(row, column)] += value);
+        matrix
+    }
+
+    fn sparse(&self, visit: impl Fn(Add<'_>)) -> Sparse {
+        let mut entries = Vec::new();
+        visit(&mut |row, column, value| entries.push((row, column, value)));
+        Sparse::new(self.len(), entries)
+    }
+
+    fn visit_mass(&self, add: Add<'_>) {
+        for shaft in &self.shafts {
+            visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.mass), add);
+            visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.mass), add);
+        }
+    }
+
+    fn visit_shaft_stiffness(&self, add: Add<'_>) {
+        for shaft in &self.shafts {
+            visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.stiffness), add);
+            visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.stiffness), add);
+        }
+    }
+
+    fn visit_damping_without_meshes(&self, add: Add<'_>) {
+        for shaft in &self.shafts {
+            visit_bending(shaft.bending.as_ref(), |chain| chain.damping.as_ref(), add);
+            visit_twist(shaft.twist.as_ref(), |chain| chain.damping.as_ref(), add);
+        }
+        self.visit_supports(|support| support.damping, add);
+    }
+
+    fn visit_gyroscopic(&self, add: Add<'_>) {
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                shaft.gyroscopic.for_each(|row, column, value| {
+                    let (row, column) = (chain.start + 2 * row, chain.start + 2 * column);
+                    add(row, column + 1, shaft.ratio * value);
+                    add(row + 1, column, -shaft.ratio * value);
+                });
+            }
+        }
+    }
+
+    /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients.
+    fn visit_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], add: Add<'_>) {
+        for support in &self.supports {
+            for (i, row) in select(support).iter().enumerate() {
+                for (j, value) in row.iter().enumerate() {
+                    add(support.index + i, support.index + j, *value);
+                }
+            }
+        }
+    }
+
+    fn visit_connections(&self, speed: f64, of: impl Fn(Coefficients) -> DMatrix<f64>, add: Add<'_>) {
+        for connection in self.connections(speed) {
+            let (rows, coefficients) = (connection.rows(), of(connection.linear(speed)));
+            for (i, left) in rows.iter().enumerate() {
+                for (j, right) in rows.iter().enumerate() {
+                    let factor = coefficients[(i, j)];
+                    for (row, left) in left {
+                        for (column, right) in right {
+                            add(*row, *column, factor * left * right);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds a matrix of the bending of a shaft to both planes.
+fn visit_bending<'a>(
+    chain: Option<&'a BendingChain>,
+    select: impl Fn(&'a BendingChain) -> Option<&'a ChainMatrix<2>>,
+    add: Add<'_>,
+) {
+    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
+        part.for_each(|row, column, value| {
+            for lane in 0..2 {
+                add(chain.start + 2 * row + lane, chain.start + 2 * column + lane, value);
+            }
+        });
+    }
+}
+
+/// Adds a matrix of the torsion of a shaft.
+fn visit_twist<'a>(
+    chain: Option<&'a TwistChain>,
+    select: impl Fn(&'a TwistChain) -> Option<&'a ChainMatrix<1>>,
+    add: Add<'_>,
+) {
+    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
+        part.for_each(|row, column, value| add(chain.start + row, chain.start + column, value));
+    }
+}

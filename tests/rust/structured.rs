@@ -1,0 +1,109 @@
+//! The modes of lowest frequency from the band matrices of the shafts, against those of dense matrices.
+
+use gearbow::modal::{self, CachedModel, Mode};
+use gearbow::model::Model;
+use gearbow::scene::{Scene, SceneDescription};
+use nalgebra::DVector;
+use num_complex::Complex64;
+
+use crate::common::TRAIN;
+
+/// The train with more elements on each shaft, after a change of its description.
+fn train(elements: usize, change: impl Fn(String) -> String) -> CachedModel {
+    let text = change(TRAIN.replace("elements = 4", &format!("elements = {elements}")));
+    CachedModel::new(Model::new(Scene::new(&SceneDescription::from_toml(&text).unwrap()).unwrap()).unwrap())
+}
+
+/// One shaft on two bearings with these fields, and a disk in the middle.
+fn rotor(elements: usize, bearing: &str) -> CachedModel {
+    let text = format!(
+        r#"
+        shafts = [{{ name = "s", length = 1.0, outer_diameter = 0.05, elements = {elements} }}]
+        disks = [{{ name = "d", shaft = "s", position = 0.4, mass = 20.0, diametral_inertia = 0.1, polar_inertia = 0.2 }}]
+        bearings = [
+            {{ shaft = "s", position = 0.0, {bearing} }},
+            {{ shaft = "s", position = 1.0, {bearing} }},
+        ]
+        "#
+    );
+    CachedModel::new(Model::new(Scene::new(&SceneDescription::from_toml(&text).unwrap()).unwrap()).unwrap())
+}
+
+/// Part of a shape in the space of other shapes, which are orthonormal in M up to damping.
+fn captured(model: &Model, shape: &DVector<Complex64>, others: &[&Mode]) -> f64 {
+    let weighted = |part: fn(&Complex64) -> f64| {
+        let mut product = vec![0.0; model.len()];
+        model.multiply_mass(shape.map(|value| part(&value)).as_slice(), &mut product);
+        DVector::from_vec(product)
+    };
+    let weighted = weighted(|value| value.re).zip_map(&weighted(|value| value.im), Complex64::new);
+    others.iter().map(|other| other.shape.dotc(&weighted).norm_sqr()).sum()
+}
+
+fn assert_same_modes(cached: &CachedModel, speed: f64, count: usize) {
+    let found = modal::structured_modes(cached, speed, count).unwrap().unwrap();
+    let wanted = modal::modes(cached, speed).unwrap();
+    assert_eq!(found.len(), count);
+    let highest = wanted.last().unwrap().eigenvalue.norm();
+    for (one, other) in found.iter().zip(&wanted) {
+        let size = other.eigenvalue.norm();
+        let part = 1e-9_f64.max(10.0 * f64::EPSILON * (highest / size.max(1e-300)).powi(2));
+        assert!(
+            (one.eigenvalue - other.eigenvalue).norm() <= part * size,
+            "{} is not {} at {speed} rad/s",
+            one.eigenvalue,
+            other.eigenvalue
+        );
+        let equal: Vec<&Mode> =
+            wanted.iter().filter(|mode| (mode.eigenvalue - other.eigenvalue).norm() <= 1e-6 * size).collect();
+        assert!(captured(&cached.model, &one.shape, &equal) > 1.0 - 1e-6, "shape of {}", other.eigenvalue);
+        if equal.len() == 1 {
+            assert_eq!(one.whirl, other.whirl, "whirl of {}", other.eigenvalue);
+        }
+    }
+}
+
+#[test]
+fn a_damped_train_has_the_modes_of_dense_matrices() {
+    let cached = train(8, |text| text);
+    for speed in [0.0, 150.0, -800.0] {
+        assert_same_modes(&cached, speed, 12);
+    }
+}
+
+#[test]
+fn an_undamped_train_has_the_modes_of_dense_matrices() {
+    let cached = train(8, |text| {
+        text.replace("damping_ratio = 0.05", "damping_ratio = 0.0").replace("damping = 500.0", "damping = 0.0")
+    });
+    for speed in [0.0, 150.0, -800.0] {
+        assert_same_modes(&cached, speed, 12);
+    }
+}
+
+#[test]
+fn repeated_modes_are_all_found() {
+    // Equal planes, almost equal planes, and equal planes with damping.
+    for bearing in ["stiffness = 1e8", "stiffness = [1e8, 1.0000001e8]", "stiffness = 1e7, damping = 300.0"] {
+        let cached = rotor(24, bearing);
+        for speed in [0.0, 1e-3, 400.0] {
+            assert_same_modes(&cached, speed, 9);
+        }
+    }
+}
+
+#[test]
+fn unstable_modes_are_found() {
+    assert_same_modes(&rotor(24, "stiffness = [[1e7, 6e6], [-6e6, 1e7]], damping = 300.0"), 100.0, 8);
+}
+
+#[test]
+fn overdamped_modes_are_not_left_out() {
+    // Many of the lowest modes are real eigenvalues: the count must show that the others are not the lowest.
+    for bearing in ["stiffness = 1e7, damping = 1e5", "stiffness = 1e6, damping = 1e6"] {
+        let cached = rotor(24, bearing);
+        if modal::structured_modes(&cached, 100.0, 8).is_ok_and(|modes| modes.is_some()) {
+            assert_same_modes(&cached, 100.0, 8);
+        }
+    }
+}
