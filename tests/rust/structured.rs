@@ -72,6 +72,17 @@ fn a_damped_train_has_the_modes_of_dense_matrices() {
 }
 
 #[test]
+fn elements_of_every_degree_have_the_modes_of_dense_matrices() {
+    for (degree, elements) in [(2, 4), (3, 3), (7, 2)] {
+        let cached = train(elements, |text| text.replace("elements = ", &format!("degree = {degree}, elements = ")));
+        assert!(cached.model.numbering.nodal_dofs().len() < cached.model.len());
+        for speed in [0.0, 150.0] {
+            assert_same_modes(&cached, speed, 12);
+        }
+    }
+}
+
+#[test]
 fn an_undamped_train_has_the_modes_of_dense_matrices() {
     let cached = train(8, |text| {
         text.replace("damping_ratio = 0.05", "damping_ratio = 0.0").replace("damping = 500.0", "damping = 0.0")
