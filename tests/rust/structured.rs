@@ -47,7 +47,7 @@ fn assert_same_modes(cached: &CachedModel, speed: f64, count: usize) {
     let highest = wanted.last().unwrap().eigenvalue.norm();
     for (one, other) in found.iter().zip(&wanted) {
         let size = other.eigenvalue.norm();
-        let part = 1e-9_f64.max(10.0 * f64::EPSILON * (highest / size.max(1e-300)).powi(2));
+        let part = 1e-9_f64.max(10.0 * f64::EPSILON * (highest / size.max(1e-9 * highest)).powi(2));
         assert!(
             (one.eigenvalue - other.eigenvalue).norm() <= part * size,
             "{} is not {} at {speed} rad/s",
