@@ -145,7 +145,7 @@ def check(name, call):
     assert [line.split()[0] for line in lines] == list(CALLS)
 
 
-def test_a_few_modes_and_the_response_of_a_large_system_need_no_dense_matrix():
+def test_the_response_of_a_large_system_needs_no_dense_matrix():
     program = f"""{LARGE}
 system = large(1500)
 response = system.synchronous([10.0, 500.0]).amplitudes
@@ -154,8 +154,6 @@ wanted = coarse.synchronous([10.0, 500.0]).amplitudes
 assert response.shape == (2, 1, 6004)
 # deflection v in the middle of the shaft; elements are exact in statics
 assert np.allclose(response[:, 0, 3000], wanted[:, 0, 200], rtol=1e-4)
-modes = system.modes(100.0, count=6)
-assert np.allclose(modes.frequencies_hz, coarse.modes(100.0, count=6).frequencies_hz, rtol=1e-4)
 """
     child(program)
 
