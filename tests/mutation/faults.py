@@ -460,8 +460,8 @@ FAULTS: list[Fault] = [
         ("run.signals.error(own.signals, reference)", "run.signals.error(reference, reference)"),
         ("model_error=own.signals.error(", "model_error=run.signals.error("),
         (
-            "self.reference.signals.errors(run.signals, run.signals)",
-            "run.signals.errors(run.signals, run.signals)",
+            "errors = run.signals.errors(reference, reference)",
+            "errors = run.signals.errors(run.signals, reference)",
         ),
     ),
     *_faults(

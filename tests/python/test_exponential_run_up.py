@@ -58,6 +58,8 @@ def compare(
     options = {"initial": "rest", "times": np.linspace(0.0, duration, 301)} | how
     geometry = {"geometry": options.pop("geometry", "live"), "times": options.pop("times")}
     initial = {"initial": options.pop("initial")}
+    if "step" not in options:
+        options = {"rtol": 1e-6} | options
     found = scene.simulate(duration, profile, **geometry, **initial, **options)
     exact = scene.simulate(duration, profile, method="rk45", rtol=1e-10, **geometry, **initial)
     displacement, force = difference(found, exact)
@@ -216,10 +218,10 @@ class TestContinuation:
 
     def test_constant_speed_before_and_after(self):
         scene = system(modal_damping=0.02)
-        first = scene.simulate(5e-3, 100.0)
+        first = scene.simulate(5e-3, 100.0, rtol=1e-6)
         profile = gb.SpeedProfile.ramp(100.0, 200.0, 5e-3, begin=5e-3)
-        second = scene.simulate(7e-3, profile, initial=first)
-        third = scene.simulate(3e-3, 200.0, initial=second)
+        second = scene.simulate(7e-3, profile, initial=first, rtol=1e-6)
+        third = scene.simulate(3e-3, 200.0, initial=second, rtol=1e-6)
         exact = scene.simulate(5e-3, 100.0, rtol=1e-9)
         exact = scene.simulate(7e-3, profile, initial=exact, method="rk45", rtol=1e-10)
         exact = scene.simulate(3e-3, 200.0, initial=exact, rtol=1e-9)

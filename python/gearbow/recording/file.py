@@ -21,7 +21,7 @@ from gearbow.errors import GearbowError
 from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.record import MeshResponse, RunRecord, Statistics
+from gearbow.recording.record import MeshResponse, RunRecord
 from gearbow.recording.request import OPTIONS, RunRequest
 from gearbow.recording.schema import (
     any_number,
@@ -247,9 +247,9 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "events": [tuple(event) for event in about["events"]],
             "final": final,
             "statistics": {
-                field.name: about["statistics"][field.name]
-                for field in fields(Statistics)
-                if field.name in about["statistics"]
+                # JSON has lists, the core gives tuples.
+                name: tuple(value) if isinstance(value, list) else value
+                for name, value in about["statistics"].items()
             },
         },
         speed=read_speed(about["speed"]),

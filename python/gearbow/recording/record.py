@@ -149,12 +149,6 @@ class Statistics:
     modes: int | None = None
     modes_error: tuple[float, float] | None = None
 
-    def __post_init__(self) -> None:
-        """Files store a tuple as a list."""
-        if self.modes_error is not None:
-            displacement, mesh_force = self.modes_error
-            object.__setattr__(self, "modes_error", (displacement, mesh_force))
-
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)
 
