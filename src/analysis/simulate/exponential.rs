@@ -55,13 +55,7 @@ pub(super) fn run(
         );
         return Err(SceneError::new("method", message).into());
     }
-    let time_grid = time_grid(cached, options, &linear, &nonlinear_loads)?;
-    if end / time_grid.unit() > MAX_UNITS {
-        let longest = time_grid.longest;
-        let message =
-            format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
-        return Err(SceneError::new("duration", message).into());
-    }
+    let time_grid = countable_grid(cached, options, (&linear, &nonlinear_loads), end)?;
     let rule = if options.is_explicit() {
         QuadratureRule::explicit()
     } else {
@@ -76,6 +70,23 @@ pub(super) fn run(
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
     Ok((in_physical_coordinates(state, &linear, stepper.nonlinear_loads()), outcome))
+}
+
+/// The time grid of a run that ends at `end` (elapsed time, s), if its units can be counted.
+pub(super) fn countable_grid(
+    cached: &CachedModel,
+    options: &Options,
+    (linear, nonlinear_loads): (&ModalStateSpace, &NonlinearLoads<'_>),
+    end: f64,
+) -> Result<TimeGrid, AnalysisError> {
+    let time_grid = time_grid(cached, options, linear, nonlinear_loads)?;
+    if end / time_grid.unit() > MAX_UNITS {
+        let longest = time_grid.longest;
+        let message =
+            format!("{end:e} s are more steps of at most {longest:e} s than can be counted; take a shorter run");
+        return Err(SceneError::new("duration", message).into());
+    }
+    Ok(time_grid)
 }
 
 /// The time grid of a run. Its longest step is the given fixed step, or a round number that resolves the excitation.

@@ -11,6 +11,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
 use super::pilot::{PILOT_DURATION, differences, pilot};
@@ -205,6 +206,8 @@ impl<'a, 'm> Reducer<'a, 'm> {
         if matches!(unreduced.linear.matrix, StateMatrix::Dense(_)) {
             return Ok(None);
         }
+        // A run that cannot be counted ends before its pilot.
+        countable_grid(run.cached, run.options, (&unreduced.linear, &unreduced.nonlinear_loads), run.end)?;
         let directions = OnceCell::new();
         let exact = Record::default();
         Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
