@@ -1,7 +1,7 @@
 """Accuracy levels: the total error that they promise, and the tolerance that they use.
 
 The total error is that of elements, modes and integration, RMS of the difference over RMS of the
-signal about its mean. `examples/accuracy.py` measures it on twelve scenes.
+signal about its mean. `benches/accuracy/measure.py` measures it.
 """
 
 import warnings
