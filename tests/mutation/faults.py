@@ -508,11 +508,8 @@ FAULTS: list[Fault] = [
         ('("displacements", "mesh forces")', '("mesh forces", "displacements")'),
     ),
     *_faults(
-        "recording/record.py",
-        "modal_reduction",
-        (
-            '"modes_error", (displacement, mesh_force)',
-            '"modes_error", (mesh_force, displacement)',
-        ),
+        "recording/file.py",
+        "checkpoint",
+        ("tuple(value) if isinstance(value, list) else value", "value"),
     ),
 ]
