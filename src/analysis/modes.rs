@@ -4,7 +4,7 @@ use super::{AnalysisError, Dense};
 use crate::modal::{self, CachedModel, Mode};
 use crate::model::Model;
 
-/// Number of degrees of freedom from which on band matrices are faster than dense ones.
+/// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
 const LARGE: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
 const FEW: f64 = 0.15;

@@ -29,8 +29,8 @@ impl Spring {
         Coefficients::isotropic(self.rows.len(), self.stiffness, self.damping)
     }
 
-    /// Bounds of the damping and of the stiffness above k. The cubic term has no bound. For a large cubic term, use a
-    /// Runge–Kutta method with error control.
+    /// Bounds for the step limit of Runge–Kutta methods: the damping c, N s/m, and no stiffness beyond k, N/m, because the
+    /// cubic term has no bound. For a large cubic term, use a method with error control.
     pub fn bounds(&self) -> Bounds {
         Bounds { excess_stiffness: 0.0, damping: self.damping }
     }

@@ -17,7 +17,7 @@ use crate::scene::SceneError;
 /// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
 const CAPACITY: usize = 8;
 
-/// Number of degrees of freedom from which on a Krylov space gives two frequencies faster than all modes.
+/// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
 
 /// Speed of the reference shaft, rad/s, and whether the meshes are included.

@@ -91,7 +91,7 @@ def test_run_up_through_the_critical_speed_matches_the_independent_solution(
     )
     # the error of the independent solution is 1e-10
     assert gap(found, solution) < 1e-8
-    # a force without the acceleration term, or a wrong angle, fails here
+    # This fails if the force lacks the acceleration term, or if the angle is wrong.
     angle, speed, acceleration = ramp(*RAMP)(0.4)
     assert abs(UNBALANCE) * acceleration > 1e-3 * abs(UNBALANCE) * speed**2
     assert abs(speed * 0.4 - angle) > 1.0

@@ -87,9 +87,7 @@ impl<'m> ModalSetup<'m> {
             parts: linear.parts.clone(),
             ..self.maps.clone()
         };
-        let nonlinear_loads = self.nonlinear_loads.clone();
-        let output = OutputMap::new(&nonlinear_loads, &linear, selection);
-        Self { linear, nonlinear_loads, maps, output }
+        Self::recording((linear, self.nonlinear_loads.clone(), maps), selection)
     }
 }
 

@@ -26,7 +26,7 @@ use crate::scene::SceneError;
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
-/// Number of coordinates from which on the modes of the components replace those of the complete model.
+/// Smallest number of coordinates of a model that is built from the modes of its components.
 const LARGE_MODEL: usize = 250;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
