@@ -15,6 +15,7 @@ pub mod analysis;
 pub mod connection;
 pub mod element;
 pub mod exponential;
+pub mod film;
 pub mod integrate;
 pub mod linalg;
 pub mod mesh;

@@ -9,6 +9,7 @@ mod contact;
 pub mod description;
 mod error;
 mod gear;
+mod journal;
 mod material;
 mod mesh;
 mod place;
@@ -26,6 +27,7 @@ pub(crate) use contact::path_of_contact;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
+pub use journal::{FilmKind, Journal};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, MAX_DEGREE, Shaft};
@@ -75,6 +77,8 @@ pub struct Bearing {
     pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
     pub damping: BearingCoefficient,
+    /// The oil film of a journal bearing, whose stiffness and damping follow from it; none for a linear bearing.
+    pub journal: Option<Journal>,
 }
 
 /// A constant torque about +x.
@@ -260,7 +264,8 @@ fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Resul
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            stiffness: BearingCoefficient::new(Some(&bearing.stiffness), &at.field("stiffness"))?,
+            journal: Journal::new(bearing, &at)?,
+            stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
         })
     };

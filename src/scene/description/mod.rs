@@ -242,8 +242,9 @@ impl Coefficient {
     }
 }
 
-/// A linear bearing between a shaft and the ground.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A bearing between a shaft and the ground: linear with `stiffness`, or a journal bearing with `diameter` and the other
+/// entries of its film.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
     /// Name of the shaft.
@@ -251,10 +252,40 @@ pub struct Bearing {
     /// Position on the shaft, m.
     pub position: f64,
     /// Stiffness, N/m.
-    pub stiffness: BearingCoefficient,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<BearingCoefficient>,
     /// Damping, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<BearingCoefficient>,
+    /// Diameter of a journal, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter: Option<f64>,
+    /// Length of a journal bearing, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Radial clearance of a journal bearing, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<f64>,
+    /// Dynamic viscosity of the oil, Pa s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<f64>,
+    /// Model of the film; short by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<FilmModel>,
+    /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grooves: Option<Vec<[f64; 2]>>,
+}
+
+/// Model of the oil film of a journal bearing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FilmModel {
+    /// Short film, closed form.
+    #[default]
+    Short,
+    /// Film of finite length, from Reynolds' equation.
+    Finite,
 }
 
 /// A gear or disk by name, or a position on a shaft.

@@ -1,0 +1,264 @@
+//! Reynolds' equation of a film of finite length, with Reynolds' boundary condition (p = 0 and ∂p/∂n = 0 where the film
+//! ruptures).
+//!
+//! With H = 1 − u·e_α, ζ from the middle (0) to an end (1) of the bearing, λ = D/L and P = p c²/(12 μ R² |w|), w in clearances
+//! per second,
+//!
+//! ```text
+//! ∂/∂α(H³ ∂P/∂α) + λ² H³ ∂²P/∂ζ² ≤ −cos(α − β),    P ≥ 0,    one of both is an equality
+//! f = 3λ² ∫∫ P e_α dα dζ
+//! ```
+//!
+//! where β is the direction of w. This linear complementarity problem is solved by the primal-dual active-set method
+//! (Hintermüller, Ito and Kunisch, SIAM J. Optim. 13, 2003): the wet nodes of one iteration satisfy the equation; nodes with
+//! negative pressure become dry, dry nodes at which the equation would raise the pressure become wet.
+//! In a groove the pressure is zero. Without a groove, the pressure is zero opposite to w, where the film is stretched most.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{Vector, direction};
+
+/// Number of intervals over half the length, even for Simpson's rule.
+const AXIAL: usize = 8;
+/// Number of circumferential intervals of a full film.
+const CIRCUMFERENTIAL: usize = 120;
+/// Smallest number of circumferential intervals of a pad.
+const LEAST: usize = 16;
+/// Largest number of iterations; about six are usual.
+const MAX_ITERATIONS: usize = 100;
+/// Number of points at which the node density is integrated, for each interval.
+const FINE: usize = 4;
+
+/// A solver for one bearing. It keeps the wet nodes of the last solution as the start of the next one.
+#[derive(Clone, Debug)]
+pub struct Reynolds {
+    /// λ² = (D/L)².
+    slenderness: f64,
+    /// Begin and end of each pad between two grooves, rad; empty for a full film.
+    pads: Vec<[f64; 2]>,
+    /// Wet nodes of each pad.
+    wet: Vec<Vec<bool>>,
+    /// Scratch.
+    grid: Grid,
+}
+
+/// One pad with its discretisation.
+#[derive(Clone, Debug, Default)]
+struct Grid {
+    /// Angles of the nodes, rad.
+    angles: Vec<f64>,
+    /// H³ at the nodes.
+    cubes: Vec<f64>,
+    /// Conductance H³/Δα of each interval.
+    conductances: Vec<f64>,
+    /// Pressure at the inner nodes, one row of [`AXIAL`] values after the other.
+    pressure: Vec<f64>,
+    /// Lower band of the matrix, [`AXIAL`] + 1 entries for each node.
+    band: Vec<f64>,
+}
+
+impl Reynolds {
+    /// The solver for a ratio L/D and grooves (angle of the middle, extent), rad.
+    pub fn new(length_ratio: f64, grooves: &[[f64; 2]]) -> Self {
+        let mut edges: Vec<[f64; 2]> = grooves
+            .iter()
+            .map(|[middle, extent]| [(middle - extent / 2.0).rem_euclid(TAU), *extent])
+            .collect();
+        edges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let next = |i: usize| if i + 1 < edges.len() { edges[i + 1][0] } else { edges[0][0] + TAU };
+        let pads: Vec<[f64; 2]> = (0..edges.len()).map(|i| [edges[i][0] + edges[i][1], next(i)]).collect();
+        let wet = vec![Vec::new(); pads.len().max(1)];
+        Self { slenderness: length_ratio.powi(-2), pads, wet, grid: Grid::default() }
+    }
+
+    /// f at the displacement u in clearances, |u| < 1, for a velocity in the direction `beta`, rad.
+    pub fn force(&mut self, u: Vector, beta: f64) -> Vector {
+        let full = [[beta - PI, beta + PI]];
+        let pads = if self.pads.is_empty() { &full[..] } else { &self.pads };
+        let mut sum = [0.0; 2];
+        for (pad, wet) in pads.iter().zip(&mut self.wet) {
+            self.grid.place(*pad, u);
+            self.grid.solve(self.slenderness, beta, wet);
+            let own = self.grid.integral();
+            sum = [sum[0] + own[0], sum[1] + own[1]];
+        }
+        sum.map(|value| 3.0 * self.slenderness * value)
+    }
+}
+
+impl Grid {
+    /// Places the nodes of a pad; their density is that of the pressure curvature, H^{−1/2}.
+    fn place(&mut self, [begin, end]: [f64; 2], u: Vector) {
+        let intervals = ((CIRCUMFERENTIAL as f64 * (end - begin) / TAU).ceil() as usize).max(LEAST);
+        let (along, ratio) = direction(u);
+        let psi = along[1].atan2(along[0]);
+        let thickness = |angle: f64| 1.0 - ratio * (angle - psi).cos();
+        let fine = FINE * intervals;
+        let step = (end - begin) / fine as f64;
+        let density = |k: usize| thickness(begin + (k as f64 + 0.5) * step).powf(-0.5);
+        let total: f64 = (0..fine).map(density).sum();
+        self.angles.clear();
+        self.angles.push(begin);
+        let (mut passed, mut k) = (0.0, 0);
+        for node in 1..intervals {
+            let wanted = total * node as f64 / intervals as f64;
+            while passed + density(k) < wanted {
+                passed += density(k);
+                k += 1;
+            }
+            self.angles.push(begin + (k as f64 + (wanted - passed) / density(k)) * step);
+        }
+        self.angles.push(end);
+        self.cubes.clear();
+        self.cubes.extend(self.angles.iter().map(|angle| thickness(*angle).powi(3)));
+        self.conductances.clear();
+        self.conductances.extend(
+            self.angles.windows(2).map(|pair| thickness((pair[0] + pair[1]) / 2.0).powi(3) / (pair[1] - pair[0])),
+        );
+    }
+
+    /// Number of rows of inner nodes.
+    fn rows(&self) -> usize {
+        self.angles.len() - 2
+    }
+
+    /// Half the width of the two intervals at an inner row, rad.
+    fn width(&self, row: usize) -> f64 {
+        (self.angles[row + 2] - self.angles[row]) / 2.0
+    }
+
+    /// Conductance to the neighbour towards the end of the bearing.
+    fn axial(&self, slenderness: f64, row: usize) -> f64 {
+        slenderness * self.cubes[row + 1] * self.width(row) * AXIAL as f64
+    }
+
+    /// Source of the equation at a node.
+    fn source(&self, row: usize, column: usize, beta: f64) -> f64 {
+        (self.angles[row + 1] - beta).cos() * self.width(row) * height(column)
+    }
+
+    /// Solves the complementarity problem, from the wet nodes of an earlier solution.
+    fn solve(&mut self, slenderness: f64, beta: f64, wet: &mut Vec<bool>) {
+        let count = self.rows() * AXIAL;
+        if wet.len() != count {
+            wet.clear();
+            wet.extend((0..count).map(|at| self.source(at / AXIAL, 0, beta) > 0.0));
+        }
+        for _ in 0..MAX_ITERATIONS {
+            self.solve_wet(slenderness, beta, wet);
+            let mut changed = false;
+            for at in 0..count {
+                let now = if wet[at] { self.pressure[at] > 0.0 } else { self.inflow(slenderness, beta, at) > 0.0 };
+                changed |= now != wet[at];
+                wet[at] = now;
+            }
+            if !changed {
+                break;
+            }
+        }
+        self.pressure.iter_mut().for_each(|pressure| *pressure = pressure.max(0.0));
+    }
+
+    /// Source plus inflow from the neighbours of a dry node.
+    fn inflow(&self, slenderness: f64, beta: f64, at: usize) -> f64 {
+        let (row, column) = (at / AXIAL, at % AXIAL);
+        let mut sum = self.source(row, column, beta);
+        if row > 0 {
+            sum += height(column) * self.conductances[row] * self.pressure[at - AXIAL];
+        }
+        if row + 1 < self.rows() {
+            sum += height(column) * self.conductances[row + 1] * self.pressure[at + AXIAL];
+        }
+        let axial = self.axial(slenderness, row);
+        if column > 0 {
+            sum += axial * self.pressure[at - 1];
+        }
+        if column + 1 < AXIAL {
+            sum += axial * self.pressure[at + 1];
+        }
+        sum
+    }
+
+    /// Solves the equation at the wet nodes by band Cholesky decomposition; the pressure is zero at dry ones.
+    fn solve_wet(&mut self, slenderness: f64, beta: f64, wet: &[bool]) {
+        const WIDTH: usize = AXIAL + 1;
+        let count = wet.len();
+        self.pressure.clear();
+        self.pressure.resize(count, 0.0);
+        let Some(first) = wet.iter().position(|wet| *wet) else { return };
+        let last = wet.iter().rposition(|wet| *wet).unwrap_or(first);
+        let (first, last) = (first - first % AXIAL, last - last % AXIAL + AXIAL);
+        self.band.clear();
+        self.band.resize((last - first) * WIDTH, 0.0);
+        for at in first..last {
+            let (row, column) = (at / AXIAL, at % AXIAL);
+            let own = (at - first) * WIDTH;
+            if !wet[at] {
+                self.band[own] = 1.0;
+                continue;
+            }
+            let axial = self.axial(slenderness, row);
+            let around = self.conductances[row] + self.conductances[row + 1];
+            self.band[own] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
+            // Entry k of the band couples a node with the one k before it.
+            if column > 0 && wet[at - 1] {
+                self.band[own + 1] = -axial;
+            }
+            if at >= first + AXIAL && wet[at - AXIAL] {
+                self.band[own + AXIAL] = -height(column) * self.conductances[row];
+            }
+            self.pressure[at] = self.source(row, column, beta);
+        }
+        let pressure = &mut self.pressure[first..last];
+        solve_band(&mut self.band, pressure);
+    }
+
+    /// ∫∫ P e_α dα dζ.
+    fn integral(&self) -> Vector {
+        let mut sum = [0.0; 2];
+        for (row, pressure) in self.pressure.chunks_exact(AXIAL).enumerate() {
+            let line: f64 = pressure.iter().enumerate().map(|(column, pressure)| simpson(column) * pressure).sum();
+            let (sin, cos) = self.angles[row + 1].sin_cos();
+            let weighted = self.width(row) * line;
+            sum = [sum[0] + weighted * cos, sum[1] + weighted * sin];
+        }
+        sum
+    }
+}
+
+/// Axial extent of a node; half a step at the middle of the bearing.
+fn height(column: usize) -> f64 {
+    if column == 0 { 0.5 / AXIAL as f64 } else { 1.0 / AXIAL as f64 }
+}
+
+/// Weight of Simpson's rule at a node.
+fn simpson(column: usize) -> f64 {
+    let factor = if column == 0 { 1.0 } else if column % 2 == 1 { 4.0 } else { 2.0 };
+    factor / (3.0 * AXIAL as f64)
+}
+
+/// Solves a symmetric positive definite band system in place, with the lower band of [`AXIAL`] entries beside the diagonal.
+fn solve_band(band: &mut [f64], x: &mut [f64]) {
+    const WIDTH: usize = AXIAL + 1;
+    for i in 0..x.len() {
+        let reach = i.min(AXIAL);
+        for back in (0..=reach).rev() {
+            let j = i - back;
+            let mut sum = band[i * WIDTH + back];
+            for k in i.saturating_sub(AXIAL)..j {
+                if j - k <= AXIAL {
+                    sum -= band[i * WIDTH + (i - k)] * band[j * WIDTH + (j - k)];
+                }
+            }
+            band[i * WIDTH + back] = if back == 0 { sum.sqrt() } else { sum / band[j * WIDTH] };
+        }
+        let known: f64 = (1..=reach).map(|back| band[i * WIDTH + back] * x[i - back]).sum();
+        x[i] = (x[i] - known) / band[i * WIDTH];
+    }
+    for i in (0..x.len()).rev() {
+        x[i] /= band[i * WIDTH];
+        for back in 1..=i.min(AXIAL) {
+            x[i - back] -= band[i * WIDTH + back] * x[i];
+        }
+    }
+}
