@@ -1,6 +1,6 @@
 //! Quantities of a run that the interface of a connection needs.
 
-use crate::mesh::{ContactMode, Geometry, ShaftPhase};
+use crate::mesh::{ContactMode, Geometry, Overlap, ShaftPhase};
 
 /// Quantities at an instant of a run on which a connection depends in addition to its scalars.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +9,38 @@ pub struct Instant {
     pub phases: [ShaftPhase; 2],
     /// Contact mode of a mesh.
     pub contact_mode: ContactMode,
+    /// Speed of the reference shaft for a connection that is no mesh, rad/s.
+    pub speed: f64,
+}
+
+/// A journal that touches its bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Index of the bearing in the scene.
+    pub bearing: usize,
+    /// Eccentricity ratio ε; one or more.
+    pub eccentricity_ratio: f64,
+}
+
+/// A motion for which a connection has no force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutOfRange {
+    /// The base circles of a mesh overlap.
+    Overlap(Overlap),
+    /// A journal touches its bearing.
+    Touch(Touch),
+}
+
+impl From<Overlap> for OutOfRange {
+    fn from(overlap: Overlap) -> Self {
+        Self::Overlap(overlap)
+    }
+}
+
+impl From<Touch> for OutOfRange {
+    fn from(touch: Touch) -> Self {
+        Self::Touch(touch)
+    }
 }
 
 /// Interval in which the contact mode of a connection cannot change.
@@ -30,6 +62,8 @@ pub struct InterfaceOptions<'a> {
     pub reference: &'a [f64],
     /// Whether the linear motion contains the linear part of the connections.
     pub contained: bool,
+    /// Largest speed of the reference shaft, rad/s.
+    pub speed: f64,
     /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
     pub highest_frequency: f64,
     /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.

@@ -4,7 +4,8 @@
 //! equilibrium, if it exists. A load is the force of the connection minus its force at the reference and minus the
 //! linear part that the motion contains.
 
-use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
+use super::journal::JournalInterface;
 use super::mesh::MeshInterface;
 use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
@@ -17,6 +18,8 @@ pub enum Interface {
     Mesh(Box<MeshInterface>),
     /// A spring with a cubic term.
     Spring(SpringInterface),
+    /// A journal bearing.
+    Journal(Box<JournalInterface>),
 }
 
 impl Interface {
@@ -32,6 +35,7 @@ impl Interface {
             // A run in modal coordinates has a constant speed.
             Connection::Bearing(_) => Ok(None),
             Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
+            Connection::Journal(journal) => Ok(Some(Self::Journal(Box::new(JournalInterface::new(journal, options))))),
         }
     }
 
@@ -40,7 +44,7 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) => None,
+            Self::Spring(_) | Self::Journal(_) => None,
         }
     }
 
@@ -50,6 +54,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.scalars(),
             Self::Spring(interface) => interface.spring.rows.len(),
+            Self::Journal(_) => 2,
         }
     }
 
@@ -58,6 +63,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
             Self::Spring(interface) => interface.has_rates(),
+            Self::Journal(_) => true,
         }
     }
 
@@ -66,6 +72,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
             Self::Spring(interface) => interface.is_affine(),
+            Self::Journal(_) => false,
         }
     }
 
@@ -75,6 +82,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.rows(),
             Self::Spring(interface) => interface.spring.rows.clone(),
+            Self::Journal(interface) => interface.rows(),
         }
     }
 
@@ -83,6 +91,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
             Self::Spring(interface) => &interface.reference_force,
+            Self::Journal(interface) => &interface.reference_force,
         }
     }
 
@@ -91,7 +100,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) => self.scalars(),
+            Self::Spring(_) | Self::Journal(_) => self.scalars(),
         }
     }
 
@@ -101,6 +110,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
             Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
+            Self::Journal(interface) => Direction::of_scalars(&interface.linear().stiffness),
         }
     }
 
@@ -108,13 +118,17 @@ impl Interface {
     /// into `load`; returns the contact.
     ///
     /// # Errors
-    /// [`Overlap`] of the base circles.
+    /// [`OutOfRange`] where base circles overlap or a journal touches its bearing.
     #[inline(always)]
-    pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, Overlap> {
+    pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, OutOfRange> {
         match self {
-            Self::Mesh(interface) => interface.load(instant, u, rates, load),
+            Self::Mesh(interface) => Ok(interface.load(instant, u, rates, load)?),
             Self::Spring(interface) => {
                 interface.load(u, rates, load);
+                Ok(Contact::default())
+            }
+            Self::Journal(interface) => {
+                interface.load(instant, u, rates, load)?;
                 Ok(Contact::default())
             }
         }
@@ -127,7 +141,7 @@ impl Interface {
     pub fn residual_tangent(
         &self,
         instant: &Instant,
-        (u, _rates): (&[f64], &[f64]),
+        (u, rates): (&[f64], &[f64]),
         contact: &Contact,
         [stiffness, damping]: [&mut [f64]; 2],
     ) {
@@ -138,6 +152,7 @@ impl Interface {
                 damping.fill(c);
             }
             Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
+            Self::Journal(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
         }
     }
 
@@ -145,7 +160,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
+            Self::Spring(_) | Self::Journal(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
         }
     }
 
@@ -154,7 +169,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) => [f64::INFINITY; 2],
+            Self::Spring(_) | Self::Journal(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -172,7 +187,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) => Ok(None),
+            Self::Spring(_) | Self::Journal(_) => Ok(None),
         }
     }
 
@@ -184,7 +199,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) => Ok(()),
+            Self::Spring(_) | Self::Journal(_) => Ok(()),
         }
     }
 }

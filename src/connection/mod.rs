@@ -22,6 +22,7 @@ mod bearing;
 mod channel;
 mod instant;
 mod interface;
+mod journal;
 mod mesh;
 mod spring;
 
@@ -29,8 +30,9 @@ use nalgebra::DMatrix;
 
 pub use bearing::SpeedDependentBearing;
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
-pub use instant::{GuaranteedInterval, Instant, InterfaceOptions};
+pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Touch};
 pub use interface::Interface;
+pub use journal::{JournalBearing, JournalInterface, OperatingPoint};
 pub use mesh::MeshInterface;
 pub use spring::{Spring, SpringInterface};
 
@@ -46,6 +48,8 @@ pub enum Connection<'m> {
     Mesh(usize, &'m GearMesh, f64),
     /// A bearing whose coefficients depend on the speed.
     Bearing(&'m SpeedDependentBearing),
+    /// The film force of a journal bearing beyond its part in the matrices.
+    Journal(&'m JournalBearing),
     /// A spring with a cubic term.
     Spring(&'m Spring),
 }
@@ -109,6 +113,7 @@ impl Connection<'_> {
                 vec![row]
             }
             Self::Bearing(bearing) => bearing.rows(),
+            Self::Journal(journal) => journal.rows(),
             Self::Spring(spring) => spring.rows.clone(),
         }
     }
@@ -118,6 +123,7 @@ impl Connection<'_> {
         match self {
             Self::Mesh(_, mesh, _) => Coefficients::isotropic(1, mesh.stiffness, mesh.damping),
             Self::Bearing(bearing) => bearing.linear(speed),
+            Self::Journal(journal) => journal.linear(),
             Self::Spring(spring) => spring.linear(),
         }
     }
@@ -130,6 +136,7 @@ impl Connection<'_> {
                 Bounds { excess_stiffness: mesh.largest_stiffness - mesh.stiffness, damping: flanks * mesh.damping }
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
+            Self::Journal(journal) => journal.bounds(),
             Self::Spring(spring) => spring.bounds(),
         }
     }
@@ -138,7 +145,7 @@ impl Connection<'_> {
     pub fn channels(&self) -> &'static [Channel] {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
-            Self::Bearing(_) => &BEARING_CHANNELS,
+            Self::Bearing(_) | Self::Journal(_) => &BEARING_CHANNELS,
             // A scene cannot contain a spring.
             Self::Spring(_) => &[],
         }
@@ -149,7 +156,7 @@ impl Connection<'_> {
     pub fn described(&self) -> Option<String> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
-            Self::Bearing(_) => None,
+            Self::Bearing(_) | Self::Journal(_) => None,
             Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }
     }

@@ -226,7 +226,7 @@ impl Driver {
         let end = self.time(state.count + self.time_grid.units(level));
         match stepper.step(level, (state.elapsed, end), &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.
-            Err(Halt::Overlap { .. }) if level < self.time_grid.finest => Ok(Outcome::Unsolved),
+            Err(Halt::Overlap { .. } | Halt::Touch(_)) if level < self.time_grid.finest => Ok(Outcome::Unsolved),
             outcome => outcome,
         }
     }

@@ -15,7 +15,7 @@ use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
     RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
 };
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions, OutOfRange};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -206,7 +206,7 @@ impl<'m> NonlinearLoads<'m> {
             let instant = self.motion.instant(interface.mesh(), elapsed);
             *contact = interface
                 .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
-                .map_err(|overlap| halt(interface, overlap))?;
+                .map_err(|reason| halt(interface, reason))?;
             from = to;
         }
         if let (Some(changing), Some(shaft)) = (&self.changing, self.motion.reference_shaft(elapsed)) {
@@ -306,7 +306,7 @@ impl<'m> NonlinearLoads<'m> {
             let instant = self.motion.instant(interface.mesh(), elapsed);
             let contact_mode = interface
                 .contact_mode(&instant, scalars, rates, unchanged)
-                .map_err(|overlap| halt(interface, overlap))?;
+                .map_err(|overlap| halt(interface, overlap.into()))?;
             contact_modes.extend(contact_mode.iter().flat_map(ContactMode::code));
         }
         contact_modes.extend(self.motion.piece_at(elapsed));
@@ -322,7 +322,7 @@ impl<'m> NonlinearLoads<'m> {
         ends.clear();
         for (interface, scalars, _) in self.each(u) {
             let instant = self.motion.instant(interface.mesh(), elapsed);
-            interface.ends(&instant, scalars, ends).map_err(|overlap| halt(interface, overlap))?;
+            interface.ends(&instant, scalars, ends).map_err(|overlap| halt(interface, overlap.into()))?;
         }
         Ok(())
     }
@@ -383,6 +383,7 @@ fn interfaces(
             geometry: motion.geometry(),
             reference: reference.as_slice(),
             contained,
+            speed: motion.largest_speed(),
             highest_frequency: motion.highest_mesh_frequency(),
             mobility: if index < motion.model().meshes.len() { motion.mobility(index) } else { 0.0 },
         };
@@ -392,7 +393,10 @@ fn interfaces(
     Ok(interfaces)
 }
 
-/// The end of a run where the base circles of a mesh overlap; no other connection has any.
-fn halt(interface: &Interface, overlap: Overlap) -> Halt {
-    Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap }
+/// The end of a run where a connection has no force. Only meshes have base circles.
+fn halt(interface: &Interface, reason: OutOfRange) -> Halt {
+    match reason {
+        OutOfRange::Overlap(overlap) => Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap },
+        OutOfRange::Touch(touch) => Halt::Touch(touch),
+    }
 }

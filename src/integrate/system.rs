@@ -1,6 +1,7 @@
 //! Interfaces of an integrator: the system, the observer, and the reasons to stop.
 
 use super::{Span, Trajectory};
+use crate::connection::Touch;
 use crate::mesh::Overlap;
 
 /// Why an integration stopped before its end.
@@ -13,6 +14,8 @@ pub enum Halt {
         /// Radii and distance.
         overlap: Overlap,
     },
+    /// A journal touches its bearing.
+    Touch(Touch),
     /// The state is not finite, or no step is short enough.
     Diverged,
     /// The observer stopped the run.

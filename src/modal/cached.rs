@@ -5,14 +5,16 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::DMatrix;
 
+use super::equilibrium::{EquilibriumError, equilibrium};
 use super::first_order::FirstOrder;
 use super::projected::Projected;
 use super::real::RealModes;
 use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
+use crate::mesh::Geometry;
 use crate::model::Model;
-use crate::scene::SceneError;
+use crate::scene::{EntryPath, SceneError};
 
 /// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
 const CAPACITY: usize = 8;
@@ -77,19 +79,24 @@ impl CachedModel {
         }
     }
 
-    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].
+    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`]. Journal bearings have the
+    /// coefficients of the static equilibrium at that speed, with live geometry of the meshes.
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients at the speed.
+    /// [`SceneError`] if a bearing has no coefficients at the speed, or journal bearings have no equilibrium.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
-        if self.model.bearings.is_empty() {
+        if self.model.is_at(speed) {
             return Ok(AtSpeed::Same(self));
         }
         let mut list = self.at_speeds.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, known)) = list.iter().find(|(known, _)| *known == speed) {
             return Ok(AtSpeed::Specialised(Arc::clone(known)));
         }
-        let model = Arc::new(Self::new(self.model.at_speed(speed)?));
+        let mut model = self.model.at_speed(speed)?;
+        if !model.is_at(speed) {
+            model = at_operating_point(model, speed)?;
+        }
+        let model = Arc::new(Self::new(model));
         if list.len() >= CAPACITY {
             list.remove(0);
         }
@@ -97,12 +104,30 @@ impl CachedModel {
         Ok(AtSpeed::Specialised(model))
     }
 
+    /// The model whose journal bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
+    /// bearings keep their dependence on the speed: the model of a run at a changing speed.
+    ///
+    /// # Errors
+    /// As [`Self::at_speed`].
+    pub fn with_films_at(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+        if self.model.journals.is_empty() {
+            return Ok(AtSpeed::Same(self));
+        }
+        let at_speed = self.at_speed(speed)?;
+        let mut points = at_speed.model.journals.iter().filter_map(|journal| journal.point);
+        let model = self.model.clone();
+        let points: Vec<_> = model.journals.iter().map(|journal| journal.number).zip(&mut points).collect();
+        let of = |number: usize| points.iter().find(|(known, _)| *known == number).map(|(_, point)| *point);
+        let model = model.with_points(|journal| of(journal.number).unwrap_or_default());
+        Ok(AtSpeed::Specialised(Arc::new(Self::new(model))))
+    }
+
     /// Undamped modes, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition fails, or a bearing depends on the speed.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
-        if !self.model.bearings.is_empty() {
+        if self.model.depends_on_speed() {
             return Err(DecompositionError::SpeedDependent);
         }
         let cell = &self.modes[self.model.rotation(speed) as usize];
@@ -114,7 +139,7 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if an iteration fails, or a bearing depends on the speed.
     pub fn spectral_range(&self, speed: f64) -> Result<&SpectralRange, DecompositionError> {
-        if !self.model.bearings.is_empty() {
+        if self.model.depends_on_speed() {
             return Err(DecompositionError::SpeedDependent);
         }
         let cell = &self.ranges[self.model.rotation(speed) as usize];
@@ -229,5 +254,20 @@ impl CachedModel {
             return Ok(None);
         }
         Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model, ratio)))
+    }
+}
+
+/// The model with the coefficients of its journal bearings at the static equilibrium at a speed, rad/s.
+fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
+    let model = model.with_provisional_points();
+    let found = RealModes::new(&model, speed).map_err(EquilibriumError::from);
+    match found.and_then(|real| equilibrium(&model, &real, Geometry::Live, speed.into())) {
+        Ok(q) => Ok(model.with_points_at(speed, q.as_slice())),
+        Err(EquilibriumError::Scene(error)) => Err(error),
+        Err(error) => {
+            let number = model.journals.first().map_or(0, |journal| journal.number);
+            let message = format!("no static equilibrium at {speed} rad/s, which the stiffness of the film needs: {error}");
+            Err(EntryPath::entry("bearings", number).error(message))
+        }
     }
 }

@@ -1,14 +1,18 @@
 //! Connections of the model, and the model at a constant speed.
 
 use super::{Model, Numbering, Support};
-use crate::connection::{Connection, SpeedDependentBearing};
-use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
+use crate::connection::{Connection, JournalBearing, OperatingPoint, SpeedDependentBearing};
+use crate::film::Film;
+use crate::scene::{Bearing, BearingCoefficient, EntryPath, Node, Scene, SceneError};
+
+/// Standard gravity, m/s².
+const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Bearings with constant coefficients, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let Some(index) = numbering.translation(bearing.node) else {
+        let Some(index) = numbering.translation(bearing.node).filter(|_| bearing.journal.is_none()) else {
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
@@ -22,7 +26,86 @@ pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, V
     (supports, bearings)
 }
 
+/// Journal bearings, without coefficients in the matrices.
+pub(super) fn journals(scene: &Scene, numbering: &Numbering) -> Vec<JournalBearing> {
+    let journal = |(number, bearing): (usize, &Bearing)| {
+        let (journal, index) = (bearing.journal.as_ref()?, numbering.translation(bearing.node)?);
+        let ratio = scene.speed_ratios[bearing.node.shaft];
+        Some(JournalBearing { number, index, ratio, film: Film::new(journal), point: None })
+    };
+    scene.bearings.iter().enumerate().filter_map(journal).collect()
+}
+
 impl Model {
+    /// Whether the matrices depend on the speed and the model is not that of one speed.
+    pub fn depends_on_speed(&self) -> bool {
+        !self.bearings.is_empty() || self.journals.iter().any(|journal| journal.point.is_none())
+    }
+
+    /// Whether this is the model at a speed of the reference shaft, rad/s.
+    pub fn is_at(&self, speed: f64) -> bool {
+        let is_at = |journal: &JournalBearing| journal.point.is_some_and(|point| point.speed == Some(speed));
+        self.bearings.is_empty() && self.journals.iter().all(is_at)
+    }
+
+    /// The model with coefficients of its journal bearings in the matrices, one for each.
+    pub fn with_points(mut self, point: impl Fn(&JournalBearing) -> OperatingPoint) -> Self {
+        self.supports.truncate(self.supports.len() - self.journals.iter().filter(|it| it.point.is_some()).count());
+        for journal in &mut self.journals {
+            let found = point(journal);
+            journal.point = Some(found);
+            self.supports.push(Support::new(journal.index, found.stiffness, found.damping));
+        }
+        self
+    }
+
+    /// The model with a stiffness of its journal bearings with which the search of the equilibrium starts: the film carries
+    /// the weight of its shaft at a displacement of a third of the clearance.
+    pub fn with_provisional_points(self) -> Self {
+        let weights: Vec<f64> = (0..self.shafts.len()).map(|shaft| STANDARD_GRAVITY * self.mass_of(shaft)).collect();
+        let shafts: Vec<usize> = self.scene.bearings.iter().map(|bearing| bearing.node.shaft).collect();
+        self.with_points(|journal| {
+            let stiffness = 3.0 * weights[shafts[journal.number]] / journal.film.clearance();
+            let stiffness = [[stiffness, 0.0], [0.0, stiffness]];
+            OperatingPoint { speed: None, stiffness, damping: [[0.0; 2]; 2] }
+        })
+    }
+
+    /// Mass of a shaft with the bodies on it, kg.
+    fn mass_of(&self, shaft: usize) -> f64 {
+        let mut motion = vec![0.0; self.len()];
+        for node in 0..self.scene.shafts[shaft].nodes.len() {
+            if let Some(v) = self.numbering.translation(Node { shaft, node }) {
+                motion[v] = 1.0;
+            }
+        }
+        self.kinetic_form(&motion)
+    }
+
+    /// The model with the coefficients of the films at the displacements q of the equilibrium at a speed, rad/s.
+    pub fn with_points_at(self, speed: f64, q: &[f64]) -> Self {
+        let rest = vec![0.0; q.len()];
+        self.with_points(|journal| {
+            let film = journal.film_force(speed, q, &rest);
+            OperatingPoint { speed: Some(speed), stiffness: film.stiffness, damping: film.damping }
+        })
+    }
+
+    /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q of a system at rest and
+    /// a speed of the reference shaft, rad/s; bearings with tables are those of the model.
+    pub fn static_bearing_force(&self, node: Node, speed: f64, q: &[f64]) -> [f64; 2] {
+        let rest = vec![0.0; q.len()];
+        self.journals_at(node).fold(self.bearing_force(node, q, &rest), |sum, journal| {
+            let own = journal.static_tangent(speed, q).0;
+            [sum[0] + own[0], sum[1] + own[1]]
+        })
+    }
+
+    /// The journal bearings at a node.
+    pub fn journals_at(&self, node: Node) -> impl Iterator<Item = &JournalBearing> {
+        self.journals.iter().filter(move |journal| self.scene.bearings[journal.number].node == node)
+    }
+
     /// All connections, meshes first, with the flanks that carry at a speed of the reference shaft, rad/s.
     pub fn connections(&self, speed: f64) -> impl Iterator<Item = Connection<'_>> {
         self.connections_with(move |mesh| self.sigma(mesh, speed))
@@ -36,7 +119,8 @@ impl Model {
     ) -> impl Iterator<Item = Connection<'a>> + 'a {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
-        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(self.springs.iter().map(Connection::Spring))
+        let journals = self.journals.iter().map(Connection::Journal);
+        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(journals).chain(self.springs.iter().map(Connection::Spring))
     }
 
     /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
@@ -44,6 +128,14 @@ impl Model {
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
+        if let Some(journal) = self.journals.iter().find(|journal| journal.stands(speed)) {
+            let message = "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...)";
+            return Err(EntryPath::entry("bearings", journal.number).error(message));
+        }
+        self.check_tables(speed)
+    }
+
+    fn check_tables(&self, speed: f64) -> Result<(), SceneError> {
         self.bearings.iter().try_for_each(|bearing| {
             let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
             bearing.check(speed, &shaft.name)
@@ -57,6 +149,15 @@ impl Model {
     /// [`SceneError`] where [`Self::check_speed`] refuses the speed.
     pub fn at_speed(&self, speed: f64) -> Result<Self, SceneError> {
         self.check_speed(speed)?;
+        self.at_tabulated_speed(speed)
+    }
+
+    /// The same for the bearings with tables only.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
+    pub fn at_tabulated_speed(&self, speed: f64) -> Result<Self, SceneError> {
+        self.check_tables(speed)?;
         let mut model = self.clone();
         for bearing in &self.bearings {
             let given = &mut model.scene.bearings[bearing.number];
@@ -64,7 +165,12 @@ impl Model {
             given.stiffness = BearingCoefficient::Constant(stiffness);
             given.damping = BearingCoefficient::Constant(damping);
         }
+        let points: Vec<_> = self.journals.iter().filter_map(|journal| journal.point).collect();
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
+        let journals = self.journals.iter().map(|journal| journal.index);
+        model.supports.extend(
+            journals.zip(points).map(|(index, point)| Support::new(index, point.stiffness, point.damping)),
+        );
         Ok(model)
     }
 

@@ -25,7 +25,7 @@ pub use flanks::Rotation;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{SpeedDependentBearing, Spring};
+use crate::connection::{JournalBearing, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -127,6 +127,8 @@ pub struct Model {
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
     /// [`at_speed`](Self::at_speed).
     pub bearings: Vec<SpeedDependentBearing>,
+    /// Journal bearings. In a model at a speed, the last entries of `supports` are their coefficients.
+    pub journals: Vec<JournalBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
     /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
@@ -149,6 +151,7 @@ impl Model {
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;
         let (supports, bearings) = at_speed::bearings(&scene, &numbering);
+        let journals = at_speed::journals(&scene, &numbering);
         let meshes: Vec<_> = scene
             .meshes
             .iter()
@@ -171,6 +174,7 @@ impl Model {
             shafts,
             supports,
             bearings,
+            journals,
             meshes,
             springs: Vec::new(),
         };

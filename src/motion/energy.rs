@@ -52,6 +52,7 @@ impl<'m> EquationOfMotion<'m> {
         let energy = |connection: Connection<'_>| match connection {
             Connection::Mesh(..) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
+            Connection::Journal(journal) => journal.energy(q),
             Connection::Spring(spring) => spring.energy(q),
         };
         self.connections().map(energy).sum()
@@ -128,6 +129,9 @@ impl<'m> EquationOfMotion<'m> {
                     let [stiffening, damped] = bearing.powers(speed, acceleration, q, v);
                     drive += stiffening;
                     damping += damped;
+                }
+                Connection::Journal(journal) => {
+                    damping += journal.damping_power(self.reference_speed(elapsed).0, q, v);
                 }
                 Connection::Spring(spring) => damping += spring.damping_power(v),
             }

@@ -155,8 +155,11 @@ impl<'m> EquationOfMotion<'m> {
     /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh.
     #[inline(always)]
     pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
-        let phases = mesh.map_or_else(Default::default, |mesh| self.phases(mesh, elapsed));
-        Instant { phases, contact_mode: *self.contact_mode(mesh) }
+        let (phases, speed) = match mesh {
+            Some(mesh) => (self.phases(mesh, elapsed), 0.0),
+            None => (Default::default(), self.reference_speed(elapsed).0),
+        };
+        Instant { phases, contact_mode: *self.contact_mode(mesh), speed }
     }
 
     /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
@@ -211,7 +214,17 @@ impl<'m> EquationOfMotion<'m> {
             let own = bearing.force(self.reference_speed(elapsed).0, q, v);
             force = [force[0] + own[0], force[1] + own[1]];
         }
+        for journal in self.model.journals_at(node) {
+            // The integrator reports a journal that touches its bearing.
+            let own = journal.force(self.reference_speed(elapsed).0, q, v).unwrap_or([f64::NAN; 2]);
+            force = [force[0] + own[0], force[1] + own[1]];
+        }
         force
+    }
+
+    /// Largest speed of the reference shaft, rad/s, with its sign.
+    pub fn largest_speed(&self) -> f64 {
+        self.speed
     }
 
     /// Phasor e^{iϑ} of a shaft.

@@ -56,6 +56,11 @@ impl EquationOfMotion<'_> {
                     force[bearing.index] -= y;
                     force[bearing.index + 1] -= z;
                 }
+                Connection::Journal(journal) => {
+                    let [y, z] = journal.force(self.reference_speed(elapsed).0, q, v).map_err(Halt::Touch)?;
+                    force[journal.index] -= y;
+                    force[journal.index + 1] -= z;
+                }
                 Connection::Spring(spring) => spring.apply(q, v, force),
             }
             Ok(())

@@ -74,9 +74,9 @@ impl PyModel {
         }
     }
 
-    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one that the speed tables of bearings contain.
+    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one at which bearings have coefficients.
     pub fn representative_speed(&self, fastest: f64) -> f64 {
-        if self.model().bearings.is_empty() { 0.0 } else { fastest }
+        if self.model().depends_on_speed() { fastest } else { 0.0 }
     }
 
     /// Name of the shaft and position, m, of a node.

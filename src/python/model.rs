@@ -256,7 +256,6 @@ impl PyModel {
         if let Some(text) = analysis::small_displacement_check(model, largest) {
             warn(py, text)?;
         }
-        let rest = vec![0.0; model.len()];
         let mut series: [Vec<f64>; MESH_CHANNELS.len()] = Default::default();
         for (index, mesh) in model.meshes.iter().enumerate() {
             let state = mesh.state_at_rest(geometry, model.sigma(index, speed), q).map_err(|overlap| {
@@ -268,7 +267,7 @@ impl PyModel {
             }
         }
         let bearings = model.scene.bearing_nodes();
-        let forces: Vec<f64> = bearings.iter().flat_map(|node| model.bearing_force(*node, q, &rest)).collect();
+        let forces: Vec<f64> = bearings.iter().flat_map(|node| model.static_bearing_force(*node, speed, q)).collect();
         let dict = PyDict::new(py);
         dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
         dict.set_item("meshes", mesh_names(model, 0..model.meshes.len()))?;

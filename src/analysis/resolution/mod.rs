@@ -115,13 +115,15 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     Ok(Resolved { description, choice: Some(choice) })
 }
 
-/// The model with the bearing coefficients of the lowest speed that all tables contain.
+/// The model with the bearing coefficients of the lowest speed that all tables contain. Journal bearings have a stiffness that
+/// follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
 fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
+    let model = if model.journals.is_empty() { model } else { model.with_provisional_points() };
     if model.bearings.is_empty() {
         return Ok(model);
     }
     let first = model.bearings.iter().filter_map(|bearing| bearing.knots().min_by(f64::total_cmp));
-    model.at_speed(first.fold(0.0, f64::max))
+    model.at_tabulated_speed(first.fold(0.0, f64::max))
 }
 
 /// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the
@@ -138,7 +140,7 @@ pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, 
     // Every node counts as a place of a part, so that the elements are those of the model.
     let layouts: Vec<Layout> =
         given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-    let excitation = if cached.model.bearings.is_empty() {
+    let excitation = if !cached.model.depends_on_speed() {
         excitation(cached)
     } else {
         excitation(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))

@@ -3,14 +3,15 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::synchronous::{motion, with_flanks};
-use super::super::{AnalysisError, Spectrum, equilibrium};
+use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
+use super::super::{AnalysisError, Spectrum};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
     FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use crate::mesh::Geometry;
-use crate::modal::CachedModel;
+use crate::modal::{CachedModel, EquilibriumSpeeds};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -146,10 +147,11 @@ fn equilibrium_at_start(
     options: &Options,
     found: &DVector<f64>,
 ) -> Result<DVector<f64>, AnalysisError> {
-    if cached.model.bearings.is_empty() {
+    let speeds = EquilibriumSpeeds { film: options.speed.at(options.start), flanks: options.fastest() };
+    if cached.model.is_at(speeds.film) {
         return Ok(found.clone());
     }
-    equilibrium(&*cached.at_speed(options.speed.at(options.start))?, options.geometry, options.fastest())
+    equilibrium_with_flanks(cached, options.geometry, speeds)
 }
 
 /// The equilibrium plus the linear synchronous motion.

@@ -26,6 +26,7 @@ pub use record_plan::{Point, RecordPlan, Request};
 pub use reduction::Reduction;
 
 use super::{AnalysisError, Spectrum};
+use crate::connection::Touch;
 use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use crate::integrate::{
@@ -94,8 +95,9 @@ pub fn simulate(
     }
     // At a constant speed bearings that depend on it belong to the matrices.
     let constant = matches!(options.speed, Speed::Constant(_));
-    let at_speed = constant.then(|| cached.at_speed(options.fastest())).transpose()?;
-    let cached = at_speed.as_deref().unwrap_or(cached);
+    let fastest = options.fastest();
+    let at_speed = if constant { cached.at_speed(fastest) } else { cached.with_films_at(fastest) }?;
+    let cached = &*at_speed;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
@@ -286,6 +288,9 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, &format!("at {time} s"), overlap)
         }
+        Halt::Touch(Touch { bearing, eccentricity_ratio }) => AnalysisError::Contact(format!(
+            "bearings[{bearing}]: the journal touches the bearing at {time} s (eccentricity ratio {eccentricity_ratio:.6}); reduce the load or the unbalance, or raise the viscosity, the length or the speed"
+        )),
         Halt::Diverged => AnalysisError::Stability(format!("the motion diverged after {time} s")),
         Halt::Interrupted => AnalysisError::Interrupted,
     }

@@ -1,0 +1,350 @@
+//! Static equilibrium under torques, gravity and mesh forces, by Newton's method with the exact mesh tangent.
+//!
+//! The solution contains no null motion (motion without elastic force, for example the rigid-body rotation), in the
+//! inner product of the mass matrix. A load that drives a null motion has no equilibrium.
+
+use nalgebra::{DMatrix, DVector};
+
+use thiserror::Error;
+
+use super::real::RealModes;
+use crate::connection::{Connection, Row};
+use crate::linalg::{DecompositionError, LuFactors};
+use crate::mesh::{Flank, Geometry, Overlap};
+use crate::model::Model;
+use crate::scene::{EntryPath, SceneError};
+
+/// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
+const BALANCE_TOLERANCE: f64 = 1e-9;
+/// Largest fraction of the load that the artificial stiffness of the null motions may carry, as round-off.
+const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
+/// Component of a null motion, relative to its largest one, below which it is round-off.
+const ROUND_OFF: f64 = 1e-12;
+/// Energy of a Newton step, relative to the energy of the load, below which the iteration has converged; displacements
+/// are then accurate to 1e-13.
+const CONVERGENCE_TOLERANCE: f64 = 1e-26;
+/// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
+const STALL_TOLERANCE: f64 = 1e-14;
+/// Ratio of the energies of successive steps above which the tangent is computed anew.
+const TANGENT_REUSE_RATIO: f64 = 1e-4;
+/// Largest number of iterations. A smooth problem takes three to five, a loaded journal bearing up to twenty.
+const MAX_ITERATIONS: usize = 60;
+/// A Newton step may use this part of the clearance that is left between a journal and its bearing.
+const CLEARANCE_SHARE: f64 = 0.8;
+/// Eccentricity ratio above which a search that fails means that the journal touches.
+const TOUCHING: f64 = 0.9;
+/// Eccentricity ratio below which a journal carries no load.
+const UNLOADED: f64 = 1e-9;
+
+/// The reason why there is no equilibrium.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EquilibriumError {
+    /// The loads have no equilibrium.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The base circles of the mesh with this index overlap.
+    #[error("base circles overlap")]
+    Overlap(usize, Overlap),
+    /// The iteration did not converge.
+    #[error("{0}")]
+    Convergence(String),
+    /// The undamped modes cannot be found.
+    #[error(transparent)]
+    Modes(#[from] DecompositionError),
+}
+
+/// Speeds of the reference shaft, rad/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EquilibriumSpeeds {
+    /// The speed of the films of journal bearings.
+    pub film: f64,
+    /// The speed that determines the flanks in contact.
+    pub flanks: f64,
+}
+
+impl From<f64> for EquilibriumSpeeds {
+    fn from(speed: f64) -> Self {
+        Self { film: speed, flanks: speed }
+    }
+}
+
+/// Displacements q of the equilibrium. `model` belongs to a speed, and `real` are its undamped modes. Bow and unbalance rotate
+/// and are not included.
+///
+/// # Errors
+/// [`EquilibriumError`] if the load has no equilibrium, base circles overlap, a journal touches or carries no load, or the
+/// iteration fails.
+pub fn equilibrium(
+    model: &Model,
+    real: &RealModes,
+    geometry: Geometry,
+    speeds: EquilibriumSpeeds,
+) -> Result<DVector<f64>, EquilibriumError> {
+    let speed = speeds.flanks;
+    let load = &model.constant_load;
+    let null = real.vectors.columns(0, real.null).into_owned();
+    check_balance(model, &null, load)?;
+    // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
+    let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
+    let weighted = model.mass_times(&null) * lowest;
+    let mut linear = model.shaft_stiffness_matrix();
+    linear += model.support_stiffness_matrix();
+    linear.gemm(1.0, &weighted, &weighted.transpose(), 1.0);
+
+    let mut flanks = vec![Flank::Drive; model.meshes.len()];
+    let mut q = DVector::zeros(model.len());
+    let mut previous = f64::INFINITY;
+    let mut factors: Option<LuFactors> = None;
+    for _ in 0..MAX_ITERATIONS {
+        let (force, tangent) = connection_forces(model, geometry, speeds, &flanks, &q)?;
+        // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
+        let residual = load - model.static_force(&q) - force;
+        let known = factors.get_or_insert_with(|| {
+            let mut matrix = linear.clone();
+            for (row, column, value) in &tangent {
+                matrix[(*row, *column)] += value;
+            }
+            LuFactors::new(&matrix)
+        });
+        let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
+        let step = step.column(0);
+        let energy = step.dot(&residual).abs();
+        let scale = load.dot(&q).abs().max(energy);
+        let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
+        let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
+        // An old tangent is used as long as the steps decrease fast.
+        if energy > TANGENT_REUSE_RATIO * previous {
+            factors = None;
+        }
+        previous = energy;
+        let fraction = admissible(model, geometry, speed, &q, &step.into_owned())?;
+        q.axpy(fraction, &step, 1.0);
+        if !q.iter().all(|value| value.is_finite()) {
+            break;
+        }
+        if converged {
+            let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
+            if pressed == flanks {
+                check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
+                check_journals(model, &q, UNLOADED..1.0)?;
+                return Ok(q);
+            }
+            (flanks, previous, factors) = (pressed, f64::INFINITY, None);
+        }
+    }
+    check_journals(model, &q, 0.0..TOUCHING)?;
+    Err(EquilibriumError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
+}
+
+/// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
+fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), EquilibriumError> {
+    // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
+    // depend on the combination.
+    let mut acceleration = DVector::zeros(model.len());
+    for column in null.column_iter() {
+        let drive: f64 = column.dot(load);
+        let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
+        // Round-off of a null motion that does not move the points where loads act.
+        let round_off = ROUND_OFF * column.amax() * load.lp_norm(1);
+        if drive.abs() > (BALANCE_TOLERANCE * acting).max(round_off) {
+            acceleration.axpy(drive, &column, 1.0);
+        }
+    }
+    let largest = acceleration.amax();
+    if largest == 0.0 {
+        return Ok(());
+    }
+    let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
+    let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
+        let motion = acceleration[dof.index].abs();
+        if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
+    });
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
+        .into())
+}
+
+/// The error for a load that moves a shaft laterally: its bearings do not constrain it.
+fn unsupported(model: &Model, shaft: usize) -> SceneError {
+    let name = &model.scene.shafts[shaft].name;
+    let has_bearing = model.scene.bearings.iter().any(|bearing| bearing.node.shaft == shaft);
+    let cause = if has_bearing {
+        format!(
+            "the load moves or tilts \"{name}\", which its bearings do not constrain; add a bearing at another position, or give its bearings a stiffness in both directions"
+        )
+    } else {
+        format!(
+            "\"{name}\" is unconstrained: no bearing holds it laterally against the load; add gb.Bearing(\"{name}\", position, stiffness=...)"
+        )
+    };
+    SceneError::new(format!("shafts[{shaft}]"), format!("no static equilibrium: {cause}"))
+}
+
+/// The error for torques that do not balance.
+fn unbalanced(model: &Model) -> SceneError {
+    let scene = &model.scene;
+    let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
+    SceneError::new(
+        "torques",
+        format!(
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts"
+        ),
+    )
+}
+
+/// Refuses a load that the artificial stiffness of the null motions carries. This occurs with bearings whose stiffness is
+/// singular and not symmetric: its left and right null vectors differ.
+fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), EquilibriumError> {
+    if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
+        return Ok(());
+    }
+    let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";
+    Err(SceneError::new("bearings", message).into())
+}
+
+/// Row, column and value of a matrix entry. Entries with the same row and column add up.
+type Entry = (usize, usize, f64);
+
+/// Sum of the generalised forces of all connections, on the left side of the equation of motion, and its derivative with
+/// respect to q.
+fn connection_forces(
+    model: &Model,
+    geometry: Geometry,
+    speeds: EquilibriumSpeeds,
+    flanks: &[Flank],
+    q: &DVector<f64>,
+) -> Result<(DVector<f64>, Vec<Entry>), EquilibriumError> {
+    let mut force = DVector::zeros(model.len());
+    let mut tangent = Vec::new();
+    for connection in model.connections(speeds.flanks) {
+        match connection {
+            Connection::Mesh(index, mesh, sigma) => {
+                let contacts = [(flanks[index].drives(), false), (flanks[index].holds_back(), true)];
+                for (_, back) in contacts.into_iter().filter(|(in_contact, _)| *in_contact) {
+                    let (pressed, normal) = mesh
+                        .mean_tangent(geometry, sigma, back, q.as_slice(), |row, column, value| {
+                            tangent.push((row, column, value))
+                        })
+                        .map_err(|overlap| EquilibriumError::Overlap(index, overlap))?;
+                    let sigma = if back { -sigma } else { sigma };
+                    mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+                }
+            }
+            Connection::Bearing(bearing) => {
+                let known = bearing.static_tangent(speeds.flanks, q.as_slice());
+                add_over_scalars(&bearing.rows(), &known, &mut force, &mut tangent);
+            }
+            Connection::Journal(journal) => {
+                let known = journal.static_tangent(speeds.film, q.as_slice());
+                add_over_scalars(&journal.rows(), &known, &mut force, &mut tangent);
+            }
+            Connection::Spring(spring) => {
+                add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);
+            }
+        }
+    }
+    Ok((force, tangent))
+}
+
+/// Adds the force over the scalars of a connection, and its derivative with respect to the scalars, as generalised forces.
+fn add_over_scalars(
+    rows: &[Row],
+    (known, derivative): &(DVector<f64>, DMatrix<f64>),
+    force: &mut DVector<f64>,
+    tangent: &mut Vec<Entry>,
+) {
+    for (i, left) in rows.iter().enumerate() {
+        for (row, factor) in left {
+            force[*row] += factor * known[i];
+            for (j, right) in rows.iter().enumerate() {
+                let stiffness = factor * derivative[(i, j)];
+                tangent.extend(right.iter().map(|(column, factor)| (*row, *column, stiffness * factor)));
+            }
+        }
+    }
+}
+
+/// The flanks of every mesh that are pressed at `q`, after an iteration with contact on `flanks`. A flank with backlash
+/// does not pull. Both flanks are pressed if the centre distance is smaller than the backlash allows. Flanks are never
+/// apart, because a mesh in equilibrium carries its torque: where neither is pressed, the opposite flank comes next.
+fn pressed_flanks(
+    model: &Model,
+    geometry: Geometry,
+    speed: f64,
+    flanks: &[Flank],
+    q: &DVector<f64>,
+) -> Result<Vec<Flank>, EquilibriumError> {
+    let pressed = |(index, flank): (usize, &Flank)| {
+        let mesh = &model.meshes[index];
+        if mesh.backlash.is_none() {
+            return Ok(*flank);
+        }
+        let force = |back| {
+            mesh.mean_tangent(geometry, model.sigma(index, speed), back, q.as_slice(), |_, _, _| {})
+                .map(|(force, _)| force)
+                .map_err(|overlap| EquilibriumError::Overlap(index, overlap))
+        };
+        // The force of an unloaded mesh is round-off.
+        let scale = mesh.stiffness * mesh.involute.base_radius[0] * f64::EPSILON;
+        let presses = |force: f64, in_contact: bool| force > if in_contact { -scale } else { scale };
+        let (drive, back) = (force(false)?, force(true)?);
+        Ok(match Flank::of(presses(drive, flank.drives()), presses(back, flank.holds_back())) {
+            Flank::Separated => Flank::of(!flank.drives(), flank.drives()),
+            pressed => pressed,
+        })
+    };
+    flanks.iter().enumerate().map(pressed).collect()
+}
+
+/// Refuses eccentricity ratios outside a range: a journal that touches its bearing or carries no load.
+fn check_journals(model: &Model, q: &DVector<f64>, range: std::ops::Range<f64>) -> Result<(), SceneError> {
+    for journal in &model.journals {
+        let ratio = journal.eccentricity_ratio(q.as_slice());
+        let at = EntryPath::entry("bearings", journal.number);
+        if ratio < range.start {
+            let message = "no load acts on the journal bearing, so that its film has no stiffness and the shaft whirls; add gravity, a torque or another load";
+            return Err(at.error(message));
+        }
+        if ratio >= range.end || ratio.is_nan() {
+            let message = format!(
+                "no static equilibrium: the journal touches the bearing at this load and speed (eccentricity ratio {ratio:.3}); raise the speed, the viscosity or the length, or reduce the clearance or the load"
+            );
+            return Err(at.error(message));
+        }
+    }
+    Ok(())
+}
+
+/// Fraction of a Newton step that keeps journals off their bearings.
+fn within_clearances(model: &Model, q: &DVector<f64>, step: &DVector<f64>) -> f64 {
+    let mut fraction: f64 = 1.0;
+    for journal in &model.journals {
+        let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - journal.eccentricity_ratio(q.as_slice())).max(0.0);
+        while fraction > f64::EPSILON && journal.eccentricity_ratio((q + step * fraction).as_slice()) > limit {
+            fraction /= 2.0;
+        }
+    }
+    fraction
+}
+
+/// Fraction of a Newton step that keeps the base circles apart and journals off their bearings.
+fn admissible(
+    model: &Model,
+    geometry: Geometry,
+    speed: f64,
+    q: &DVector<f64>,
+    step: &DVector<f64>,
+) -> Result<f64, EquilibriumError> {
+    let mut fraction = within_clearances(model, q, step);
+    for (index, mesh) in model.meshes.iter().enumerate() {
+        let sigma = model.sigma(index, speed);
+        while let Err(overlap) =
+            mesh.mean_tangent(geometry, sigma, false, (q + step * fraction).as_slice(), |_, _, _| {})
+        {
+            fraction /= 2.0;
+            if fraction < 1e-3 {
+                return Err(EquilibriumError::Overlap(index, overlap));
+            }
+        }
+    }
+    Ok(fraction)
+}
