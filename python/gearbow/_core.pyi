@@ -11,6 +11,7 @@ from gearbow._types import (
     CampbellData,
     CoreCheckpoint,
     Dof,
+    FilmData,
     MatricesData,
     ModesData,
     Plain,
@@ -21,13 +22,23 @@ from gearbow._types import (
     SynchronousData,
 )
 
-__all__ = ["Model", "__version__", "check_final", "check_speed", "connection_channels"]
+__all__ = [
+    "Model",
+    "__version__",
+    "check_final",
+    "check_speed",
+    "connection_channels",
+    "film_coefficients",
+]
 
 __version__: str
 
 def check_final(last: Mapping[str, Any], checkpoint: Plain | None = None) -> None: ...
 def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
 def connection_channels() -> dict[str, dict[str, str]]: ...
+def film_coefficients(
+    bearing: dict[str, Plain], load: tuple[float, float], speed: float
+) -> FilmData: ...
 
 @final
 class Model:

@@ -78,6 +78,14 @@ class StaticData(TypedDict):
     bearing_force: Array
 
 
+class FilmData(TypedDict):
+    """Equilibrium of one journal bearing: displacement (2,) and coefficients (2, 2)."""
+
+    displacement: list[float]
+    stiffness: Array
+    damping: Array
+
+
 class RunOptions(TypedDict):
     """Options of a run that are numbers and texts; `src/python/options.rs` reads them."""
 

@@ -18,6 +18,7 @@
 //! `short.rs` has f for a short film in closed form. `reynolds.rs` solves Reynolds' equation for a film of finite length,
 //! and `table.rs` interpolates its solutions.
 
+mod equilibrium;
 mod reynolds;
 mod short;
 mod spline;

@@ -4,6 +4,7 @@ mod background;
 mod convert;
 mod entries;
 mod errors;
+mod film;
 mod frequency;
 mod handle;
 mod model;
@@ -20,6 +21,8 @@ use pyo3::pymodule;
 mod _core {
     #[pymodule_export]
     use super::convert::connection_channels;
+    #[pymodule_export]
+    use super::film::film_coefficients;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

@@ -34,6 +34,15 @@ pub enum FilmKind {
     Finite(Vec<[f64; 2]>),
 }
 
+/// Checks a journal bearing outside a scene. Errors begin with `bearing`.
+///
+/// # Errors
+/// [`SceneError`] as for the bearing of a scene, or for a bearing that is linear.
+pub fn journal(given: &description::Bearing) -> Result<Journal, SceneError> {
+    let at = EntryPath::root("bearing");
+    Journal::new(given, &at)?.ok_or_else(|| at.error("is no journal bearing"))
+}
+
 impl Journal {
     /// Checks the entries of a bearing at the entry `at`; none for a linear bearing.
     ///

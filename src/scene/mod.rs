@@ -27,7 +27,7 @@ pub(crate) use contact::path_of_contact;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
-pub use journal::{FilmKind, Journal};
+pub use journal::{FilmKind, Journal, journal};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, MAX_DEGREE, Shaft};

@@ -8,6 +8,7 @@ import numpy as np
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array
 from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.shafts import Shaft
 
@@ -120,7 +121,7 @@ def layout(
     gears: Sequence[Gear],
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
-    bearings: Sequence[Bearing],
+    bearings: Sequence[Bearing | JournalBearing],
 ) -> Layout:
     """Find the geometry of a train at rest.
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import real
 from gearbow._types import At, Plain
+from gearbow.description.journal import JournalBearing
 from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.speed_table import SpeedTable
@@ -43,7 +44,11 @@ class Bearing(Part):
     damping: ArrayLike | SpeedTable = 0.0
 
     @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Bearing":
+    def _from_description(  # type: ignore[override]  # one list holds several classes
+        cls, description: Mapping[str, Plain]
+    ) -> "Bearing | JournalBearing":
+        if "stiffness" not in description:
+            return JournalBearing._from_description(description)
         given = dict(description)
         for key in ("stiffness", "damping"):
             if isinstance(given.get(key), Mapping):

@@ -107,15 +107,16 @@ def tuples(value: Plain) -> Plain:
     return tuple(tuples(item) for item in value) if isinstance(value, list) else value
 
 
-def expect(value: object, kind: type[P], path: str) -> P:
-    """Return the value if it has the expected class; raise an error otherwise."""
-    if not isinstance(value, kind):
-        raise SceneError(f"{path}: must be a gb.{kind.__name__}, got {shown(value)}")
+def expect(value: object, kind: type[P], path: str, *others: type[P]) -> P:
+    """Return the value if it has one of the expected classes; raise an error otherwise."""
+    if not isinstance(value, (kind, *others)):
+        wanted = " or ".join(f"gb.{one.__name__}" for one in (kind, *others))
+        raise SceneError(f"{path}: must be a {wanted}, got {shown(value)}")
     return value
 
 
-def parts(given: object, kind: type[P], path: str) -> tuple[P, ...]:
-    """Collect a list of parts of one class."""
+def parts(given: object, kind: type[P], path: str, *others: type[P]) -> tuple[P, ...]:
+    """Collect a list of parts of one class, or of some classes."""
     if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
         raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}")
-    return tuple(expect(part, kind, f"{path}[{i}]") for i, part in enumerate(given))
+    return tuple(expect(part, kind, f"{path}[{i}]", *others) for i, part in enumerate(given))

@@ -14,6 +14,7 @@ from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.shafts import Shaft
@@ -57,7 +58,7 @@ class SystemDescription:
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
-    bearings: tuple[Bearing, ...]
+    bearings: tuple[Bearing | JournalBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
     reference: str | None
@@ -72,7 +73,7 @@ class SystemDescription:
         shafts: Sequence[Shaft],
         gears: Sequence[Gear] = (),
         meshes: Sequence[Mesh] = (),
-        bearings: Sequence[Bearing] = (),
+        bearings: Sequence[Bearing | JournalBearing] = (),
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),
@@ -86,7 +87,7 @@ class SystemDescription:
         self.shafts = parts(shafts, Shaft, "shafts")
         self.gears = parts(gears, Gear, "gears")
         self.meshes = parts(meshes, Mesh, "meshes")
-        self.bearings = parts(bearings, Bearing, "bearings")
+        self.bearings = parts(bearings, Bearing, "bearings", JournalBearing)
         self.torques = parts(torques, Torque, "torques")
         self.disks = parts(disks, Disk, "disks")
         options = {

@@ -155,8 +155,9 @@ class LinearAnalyses(SystemDescription):
         for stiffness in wanted:
             description = self.description
             for bearing in description.get("bearings", ()):
-                bearing["stiffness"] = float(stiffness)
-                bearing.pop("damping", None)
+                place = {"shaft": bearing["shaft"], "position": bearing["position"]}
+                bearing.clear()
+                bearing.update(place, stiffness=float(stiffness))
             found = Model(description).critical_speeds(excitation)
             speeds.append(np.array([speed for speed, _ in found]))
             whirl.append(tuple(name for _, name in found))

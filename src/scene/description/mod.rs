@@ -340,6 +340,14 @@ impl SceneDescription {
         Self::deserialize(reading::located::<toml::Value, D>(source)?)
     }
 
+    /// Reads one bearing from Python objects.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of an entry of the wrong type or name.
+    pub fn bearing_from_objects<'source, D: serde::Deserializer<'source>>(source: D) -> Result<Bearing, SceneError> {
+        reading::located(reading::located::<toml::Value, D>(source)?)
+    }
+
     /// Writes the description as TOML.
     ///
     /// # Errors

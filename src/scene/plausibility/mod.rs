@@ -13,10 +13,10 @@ use super::description::{self, SceneDescription};
 use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
 use findings::{Findings, short};
 use ranges::{
-    ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
+    ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
     GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,
     MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, RUN_OUT, SAG, SHEAR_MODULUS, SLENDERNESS, TIP_REACH,
-    TORSION, WEIGHT,
+    TORSION, VISCOSITY, WEIGHT,
 };
 
 /// Standard gravity, m/s².
@@ -53,8 +53,14 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
         check_mesh(scene, given, index, &mut found);
     }
     for (index, bearing) in scene.bearings.iter().enumerate() {
-        let at = EntryPath::entry("bearings", index).field("stiffness");
-        found.check(&at, largest_stiffness(&bearing.stiffness), &BEARING);
+        let at = EntryPath::entry("bearings", index);
+        match &bearing.journal {
+            None => found.check(&at.field("stiffness"), largest_stiffness(&bearing.stiffness), &BEARING),
+            Some(journal) => {
+                found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &CLEARANCE);
+                found.check(&at.field("viscosity"), journal.viscosity, &VISCOSITY);
+            }
+        }
     }
     for (index, torque) in scene.torques.iter().enumerate() {
         let (shaft, node) = (&scene.shafts[torque.node.shaft], torque.node.node);
