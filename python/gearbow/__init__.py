@@ -31,7 +31,7 @@ from gearbow._core import __version__
 from gearbow.analysis.balance import Balance
 from gearbow.description.bow import Bow
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import FilmCoefficients, JournalBearing
+from gearbow.description.journal import FilmCoefficients, JournalBearing, JournalMotion
 from gearbow.description.kinematics import Order
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.shafts import STEEL, Material, Segment, Shaft
@@ -92,6 +92,7 @@ __all__ = [
     "GearbowError",
     "Intersection",
     "JournalBearing",
+    "JournalMotion",
     "Material",
     "Matrices",
     "Mesh",

@@ -6,6 +6,8 @@ use super::{Film, FilmForce, Vector};
 const MAX_ITERATIONS: usize = 200;
 /// Residual force, relative to the load, below which the iteration has converged.
 const TOLERANCE: f64 = 1e-13;
+/// Largest eccentricity ratio: closer surfaces touch.
+pub const CLOSEST: f64 = 0.99;
 /// A Newton step may use this part of the clearance that is left.
 const CLEARANCE_SHARE: f64 = 0.8;
 /// Smallest fraction of a Newton step; the residual stops to decrease by round-off.
@@ -13,18 +15,17 @@ const LEAST_FRACTION: f64 = 1e-10;
 
 impl Film {
     /// Displacement of the journal, m, and the film there, under a static load over (y, z), N, at a spin, rad/s. None if
-    /// the journal touches the bearing.
+    /// the journal touches the bearing, or comes closer than a hundredth of the clearance.
     pub fn carrying(&self, load: Vector, spin: f64) -> Option<(Vector, FilmForce)> {
         let size = |v: Vector| v[0].hypot(v[1]);
         let at = |e: Vector| self.at(e, [0.0; 2], spin);
         let residual = |film: &FilmForce| [load[0] - film.force[0], load[1] - film.force[1]];
         let mut e = [0.0; 2];
         let mut film = at(e);
-        let mut least = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let missing = residual(&film);
             if size(missing) <= TOLERANCE * size(load) {
-                return Some((e, film));
+                return (self.eccentricity_ratio(e) < CLOSEST).then_some((e, film));
             }
             let [[a, b], [c, d]] = film.stiffness;
             let determinant = a * d - b * c;
@@ -43,11 +44,11 @@ impl Film {
                 fraction /= 2.0;
                 // Round-off limits the residual, or no load of this size is carried.
                 if fraction < LEAST_FRACTION || !fraction.is_finite() {
-                    return (size(missing) <= TOLERANCE.sqrt() * size(load)).then_some((e, film));
+                    let is_carried = size(missing) <= TOLERANCE.sqrt() * size(load);
+                    return (is_carried && self.eccentricity_ratio(e) < CLOSEST).then_some((e, film));
                 }
             }
-            least = least.min(size(missing));
         }
-        (least <= TOLERANCE.sqrt() * size(load)).then_some((e, film))
+        None
     }
 }

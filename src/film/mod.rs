@@ -26,6 +26,7 @@ mod table;
 
 use std::sync::Arc;
 
+pub use equilibrium::CLOSEST;
 pub use reynolds::Reynolds;
 pub use table::FilmTable;
 

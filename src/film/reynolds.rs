@@ -20,6 +20,8 @@ use super::{Vector, direction};
 
 /// Number of intervals over half the length, even for Simpson's rule.
 const AXIAL: usize = 8;
+/// Number of entries of a row of the band matrix.
+const WIDTH: usize = AXIAL + 1;
 /// Number of circumferential intervals of a full film.
 const CIRCUMFERENTIAL: usize = 120;
 /// Smallest number of circumferential intervals of a pad.
@@ -95,7 +97,7 @@ impl Grid {
         let thickness = |angle: f64| 1.0 - ratio * (angle - psi).cos();
         let fine = FINE * intervals;
         let step = (end - begin) / fine as f64;
-        let density = |k: usize| thickness(begin + (k as f64 + 0.5) * step).powf(-0.5);
+        let density = |k: usize| thickness(begin + (k as f64 + 0.5) * step).sqrt().recip();
         let total: f64 = (0..fine).map(density).sum();
         self.angles.clear();
         self.angles.push(begin);
@@ -181,7 +183,6 @@ impl Grid {
 
     /// Solves the equation at the wet nodes by band Cholesky decomposition; the pressure is zero at dry ones.
     fn solve_wet(&mut self, slenderness: f64, beta: f64, wet: &[bool]) {
-        const WIDTH: usize = AXIAL + 1;
         let count = wet.len();
         self.pressure.clear();
         self.pressure.resize(count, 0.0);
@@ -194,18 +195,17 @@ impl Grid {
             let (row, column) = (at / AXIAL, at % AXIAL);
             let own = (at - first) * WIDTH;
             if !wet[at] {
-                self.band[own] = 1.0;
+                self.band[own + AXIAL] = 1.0;
                 continue;
             }
             let axial = self.axial(slenderness, row);
             let around = self.conductances[row] + self.conductances[row + 1];
-            self.band[own] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
-            // Entry k of the band couples a node with the one k before it.
+            self.band[own + AXIAL] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
             if column > 0 && wet[at - 1] {
-                self.band[own + 1] = -axial;
+                self.band[own + AXIAL - 1] = -axial;
             }
             if at >= first + AXIAL && wet[at - AXIAL] {
-                self.band[own + AXIAL] = -height(column) * self.conductances[row];
+                self.band[own] = -height(column) * self.conductances[row];
             }
             self.pressure[at] = self.source(row, column, beta);
         }
@@ -237,28 +237,31 @@ fn simpson(column: usize) -> f64 {
     factor / (3.0 * AXIAL as f64)
 }
 
-/// Solves a symmetric positive definite band system in place, with the lower band of [`AXIAL`] entries beside the diagonal.
+/// Solves a symmetric positive definite band system in place. A row of the band has the [`AXIAL`] entries before the
+/// diagonal, then the diagonal.
 fn solve_band(band: &mut [f64], x: &mut [f64]) {
-    const WIDTH: usize = AXIAL + 1;
     for i in 0..x.len() {
-        let reach = i.min(AXIAL);
-        for back in (0..=reach).rev() {
-            let j = i - back;
-            let mut sum = band[i * WIDTH + back];
-            for k in i.saturating_sub(AXIAL)..j {
-                if j - k <= AXIAL {
-                    sum -= band[i * WIDTH + (i - k)] * band[j * WIDTH + (j - k)];
-                }
-            }
-            band[i * WIDTH + back] = if back == 0 { sum.sqrt() } else { sum / band[j * WIDTH] };
+        let (known, rest) = band.split_at_mut(i * WIDTH);
+        let (own, reach) = (&mut rest[..WIDTH], i.min(AXIAL));
+        for back in (1..=reach).rev() {
+            let row = &known[(i - back) * WIDTH..][..WIDTH];
+            let shared = AXIAL - back;
+            let sum: f64 = own[..shared].iter().zip(&row[back..AXIAL]).map(|(a, b)| a * b).sum();
+            own[shared] = (own[shared] - sum) / row[AXIAL];
         }
-        let known: f64 = (1..=reach).map(|back| band[i * WIDTH + back] * x[i - back]).sum();
-        x[i] = (x[i] - known) / band[i * WIDTH];
+        let before = &mut own[AXIAL - reach..];
+        let square: f64 = before[..reach].iter().map(|value| value * value).sum();
+        before[reach] = (before[reach] - square).sqrt();
+        let (solved, rest) = x.split_at_mut(i);
+        let sum: f64 = before[..reach].iter().zip(&solved[i - reach..]).map(|(a, b)| a * b).sum();
+        rest[0] = (rest[0] - sum) / before[reach];
     }
     for i in (0..x.len()).rev() {
-        x[i] /= band[i * WIDTH];
-        for back in 1..=i.min(AXIAL) {
-            x[i - back] -= band[i * WIDTH + back] * x[i];
+        let (row, reach) = (&band[i * WIDTH..][..WIDTH], i.min(AXIAL));
+        let (earlier, rest) = x.split_at_mut(i);
+        rest[0] /= row[AXIAL];
+        for (value, factor) in earlier[i - reach..].iter_mut().zip(&row[AXIAL - reach..AXIAL]) {
+            *value -= factor * rest[0];
         }
     }
 }

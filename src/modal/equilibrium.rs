@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::real::RealModes;
 use crate::connection::{Connection, Row};
+use crate::film::CLOSEST;
 use crate::linalg::{DecompositionError, LuFactors};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::model::Model;
@@ -126,7 +127,7 @@ pub fn equilibrium(
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
                 check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
-                check_journals(model, &q, UNLOADED..1.0)?;
+                check_journals(model, &q, UNLOADED..CLOSEST)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);

@@ -1,6 +1,6 @@
 """Journal bearings: the oil film between a shaft and its bearing."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
@@ -8,11 +8,13 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import number
 from gearbow._core import film_coefficients
+from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
+from gearbow.errors import ChannelError
 
-__all__ = ["FilmCoefficients", "JournalBearing"]
+__all__ = ["FilmCoefficients", "JournalBearing", "JournalMotion"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,7 @@ class JournalBearing(Part):
     >>> bearing = gb.JournalBearing(
     ...     "rotor", 0.0, diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1
     ... )
-    >>> film = bearing.coefficients(525.0, gb_speed := 157.08)
+    >>> film = bearing.coefficients(load=525.0, speed=157.08)
     >>> print(f"{film.eccentricity_ratio:.4f}")
     0.2663
     """
@@ -145,3 +147,66 @@ class JournalBearing(Part):
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "JournalBearing":
         return cls(**description)
+
+
+@dataclass(frozen=True, eq=False)
+class JournalMotion(ReadOnly):
+    """Force on a journal bearing and place of the journal in its clearance.
+
+    Parameters
+    ----------
+    force : ndarray, shape (2,) or (k, 2)
+        Force of the shaft on the bearing along y and z [N].
+    eccentricity_ratio : float or ndarray, shape (k,)
+        Displacement of the journal over the radial clearance.
+    attitude_angle : float or ndarray, shape (k,)
+        Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
+        steady film it has the sign of the rotation of the shaft.
+    """
+
+    force: Array
+    eccentricity_ratio: Array
+    attitude_angle: Array
+
+    @classmethod
+    def of(
+        cls,
+        bearings: Iterable[Mapping[str, Plain]],
+        place: tuple[str, float],
+        displacement: Array,
+        force: Array,
+    ) -> "JournalMotion":
+        """Find the motion of a journal from the displacement of the shaft.
+
+        Parameters
+        ----------
+        bearings : iterable of mapping
+            Plain descriptions of the bearings.
+        place : tuple of (str, float)
+            Shaft and position of the bearing [m].
+        displacement : ndarray, shape (2,) or (k, 2)
+            Displacements v and w [m].
+        force : ndarray, shape (2,) or (k, 2)
+            Force of the shaft on the bearing [N].
+
+        Returns
+        -------
+        JournalMotion
+            The motion.
+
+        Raises
+        ------
+        ChannelError
+            If no journal bearing stands there; the message lists them.
+        """
+        journals = [bearing for bearing in bearings if "clearance" in bearing]
+        places = [(bearing["shaft"], float(bearing["position"])) for bearing in journals]
+        i = locate(places, *place)
+        if i is None:
+            raise ChannelError(f"no journal bearing at {place!r}; there are {places}")
+        (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
+        return cls(
+            force=force,
+            eccentricity_ratio=np.hypot(y, z) / float(journals[i]["clearance"]),
+            attitude_angle=np.arctan2(along_y * z - along_z * y, along_y * y + along_z * z),
+        )

@@ -8,6 +8,7 @@ import numpy as np
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Record, RunData
+from gearbow.description.journal import JournalMotion
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
@@ -178,6 +179,31 @@ class Recording(ReadOnly):
                 f"the bearing force at ({shaft!r}, {position:g})", ("bearing", shaft, position)
             )
         return self._data["bearing_force"][:, i]
+
+    def journal(self, shaft: str, position: float) -> JournalMotion:
+        """Time history of a journal bearing.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        JournalMotion
+            Force, eccentricity ratio and attitude angle.
+
+        Raises
+        ------
+        ChannelError
+            If the bearing was not recorded, or is no journal bearing of a known scene.
+        """
+        force = self.bearing_force(shaft, position)
+        bearings = () if self.request is None else self.request.description.get("bearings", ())
+        at = (shaft, position)
+        return JournalMotion.of(bearings, at, self.displacement(at), force)
 
     def mesh(self, driver: str, driven: str) -> MeshResponse:
         """Time history of one mesh.

@@ -1,11 +1,13 @@
 """Static equilibrium."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._types import Array, At, StaticData
+from gearbow._types import Array, At, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
+from gearbow.description.journal import JournalMotion
 from gearbow.errors import ChannelError
 
 __all__ = ["MeshState", "Static"]
@@ -55,6 +57,8 @@ class Static(ReadOnly):
         Displacements, mesh states and bearing forces.
     coordinates : Coordinates
         Degrees of freedom of the system.
+    bearings : sequence of mapping
+        Plain descriptions of the bearings.
 
     Attributes
     ----------
@@ -76,7 +80,13 @@ class Static(ReadOnly):
     -76 N on each, -75.6 µm
     """
 
-    def __init__(self, data: StaticData, coordinates: Coordinates) -> None:
+    def __init__(
+        self,
+        data: StaticData,
+        coordinates: Coordinates,
+        bearings: Sequence[Mapping[str, Plain]] = (),
+    ) -> None:
+        self._bearings = tuple(bearings)
         self._data = read_only(data)
         self.state = data["state"]
         self.coordinates = coordinates
@@ -148,6 +158,29 @@ class Static(ReadOnly):
             )
         force: Array = self._data["bearing_force"][i]
         return force
+
+    def journal(self, shaft: str, position: float) -> JournalMotion:
+        """State of a journal bearing.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        JournalMotion
+            Force, eccentricity ratio and attitude angle.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such journal bearing.
+        """
+        force, at = self.bearing_force(shaft, position), (shaft, position)
+        return JournalMotion.of(self._bearings, at, self.displacement(at), force)
 
     def mesh(self, driver: str, driven: str) -> MeshState:
         """State of one mesh.

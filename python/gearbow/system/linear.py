@@ -77,7 +77,8 @@ class LinearAnalyses(SystemDescription):
         speed : float
             Speed of the reference shaft [rad/s]. Its sign determines the drive flanks. A torque
             against the rotation presses the back flanks, with a negative mesh force. At speed 0
-            the torques determine the drive flanks. Forces that depend on the speed are not
+            the torques determine the drive flanks. Journal bearings have the film force of this
+            speed and carry nothing at speed 0. Other forces that depend on the speed are not
             included.
 
         Returns
@@ -95,7 +96,7 @@ class LinearAnalyses(SystemDescription):
             If the iteration does not converge.
         """
         data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
-        return Static(data, self.coordinates)
+        return Static(data, self.coordinates, self.description.get("bearings", ()))
 
     def campbell(self, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
         """Follow the modes over the speed, and find their intersections with excitation lines.

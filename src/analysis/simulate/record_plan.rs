@@ -62,7 +62,7 @@ impl RecordPlan {
                 "gears" => scene.gears.iter().for_each(|gear| self.add_point(model, gear.body.node)),
                 "disks" => scene.disks.iter().for_each(|disk| self.add_point(model, disk.node)),
                 "meshes" => (0..scene.meshes.len()).for_each(|mesh| self.add_mesh(mesh)),
-                "bearings" => scene.bearings.iter().for_each(|bearing| self.add_bearing(bearing.node)),
+                "bearings" => scene.bearings.iter().for_each(|bearing| self.add_bearing(model, bearing.node)),
                 "nodes" => (0..scene.shafts.len()).for_each(|shaft| self.add_shaft(model, shaft)),
                 "energy" => self.energy = true,
                 _ => match (scene.body(name), scene.shaft(name)) {
@@ -85,7 +85,7 @@ impl RecordPlan {
                 if scene.bearings.iter().all(|bearing| bearing.node != node) {
                     return Err(at.error(format!("no bearing stands at {position} m of shaft \"{shaft}\"")));
                 }
-                self.add_bearing(node);
+                self.add_bearing(model, node);
             }
             Request::Mesh(first, second) => {
                 let mesh = scene.mesh(first, second);
@@ -120,9 +120,13 @@ impl RecordPlan {
         }
     }
 
-    fn add_bearing(&mut self, node: Node) {
+    /// Adds the bearings at a node. The eccentricity of a journal needs its displacement.
+    fn add_bearing(&mut self, model: &Model, node: Node) {
         if !self.bearings.contains(&node) {
             self.bearings.push(node);
+        }
+        if model.journals_at(node).next().is_some() {
+            self.add_point(model, node);
         }
     }
 
