@@ -52,9 +52,14 @@ class Motion:
 
 
 def from_rest(
-    train: Train, speed: float, times: Array, live: bool = True, rtol: float = 1e-10
+    train: Train,
+    speed: float,
+    times: Array,
+    live: bool = True,
+    rtol: float = 1e-10,
+    further: Callable[[Array, Array], Array] | None = None,
 ) -> Motion:
-    """Integrate from q = q' = 0 at t = 0."""
+    """Integrate from q = q' = 0 at t = 0; `further` gives generalised forces (n,) at q and q'."""
     n = train.size
     stiffness, damping = train.grounded, train.viscous + speed * train.gyroscopic
     inverse = np.linalg.inv(train.mass)
@@ -72,6 +77,8 @@ def from_rest(
             a += np.cos(spin * t) * at_0 + np.sin(spin * t) * at_90
         for (at, law), push in zip(interfaces, pushes, strict=True):
             a += push @ law.force(state[at], state[n + at], live)[1]
+        if further is not None:
+            a += inverse @ further(state[:n], state[n:])
         return np.concatenate([state[n:], a])
 
     scale = np.concatenate([np.full(n, 1e-14), np.full(n, 1e-10)])  # m and rad; m/s and rad/s
