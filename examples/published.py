@@ -251,6 +251,38 @@ def mesh() -> Iterable[str]:
     yield row(source, quantity, [1e6 * separation], [5e5 * moved], 5)
 
 
+def journals() -> Iterable[str]:
+    """Compare the coefficients of a short and of a finite journal bearing with two grooves."""
+    options = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1}
+    film = gb.JournalBearing("s", 0.0, **options).coefficients(525.0, 1500.0 * RPM)
+    source = "short journal bearing, Friswell et al. 2010"
+    yield row(source, "eccentricity ratio", [0.266298], [film.eccentricity_ratio], 6)
+    published = (12.80796, 16.393593, -25.060393, 8.815303)
+    quantity = "stiffness across and along the load [MN/m]"
+    yield row(source, quantity, published, film.stiffness.ravel() / 1e6, 5)
+    published = (232.89693, -81.924371, -81.924371, 294.911619)
+    yield row(source, "damping [kN s/m]", published, film.damping.ravel() / 1e3, 4)
+
+    # S = μNLD/W (R/c)² determines the load W at a speed of N turns per second.
+    turns, sommerfeld, clearance = 50.0, 0.580, 1e-4
+    load = 0.05 * turns * 0.05 * 0.1 / sommerfeld * (0.05 / clearance) ** 2
+    grooves = [(0.0, math.radians(20.0)), (math.pi, math.radians(20.0))]
+    options = {"diameter": 0.1, "length": 0.05, "clearance": clearance, "viscosity": 0.05}
+    bearing = gb.JournalBearing("s", 0.0, **options, film="finite", grooves=grooves)
+    film = bearing.coefficients(load, TAU * turns)
+    source = "finite journal bearing, L/D 0.5, Lund and Thomsen 1978"
+    yield row(source, "eccentricity ratio at S = 0.580", [0.477], [film.eccentricity_ratio], 3)
+    angle = math.degrees(film.attitude_angle)
+    yield row(source, "attitude angle [degrees]", [51.01], [angle], 2)
+    # x is along the load, y is ahead of it by the rotation.
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    stiffness = (turn @ film.stiffness @ turn.T).ravel() * clearance / load
+    quantity = "stiffness xx, xy, yx, yy × c/W, x along the load"
+    yield row(source, quantity, (2.67, 3.70, -0.78, 1.75), stiffness, 2)
+    damping = (turn @ film.damping @ turn.T).ravel()[[0, 1, 3]] * clearance * TAU * turns / load
+    yield row(source, "damping xx, xy, yy × cΩ/W", (6.96, 1.94, 2.40), damping, 2)
+
+
 def main() -> None:
     """Print the table, or with ``--summary`` one row of each kind of comparison."""
     parser = argparse.ArgumentParser(description="Compare gearbow with published values.")
@@ -258,7 +290,7 @@ def main() -> None:
     summary: bool = parser.parse_args().summary
     print("| source | quantity | published | computed | largest difference |")
     print("|---|---|---|---|---|")
-    for rows in (rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh):
+    for rows in (rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh, journals):
         for printed in rows():
             if not summary or any(quantity in printed for quantity in SUMMARY):
                 print(printed)

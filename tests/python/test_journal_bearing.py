@@ -18,7 +18,9 @@ from reference.scenes import PAIR
 
 Array = film.Array
 RPM = math.pi / 30.0
-OIL = Bearing(diameter=0.05, length=0.02, clearance=5e-5, viscosity=0.03)
+OIL = Bearing(diameter=0.05, length=0.025, clearance=5e-5, viscosity=0.03)
+#: A film with little damping, for explicit methods.
+THIN = Bearing(diameter=0.05, length=0.025, clearance=1e-4, viscosity=0.01)
 GROOVES = [(0.0, math.radians(20.0)), (math.pi, math.radians(20.0))]
 
 
@@ -34,17 +36,14 @@ def journal(shaft: str, position: float, oil: Bearing = OIL, **options: Any) -> 
     )
 
 
-def pair(torque: float = 60.0, **options: Any) -> gb.RotorSystem:
+def pair(torque: float = 60.0, oil: Bearing = OIL, **options: Any) -> gb.RotorSystem:
     """Build a geared pair whose four bearings have oil films."""
-    return train(torque).package().replace(bearings=journals(**options))
+    bearings = [journal(s, x, oil, **options) for s in PAIR.shafts for x in (0.0, PAIR.length)]
+    return train(torque).package().replace(bearings=bearings)
 
 
 def train(torque: float = 60.0) -> Any:
     return replace(PAIR, elements=2, torque=torque, gravity=(0.0, -9.81), bearing_stiffness=0.0, bearing_damping=0.0)  # fmt: skip
-
-
-def journals(**options: Any) -> list[gb.JournalBearing]:
-    return [journal(shaft, x, **options) for shaft in PAIR.shafts for x in (0.0, PAIR.length)]
 
 
 # --- published coefficients ---------------------------------------------------------------------
@@ -153,10 +152,6 @@ def test_the_equilibrium_of_a_train_balances_every_bearing():
     static = pair().static(speed=150.0)
     total = sum(static.bearing_force(s, x) for s in PAIR.shafts for x in (0.0, PAIR.length))
     train_ = train().reference()
-    weight = 9.81 * sum(
-        train_.mass[train_.dof(s, x, elements.V) :, :].sum() * 0 for s in () for x in ()
-    )
-    assert weight == 0.0
     # the mesh force is internal: the bearings carry the weight
     unit = np.zeros(train_.size)
     for shaft in PAIR.shafts:
@@ -216,13 +211,12 @@ def test_campbell_and_critical_speed_map_take_journal_bearings():
 LENGTH, MASS = 0.2, 10.0
 
 
-def rigid(viscosity: float, flexible: float = 0.0, **options: Any) -> gb.RotorSystem:
-    """Build a disk between two journal bearings on a light shaft, stiff or with a sag [m] under the weight."""
-    load = 9.81 * MASS
-    stiffness = load / flexible if flexible else 1e12
+def rigid(viscosity: float, sag: float = 1e-7, **options: Any) -> gb.RotorSystem:
+    """Build a disk between two journal bearings on a light shaft with a sag [m] under the weight."""
+    stiffness = 9.81 * MASS / sag
     # 48 E I / L^3 of a shaft without shear
     modulus = stiffness * LENGTH**3 / (48 * math.pi / 64 * OIL.diameter**4)
-    material = gb.Material(modulus, 1.0, poisson_ratio=0.3)
+    material = gb.Material(modulus, 10.0, poisson_ratio=0.3)
     shaft = gb.Shaft("s", length=LENGTH, outer_diameter=OIL.diameter, elements=2, material=material, shear=False)  # fmt: skip
     oil = replace(OIL, viscosity=viscosity)
     given: dict[str, Any] = {"gravity": 9.81, **options}
@@ -259,7 +253,7 @@ def routh(ratio: float) -> tuple[float, float]:
     return equal, rest / (c[0, 0] * c[1, 1] - c[0, 1] * c[1, 0])
 
 
-@pytest.mark.parametrize("sag", [0.0, 3e-5])
+@pytest.mark.parametrize("sag", [1e-7, 3e-5])
 def test_oil_whirl_begins_at_the_published_threshold(sag: float):
     system = rigid(0.01, sag)
     speed = threshold(system, 100.0, 4000.0)
@@ -269,11 +263,11 @@ def test_oil_whirl_begins_at_the_published_threshold(sag: float):
     expected = math.sqrt(equal / square / (1 + equal * sag / OIL.clearance))
     load = 9.81 * MASS / 2
     found = speed * math.sqrt(MASS / 2 * OIL.clearance / load)
-    # the shaft has a mass of 4e-4 kg and, where it is stiff, bends by 1e-10 m
+    # the shaft has a mass of 4 g
     assert found == pytest.approx(expected, rel=1e-3)
     whirl = growth(system, speed).imag / speed
     assert whirl == pytest.approx(math.sqrt(square), rel=1e-3)
-    assert 0.4 < whirl < 0.5
+    assert whirl == pytest.approx(0.5, rel=0.1)
 
 
 def test_a_light_journal_has_the_threshold_of_the_closed_form():
@@ -318,7 +312,7 @@ TIMES = np.linspace(0.0, END, 41)
 
 @pytest.fixture(scope="module")
 def judged() -> independent_solution.Motion:
-    given = train().reference()
+    given = train(20.0).reference()
     places = [
         (given.dof(shaft, x, elements.V), ratio * SPEED)
         for shaft, ratio in zip(PAIR.shafts, PAIR.ratios, strict=True)
@@ -328,7 +322,7 @@ def judged() -> independent_solution.Motion:
     def films(q: Array, qd: Array) -> Array:
         force = np.zeros(given.size)
         for i, spin in places:
-            force[i : i + 2] = -film.short(OIL, q[i : i + 2], qd[i : i + 2], spin)
+            force[i : i + 2] = -film.short(THIN, q[i : i + 2], qd[i : i + 2], spin)
         return force
 
     return independent_solution.from_rest(given, SPEED, TIMES, rtol=1e-9, further=films)
@@ -350,7 +344,7 @@ RECORD = ["gears", "meshes", "bearings", "energy"]
 def test_every_method_follows_the_independent_solution(
     judged: independent_solution.Motion, method: str, options: dict[str, Any], tolerance: float
 ):
-    run = pair().simulate(END, SPEED, initial="rest", times=TIMES, method=method, record=RECORD, **options)  # fmt: skip
+    run = pair(20.0, THIN).simulate(END, SPEED, initial="rest", times=TIMES, method=method, record=RECORD, **options)  # fmt: skip
     for gear in ("g1", "g2"):
         exact = judged.displacement(gear)
         error = np.abs(run.displacement(gear) - exact).max()
@@ -360,7 +354,7 @@ def test_every_method_follows_the_independent_solution(
     i = judged.train.dof("output", 0.0, elements.V)
     force = np.array(
         [
-            film.short(OIL, q[i : i + 2], qd[i : i + 2], -SPEED / 2)
+            film.short(THIN, q[i : i + 2], qd[i : i + 2], -SPEED / 2)
             for q, qd in zip(judged.q, judged.qd, strict=True)
         ]
     )
@@ -369,7 +363,7 @@ def test_every_method_follows_the_independent_solution(
     place = run.journal("output", 0.0)
     np.testing.assert_allclose(
         place.eccentricity_ratio,
-        np.linalg.norm(judged.q[:, i : i + 2], axis=1) / OIL.clearance,
+        np.linalg.norm(judged.q[:, i : i + 2], axis=1) / THIN.clearance,
         atol=1e-6,
     )
     balance = run.energy_balance()
@@ -378,7 +372,7 @@ def test_every_method_follows_the_independent_solution(
 
 @pytest.mark.parametrize("options", [{"film": "finite"}, {"film": "finite", "grooves": GROOVES}])
 def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: dict[str, Any]):
-    system = pair(**options)
+    system = pair(20.0, THIN, **options)
     runs = [
         system.simulate(0.02, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
         for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
@@ -402,12 +396,12 @@ def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: d
 def test_a_run_up_follows_the_film_of_each_speed():
     profile = gb.SpeedProfile.ramp(100.0, 200.0, 0.05)
     runs = [
-        pair().simulate(0.06, profile, initial="static", output_step=1e-3, record=RECORD, method=m, rtol=tol)
+        pair(20.0, THIN).simulate(0.06, profile, initial="static", output_step=1e-3, record=RECORD, method=m, rtol=tol)
         for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
     ]  # fmt: skip
     first, second = (run.displacement("g1") for run in runs)
     assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    np.testing.assert_allclose(first[0], pair().static(speed=100.0).displacement("g1"), rtol=1e-9)
+    np.testing.assert_allclose(first[0], pair(20.0, THIN).static(speed=100.0).displacement("g1"), rtol=1e-9)
     for run in runs:
         balance = run.energy_balance()
         assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
@@ -415,20 +409,19 @@ def test_a_run_up_follows_the_film_of_each_speed():
 
 def test_a_reversed_speed_gives_the_mirrored_motion():
     system = rigid(0.02)
-    forward, backward = (
-        system.simulate(0.05, s, initial="static", output_step=1e-3) for s in (300.0, -300.0)
+    options: dict[str, Any] = {"initial": "rest", "output_step": 1e-3, "record": ["disks"]}
+    first, second = (
+        system.simulate(0.05, s, **options).displacement("d") for s in (300.0, -300.0)
     )
-    first, second = (run.displacement(("s", 0.1)) for run in (forward, backward)) if False else (
-        system.static(speed=s).displacement("d") for s in (300.0, -300.0)
-    )
-    np.testing.assert_allclose(first, second * [-1.0, 1.0], rtol=1e-9)
+    np.testing.assert_allclose(first, second * [-1.0, 1.0], atol=1e-9 * abs(first).max())
 
 
 def test_a_continued_run_equals_the_whole_run_and_survives_a_file(tmp_path: Any):
     options: dict[str, Any] = {"record": RECORD, "output_step": 1e-3, "method": "rk45"}
-    whole = pair().simulate(0.02, SPEED, **options)
-    first = pair().simulate(0.01, SPEED, **options)
-    second = pair().simulate(0.01, SPEED, initial=first, **options)
+    system = pair(20.0, THIN)
+    whole = system.simulate(0.004, SPEED, **options)
+    first = system.simulate(0.002, SPEED, **options)
+    second = system.simulate(0.002, SPEED, initial=first, **options)
     np.testing.assert_array_equal(whole.final["state"], second.final["state"])
     whole.save(tmp_path / "run.npz")
     again = gb.Response.load(tmp_path / "run.npz").journal("input", 0.0)
