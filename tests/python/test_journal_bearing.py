@@ -211,12 +211,12 @@ def test_campbell_and_critical_speed_map_take_journal_bearings():
 LENGTH, MASS = 0.2, 10.0
 
 
-def rigid(viscosity: float, sag: float = 1e-7, **options: Any) -> gb.RotorSystem:
+def rigid(viscosity: float, sag: float = 3e-7, density: float = 1.0, **options: Any) -> gb.RotorSystem:
     """Build a disk between two journal bearings on a light shaft with a sag [m] under the weight."""
     stiffness = 9.81 * MASS / sag
     # 48 E I / L^3 of a shaft without shear
     modulus = stiffness * LENGTH**3 / (48 * math.pi / 64 * OIL.diameter**4)
-    material = gb.Material(modulus, 10.0, poisson_ratio=0.3)
+    material = gb.Material(modulus, density, poisson_ratio=0.3)
     shaft = gb.Shaft("s", length=LENGTH, outer_diameter=OIL.diameter, elements=2, material=material, shear=False)  # fmt: skip
     oil = replace(OIL, viscosity=viscosity)
     given: dict[str, Any] = {"gravity": 9.81, **options}
@@ -253,7 +253,7 @@ def routh(ratio: float) -> tuple[float, float]:
     return equal, rest / (c[0, 0] * c[1, 1] - c[0, 1] * c[1, 0])
 
 
-@pytest.mark.parametrize("sag", [1e-7, 3e-5])
+@pytest.mark.parametrize("sag", [3e-7, 3e-5])
 def test_oil_whirl_begins_at_the_published_threshold(sag: float):
     system = rigid(0.01, sag)
     speed = threshold(system, 100.0, 4000.0)
@@ -263,7 +263,7 @@ def test_oil_whirl_begins_at_the_published_threshold(sag: float):
     expected = math.sqrt(equal / square / (1 + equal * sag / OIL.clearance))
     load = 9.81 * MASS / 2
     found = speed * math.sqrt(MASS / 2 * OIL.clearance / load)
-    # the shaft has a mass of 4 g
+    # the shaft has a mass of 0.4 g
     assert found == pytest.approx(expected, rel=1e-3)
     whirl = growth(system, speed).imag / speed
     assert whirl == pytest.approx(math.sqrt(square), rel=1e-3)
@@ -282,17 +282,15 @@ def test_a_journal_beyond_three_quarters_of_the_clearance_is_always_stable():
 
 
 def test_the_journal_whirls_below_half_speed_above_the_threshold_and_settles_below_it():
-    system = rigid(0.01)
+    system = rigid(0.01, 1e-5, 7850.0)
     limit = threshold(system, 100.0, 4000.0)
     for factor, grows in ((0.8, False), (1.2, True)):
         speed = factor * limit
         start = system.simulate(0.0, speed, initial="static")
         state = start.final["state"].copy()
-        at = [system.coordinates.lateral(("s", x)) for x in (0.0, LENGTH)]
-        assert len(at) == 2
         state[: state.size // 2] *= 1.02  # a disturbance of 2 % of the displacement
         initial = {**start.final, "state": state, "memory": np.zeros(0)}
-        run = system.simulate(2.0, speed, initial=initial, output_step=1e-3, method="rk45", rtol=1e-8, record=["disks"])  # fmt: skip
+        run = system.simulate(0.4, speed, initial=initial, output_step=2e-4, rtol=1e-5, method="exponential", record=["disks"])  # fmt: skip
         rest = system.static(speed=speed).displacement("d")
         y, z = (run.displacement("d") - rest).T
         size = np.hypot(y, z)
@@ -300,14 +298,14 @@ def test_the_journal_whirls_below_half_speed_above_the_threshold_and_settles_bel
         assert (late > 3 * early) if grows else (late < 0.1 * early)
         if grows:
             angle = np.unwrap(np.arctan2(z[-800:], y[-800:]))
-            whirl = (angle[-1] - angle[0]) / (0.799 * speed)
+            whirl = (angle[-1] - angle[0]) / (799 * 2e-4 * speed)
             assert 0.4 < whirl < 0.5
 
 
 # --- runs ---------------------------------------------------------------------------------------------
 
-SPEED, END = 150.0, 0.02
-TIMES = np.linspace(0.0, END, 41)
+SPEED, END = 150.0, 0.006
+TIMES = np.linspace(0.0, END, 31)
 
 
 @pytest.fixture(scope="module")
@@ -337,8 +335,8 @@ RECORD = ["gears", "meshes", "bearings", "energy"]
         ("rk45", {"rtol": 1e-10}, 1e-6),
         ("rk4", {}, 1e-6),
         ("exponential", {"rtol": 1e-9}, 1e-6),
-        # second order in the loads where a step is longer than the film relaxes
-        ("etdrk4", {"step": 2e-6}, 1e-6),
+        # its steps resolve the film, whose damping at rest is far from that in the matrices
+        ("etdrk4", {"step": 5e-7}, 1e-6),
     ],
 )
 def test_every_method_follows_the_independent_solution(
@@ -374,7 +372,7 @@ def test_every_method_follows_the_independent_solution(
 def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: dict[str, Any]):
     system = pair(20.0, THIN, **options)
     runs = [
-        system.simulate(0.02, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
+        system.simulate(END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
         for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
     ]
     first, second = (run.displacement("g1") for run in runs)
@@ -382,7 +380,7 @@ def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: d
     # the equilibrium stays
     assert moving < 1e-9
     runs = [
-        system.simulate(0.02, SPEED, initial="rest", times=TIMES, record=RECORD, method=m, rtol=tol)
+        system.simulate(END, SPEED, initial="rest", times=TIMES, record=RECORD, method=m, rtol=tol)
         for m, tol in (("rk45", 1e-9), ("exponential", 1e-9))
     ]
     first, second = (run.displacement("g1") for run in runs)
@@ -472,14 +470,16 @@ def test_errors_name_the_entry_and_the_remedy(ask: Callable[[], Any], message: s
 
 
 def test_a_journal_that_touches_ends_the_run():
-    light = rigid(0.01, gravity=9.81)
-    # a torque-free rotor dropped with a velocity that no film stops within one fixed step
-    start = light.simulate(0.0, 300.0, initial="static")
+    system = pair(20.0, THIN)
+    start = system.simulate(0.0, 150.0, initial="static")
+    # a velocity that the thin film does not stop within one step
     state = start.final["state"].copy()
-    state[state.size // 2 :] = 50.0
+    at = np.array(system.coordinates.lateral(("input", 0.0)))
+    state[state.size // 2 + at] = 500.0
     initial = {**start.final, "state": state, "memory": np.zeros(0)}
-    with pytest.raises(gb.ContactError, match=r"bearings\[[01]\]: the journal touches the bearing"):
-        light.simulate(0.01, 300.0, initial=initial, method="rk4", step=1e-6)
+    text = r"bearings\[[01]\]: the journal touches the bearing at .* s \(eccentricity ratio"
+    with pytest.raises(gb.ContactError, match=text):
+        system.simulate(0.001, 150.0, initial=initial, method="rk4", step=1e-6)
 
 
 def test_an_impossible_mixture_is_refused():

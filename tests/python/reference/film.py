@@ -16,8 +16,8 @@ from scipy.sparse.linalg import spsolve
 
 Array = NDArray[np.float64]
 
-#: Points of the Gauss-Legendre rule over the half circle with pressure.
-POINTS = 80
+#: Gauss-Legendre rule over the half circle with pressure.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(60)
 
 
 @dataclass(frozen=True)
@@ -37,17 +37,14 @@ def source(bearing: Bearing, angle: Array, e: Array, v: Array, spin: float) -> A
 def short(bearing: Bearing, e: Array, v: Array, spin: float) -> Array:
     """Give the force on a short film [N]: d/dx(h^3 dp/dx) = mu * source with p = 0 at both ends, where that is positive."""
     # the source is -|s| cos(a - b): the pressure is positive within a quarter turn of b
-    at_0, at_90 = (
-        source(bearing, np.array(a), e, v, spin) for a in (0.0, np.pi / 2)
-    )  # fmt: skip
+    at_0, at_90 = (source(bearing, np.array(a), e, v, spin) for a in (0.0, np.pi / 2))
     middle = np.arctan2(-at_90, -at_0)
-    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
-    angle = middle + np.pi / 2 * nodes
+    angle = middle + np.pi / 2 * NODES
     cos, sin = np.cos(angle), np.sin(angle)
     h = bearing.clearance - e[0] * cos - e[1] * sin
     # the parabola p = -mu source (L^2/4 - x^2)/(2 h^3) has the integral -mu source L^3/(12 h^3)
     line = -bearing.viscosity * source(bearing, angle, e, v, spin) * bearing.length**3 / (12 * h**3)
-    weighted = np.pi / 2 * weights * line * bearing.diameter / 2
+    weighted = np.pi / 2 * WEIGHTS * line * bearing.diameter / 2
     return np.array([weighted @ cos, weighted @ sin])
 
 
