@@ -10,6 +10,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -253,7 +254,7 @@ def mesh() -> Iterable[str]:
 
 def journals() -> Iterable[str]:
     """Compare the coefficients of a short and of a finite journal bearing with two grooves."""
-    options = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1}
+    options: dict[str, Any] = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1}
     film = gb.JournalBearing("s", 0.0, **options).coefficients(525.0, 1500.0 * RPM)
     source = "short journal bearing, Friswell et al. 2010"
     yield row(source, "eccentricity ratio", [0.266298], [film.eccentricity_ratio], 6)

@@ -75,7 +75,7 @@ class Ross:
         bearings = [
             ross.BearingElement(n=self.node(b.position), kxx=b.stiffness, cxx=b.damping)
             for b in self.system.bearings
-            if b.shaft == shaft.name
+            if isinstance(b, gb.Bearing) and b.shaft == shaft.name
         ]
         gears = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
         return ross.Rotor(self.elements(shaft), gears, bearings)

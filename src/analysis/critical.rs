@@ -30,7 +30,8 @@ pub fn critical_speeds(
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
     if let Some(journal) = cached.model.journals.first() {
-        let message = "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
+        let message =
+            "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
     if !cached.model.bearings.is_empty() {

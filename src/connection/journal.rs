@@ -175,13 +175,7 @@ impl JournalInterface {
     }
 
     #[inline]
-    pub(super) fn load(
-        &self,
-        instant: &Instant,
-        u: &[f64],
-        rates: &[f64],
-        load: &mut [f64],
-    ) -> Result<(), OutOfRange> {
+    pub(super) fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<(), OutOfRange> {
         let at = self.displacement(u);
         self.bearing.check(at)?;
         let force = self.bearing.remainder(instant.speed, at, [rates[0], rates[1]]).force;

@@ -29,7 +29,8 @@ impl Film {
             }
             let [[a, b], [c, d]] = film.stiffness;
             let determinant = a * d - b * c;
-            let step = [(d * missing[0] - b * missing[1]) / determinant, (a * missing[1] - c * missing[0]) / determinant];
+            let step =
+                [(d * missing[0] - b * missing[1]) / determinant, (a * missing[1] - c * missing[0]) / determinant];
             let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - self.eccentricity_ratio(e));
             let mut fraction = 1.0;
             loop {

@@ -62,10 +62,8 @@ struct Grid {
 impl Reynolds {
     /// The solver for a ratio L/D and grooves (angle of the middle, extent), rad.
     pub fn new(length_ratio: f64, grooves: &[[f64; 2]]) -> Self {
-        let mut edges: Vec<[f64; 2]> = grooves
-            .iter()
-            .map(|[middle, extent]| [(middle - extent / 2.0).rem_euclid(TAU), *extent])
-            .collect();
+        let mut edges: Vec<[f64; 2]> =
+            grooves.iter().map(|[middle, extent]| [(middle - extent / 2.0).rem_euclid(TAU), *extent]).collect();
         edges.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let next = |i: usize| if i + 1 < edges.len() { edges[i + 1][0] } else { edges[0][0] + TAU };
         let pads: Vec<[f64; 2]> = (0..edges.len()).map(|i| [edges[i][0] + edges[i][1], next(i)]).collect();
@@ -149,10 +147,10 @@ impl Grid {
         for _ in 0..MAX_ITERATIONS {
             self.solve_wet(slenderness, beta, wet);
             let mut changed = false;
-            for at in 0..count {
-                let now = if wet[at] { self.pressure[at] > 0.0 } else { self.inflow(slenderness, beta, at) > 0.0 };
-                changed |= now != wet[at];
-                wet[at] = now;
+            for (at, wet) in wet.iter_mut().enumerate() {
+                let now = if *wet { self.pressure[at] > 0.0 } else { self.inflow(slenderness, beta, at) > 0.0 };
+                changed |= now != *wet;
+                *wet = now;
             }
             if !changed {
                 break;
@@ -233,7 +231,13 @@ fn height(column: usize) -> f64 {
 
 /// Weight of Simpson's rule at a node.
 fn simpson(column: usize) -> f64 {
-    let factor = if column == 0 { 1.0 } else if column % 2 == 1 { 4.0 } else { 2.0 };
+    let factor = if column == 0 {
+        1.0
+    } else if column % 2 == 1 {
+        4.0
+    } else {
+        2.0
+    };
     factor / (3.0 * AXIAL as f64)
 }
 

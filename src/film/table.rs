@@ -243,9 +243,7 @@ fn symmetry(grooves: &[[f64; 2]]) -> u32 {
     let count = grooves.len() as u32;
     let maps = |m: u32| {
         let angle = TAU / f64::from(m);
-        grooves.iter().all(|[middle, extent]| {
-            grooves.iter().any(|other| same([middle + angle, *extent], *other))
-        })
+        grooves.iter().all(|[middle, extent]| grooves.iter().any(|other| same([middle + angle, *extent], *other)))
     };
     (1..=count).rev().find(|m| maps(*m)).unwrap_or(1)
 }

@@ -266,7 +266,8 @@ fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
         Err(EquilibriumError::Scene(error)) => Err(error),
         Err(error) => {
             let number = model.journals.first().map_or(0, |journal| journal.number);
-            let message = format!("no static equilibrium at {speed} rad/s, which the stiffness of the film needs: {error}");
+            let message =
+                format!("no static equilibrium at {speed} rad/s, which the stiffness of the film needs: {error}");
             Err(EntryPath::entry("bearings", number).error(message))
         }
     }

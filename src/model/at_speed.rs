@@ -120,7 +120,10 @@ impl Model {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
         let journals = self.journals.iter().map(Connection::Journal);
-        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(journals).chain(self.springs.iter().map(Connection::Spring))
+        meshes
+            .chain(self.bearings.iter().map(Connection::Bearing))
+            .chain(journals)
+            .chain(self.springs.iter().map(Connection::Spring))
     }
 
     /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
@@ -168,9 +171,9 @@ impl Model {
         let points: Vec<_> = self.journals.iter().filter_map(|journal| journal.point).collect();
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         let journals = self.journals.iter().map(|journal| journal.index);
-        model.supports.extend(
-            journals.zip(points).map(|(index, point)| Support::new(index, point.stiffness, point.damping)),
-        );
+        model
+            .supports
+            .extend(journals.zip(points).map(|(index, point)| Support::new(index, point.stiffness, point.damping)));
         Ok(model)
     }
 

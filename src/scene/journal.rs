@@ -56,7 +56,8 @@ impl Journal {
             ("clearance", given.clearance),
             ("viscosity", given.viscosity),
         ];
-        let has_film = given.film.is_some() || given.grooves.is_some() || entries.iter().any(|(_, value)| value.is_some());
+        let has_film =
+            given.film.is_some() || given.grooves.is_some() || entries.iter().any(|(_, value)| value.is_some());
         if !has_film {
             return match given.stiffness {
                 Some(_) => Ok(None),

@@ -122,10 +122,8 @@ def test_the_finite_film_equals_an_independent_solution_of_reynolds_equation():
         e = found.eccentricity_ratio * oil.clearance
         place = e * np.array([math.sin(found.attitude_angle), -math.cos(found.attitude_angle)])
 
-        def force(
-            e: Array, v: Array, grooves: list[tuple[float, float]] = grooves
-        ) -> Array:
-            return film.finite(oil, e, v, 300.0, grooves)
+        def force(e: Array, v: Array, grooves: list[tuple[float, float]] = grooves) -> Array:
+            return film.finite(oil, e, v, 300.0, grooves=grooves)
 
         rest = np.zeros(2)
         # both grids have errors of second order, below 0.3 % here
@@ -211,7 +209,9 @@ def test_campbell_and_critical_speed_map_take_journal_bearings():
 LENGTH, MASS = 0.2, 10.0
 
 
-def rigid(viscosity: float, sag: float = 3e-7, density: float = 1.0, **options: Any) -> gb.RotorSystem:
+def rigid(
+    viscosity: float, sag: float = 3e-7, density: float = 1.0, **options: Any
+) -> gb.RotorSystem:
     """Build a disk between two journal bearings on a light shaft with a sag [m] under the weight."""
     stiffness = 9.81 * MASS / sag
     # 48 E I / L^3 of a shaft without shear
@@ -370,9 +370,12 @@ def test_every_method_follows_the_independent_solution(
 
 @pytest.mark.parametrize("options", [{"film": "finite"}, {"film": "finite", "grooves": GROOVES}])
 def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: dict[str, Any]):
-    system = pair(20.0, THIN, **options)
+    # the mesh presses a shaft towards a groove, which needs a thicker oil
+    system = pair(20.0, replace(THIN, viscosity=0.05), **options)
     runs = [
-        system.simulate(END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
+        system.simulate(
+            END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol
+        )
         for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
     ]
     first, second = (run.displacement("g1") for run in runs)
@@ -399,7 +402,9 @@ def test_a_run_up_follows_the_film_of_each_speed():
     ]  # fmt: skip
     first, second = (run.displacement("g1") for run in runs)
     assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    np.testing.assert_allclose(first[0], pair(20.0, THIN).static(speed=100.0).displacement("g1"), rtol=1e-9)
+    np.testing.assert_allclose(
+        first[0], pair(20.0, THIN).static(speed=100.0).displacement("g1"), rtol=1e-9
+    )
     for run in runs:
         balance = run.energy_balance()
         assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
@@ -408,9 +413,7 @@ def test_a_run_up_follows_the_film_of_each_speed():
 def test_a_reversed_speed_gives_the_mirrored_motion():
     system = rigid(0.02)
     options: dict[str, Any] = {"initial": "rest", "output_step": 1e-3, "record": ["disks"]}
-    first, second = (
-        system.simulate(0.05, s, **options).displacement("d") for s in (300.0, -300.0)
-    )
+    first, second = (system.simulate(0.05, s, **options).displacement("d") for s in (300.0, -300.0))
     np.testing.assert_allclose(first, second * [-1.0, 1.0], atol=1e-9 * abs(first).max())
 
 
@@ -485,7 +488,9 @@ def test_a_journal_that_touches_ends_the_run():
 def test_an_impossible_mixture_is_refused():
     description = pair().description
     description["bearings"][1]["stiffness"] = 1e8
-    with pytest.raises(gb.SceneError, match=r"^bearings\[1\]\.stiffness: a journal bearing takes none"):
+    with pytest.raises(
+        gb.SceneError, match=r"^bearings\[1\]\.stiffness: a journal bearing takes none"
+    ):
         gb.RotorSystem.from_dict(description)
     description = pair().description
     del description["bearings"][1]["clearance"]

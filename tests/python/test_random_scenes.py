@@ -40,6 +40,7 @@ class Drawn:
     disk: float = 0.5  # kg, on the last shaft
     # yy, zz, yz over 1e8 N/m, and damping over 1e3 N s/m
     bearing: tuple[float, float, float, float] = (1.0, 0.6, 0.1, 0.5)
+    film: float | None = None  # viscosity of oil films instead of the bearings, Pa s
     angle: float = 0.4  # of the lines of centres, rad
     mesh: tuple[str, float, float] = ("mean", 1e8, 0.03)  # model, stiffness, damping ratio
     backlash: float | None = None
@@ -117,15 +118,24 @@ class Drawn:
                     unbalance=self.complex(unbalance) * kilogram * metre,
                 )
             )
-            bearings += [
-                gb.Bearing(
-                    shaft,
-                    end * long,
-                    stiffness=self.matrix(*self.bearing[:3]) * 1e8 * force,
-                    damping=np.eye(2) * self.bearing[3] * 1e3 * force * second,
+            for end in (0.0, 1.0):
+                bearings.append(
+                    gb.Bearing(
+                        shaft,
+                        end * long,
+                        stiffness=self.matrix(*self.bearing[:3]) * 1e8 * force,
+                        damping=np.eye(2) * self.bearing[3] * 1e3 * force * second,
+                    )
+                    if self.film is None
+                    else gb.JournalBearing(
+                        shaft,
+                        end * long,
+                        diameter=diameter * metre,
+                        length=0.5 * diameter * metre,
+                        clearance=1e-3 * diameter * metre,
+                        viscosity=self.film * kilogram / metre / second,
+                    )
                 )
-                for end in (0.0, 1.0)
-            ]
             if i:
                 kind, stiffness, ratio = self.mesh
                 angle = (-1) ** i * self.angle
@@ -328,6 +338,30 @@ SAME = {
     "other units": {"units": (1024.0, 1 / 512, 64.0)},
     "units that are no powers of two": {"units": (1e3, 0.45, 0.7)},
 }
+
+
+@settings(
+    max_examples=6 * int(TIMES or 1),
+    derandomize=TIMES is None,
+    database=None,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
+@given(drawn(), st.floats(0.02, 0.5), st.sampled_from(SPEEDS[1:]))
+def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
+    scene: Drawn, viscosity: float, speed: float
+):
+    scene = replace(scene, film=viscosity, speed=speed)
+    try:
+        scene.system().static(speed=speed)
+    except gb.SceneError as error:
+        assert "journal" in str(error)  # noqa: PT017
+        reject()
+    exact = motion(scene.run(method="rk45"), scene)
+    assert_near(motion(scene.run(), scene), exact, 1e-6)
+    for name in ("turned", "mirrored", "other units"):
+        changed = replace(scene, **SAME[name])
+        assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
 
 
 @scenes(45)

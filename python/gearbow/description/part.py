@@ -8,7 +8,7 @@ import dataclasses
 import types
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -112,7 +112,7 @@ def expect(value: object, kind: type[P], path: str, *others: type[P]) -> P:
     if not isinstance(value, (kind, *others)):
         wanted = " or ".join(f"gb.{one.__name__}" for one in (kind, *others))
         raise SceneError(f"{path}: must be a {wanted}, got {shown(value)}")
-    return value
+    return cast("P", value)
 
 
 def parts(given: object, kind: type[P], path: str, *others: type[P]) -> tuple[P, ...]:

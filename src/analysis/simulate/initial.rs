@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::synchronous::{motion, with_flanks};
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
+use super::super::synchronous::{motion, with_flanks};
 use super::super::{AnalysisError, Spectrum};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;

@@ -122,4 +122,5 @@ pub(super) const BEARING: Usual = usual("the stiffness of a bearing", "N/m", 0.0
 /// Usual in turbomachinery: 1e-3 to 2e-3. Dry instrument bearings need more.
 pub(super) const CLEARANCE: Usual = usual("radial clearance over the radius of a journal", "", 1e-4, 2e-2, METRES);
 /// Gases: 1e-5 Pa s; cold gear oil: a few Pa s.
-pub(super) const VISCOSITY: Usual = usual("the viscosity of an oil", "Pa s", 1e-6, 50.0, "is it in mPa s (centipoise)?");
+pub(super) const VISCOSITY: Usual =
+    usual("the viscosity of an oil", "Pa s", 1e-6, 50.0, "is it in mPa s (centipoise)?");

@@ -28,7 +28,7 @@ class Bearing:
     viscosity: float
 
 
-def source(bearing: Bearing, angle: Array, e: Array, v: Array, spin: float) -> Array:
+def source(angle: Array, e: Array, v: Array, spin: float) -> Array:
     """Give 12 dh/dt + 6 s dh/da [m/s]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return -12 * (v[0] * cos + v[1] * sin) + 6 * spin * (e[0] * sin - e[1] * cos)
@@ -37,13 +37,13 @@ def source(bearing: Bearing, angle: Array, e: Array, v: Array, spin: float) -> A
 def short(bearing: Bearing, e: Array, v: Array, spin: float) -> Array:
     """Give the force on a short film [N]: d/dx(h^3 dp/dx) = mu * source with p = 0 at both ends, where that is positive."""
     # the source is -|s| cos(a - b): the pressure is positive within a quarter turn of b
-    at_0, at_90 = (source(bearing, np.array(a), e, v, spin) for a in (0.0, np.pi / 2))
+    at_0, at_90 = (source(np.array(a), e, v, spin) for a in (0.0, np.pi / 2))
     middle = np.arctan2(-at_90, -at_0)
     angle = middle + np.pi / 2 * NODES
     cos, sin = np.cos(angle), np.sin(angle)
     h = bearing.clearance - e[0] * cos - e[1] * sin
     # the parabola p = -mu source (L^2/4 - x^2)/(2 h^3) has the integral -mu source L^3/(12 h^3)
-    line = -bearing.viscosity * source(bearing, angle, e, v, spin) * bearing.length**3 / (12 * h**3)
+    line = -bearing.viscosity * source(angle, e, v, spin) * bearing.length**3 / (12 * h**3)
     weighted = np.pi / 2 * WEIGHTS * line * bearing.diameter / 2
     return np.array([weighted @ cos, weighted @ sin])
 
@@ -53,6 +53,7 @@ def finite(
     e: Array,
     v: Array,
     spin: float,
+    *,
     grooves: list[tuple[float, float]],
     shape: tuple[int, int] = (270, 18),
 ) -> Array:
@@ -88,7 +89,7 @@ def finite(
     i, j, x = (np.concatenate([np.ravel(entry[k]) for entry in entries]) for k in range(3))
     matrix = coo_matrix((x, (i, j)), (count * rows, count * rows)).tocsr()
     assert np.all(left > 0)
-    load = -bearing.viscosity * np.outer(source(bearing, angle, e, v, spin), half) * step * width
+    load = -bearing.viscosity * np.outer(source(angle, e, v, spin), half) * step * width
     load, fixed, wet = load.ravel(), fixed.ravel(), (load > 0).ravel() & ~fixed.ravel()
     for _ in range(100):
         pressure = np.zeros(count * rows)

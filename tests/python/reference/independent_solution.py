@@ -56,6 +56,7 @@ def from_rest(
     speed: float,
     times: Array,
     live: bool = True,
+    *,
     rtol: float = 1e-10,
     further: Callable[[Array, Array], Array] | None = None,
 ) -> Motion:
