@@ -341,7 +341,7 @@ SAME = {
 
 
 @settings(
-    max_examples=6 * int(TIMES or 1),
+    max_examples=4 * int(TIMES or 1),
     derandomize=TIMES is None,
     database=None,
     deadline=None,
@@ -359,8 +359,9 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
         reject()
     exact = motion(scene.run(method="rk45"), scene)
     assert_near(motion(scene.run(), scene), exact, 1e-6)
-    for name in ("turned", "mirrored", "other units"):
-        changed = replace(scene, **SAME[name])
+    # a quarter turn maps teeth to teeth
+    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
+        changed = replace(scene, **change)
         assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
 
 

@@ -28,7 +28,7 @@ fn without_bearing(
     cubic: f64,
 ) -> CachedModel {
     let mut system = system.clone();
-    system.bearings[0].stiffness = Coefficient::Isotropic(0.0).into();
+    system.bearings[0].stiffness = Some(Coefficient::Isotropic(0.0).into());
     system.bearings[0].damping = None;
     let model = model(&system);
     let first = model.numbering.translation(model.scene.bearings[0].node).unwrap();

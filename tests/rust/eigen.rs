@@ -223,7 +223,7 @@ fn a_train_has_exactly_one_rigid_body_mode_its_rotation() {
     // Very soft and very stiff bearings in one train still constrain all shafts.
     let mut system = train();
     for (index, bearing) in system.bearings.iter_mut().enumerate() {
-        bearing.stiffness = Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 }).into();
+        bearing.stiffness = Some(Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 }).into());
     }
     assert_eq!(crate::common::cached(&system).real_modes(100.0).unwrap().null, 1);
     let modes = modal::modes(&cached, 100.0).unwrap();

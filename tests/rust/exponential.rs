@@ -22,7 +22,7 @@ fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) ->
     system.shafts.iter_mut().for_each(|shaft| shaft.elements = Some(2));
     let [k_y, k_z, c_y, c_z] = bearing;
     for bearing in &mut system.bearings {
-        bearing.stiffness = Coefficient::Full([[k_y, cross[0]], [-cross[1], k_z]]).into();
+        bearing.stiffness = Some(Coefficient::Full([[k_y, cross[0]], [-cross[1], k_z]]).into());
         bearing.damping = Some(Coefficient::Full([[c_y, 0.0], [0.0, c_z]]).into());
     }
     system.rayleigh = Some(rayleigh);

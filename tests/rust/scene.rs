@@ -149,7 +149,7 @@ fn errors_name_the_wrong_entry() {
     assert_eq!(path_of(&|system| system.meshes[0].stiffness = Some(Stiffness::Mean(-1.0))), "meshes[0].stiffness");
     assert_eq!(path_of(&|system| system.meshes[0].centre_distance = Some(0.05)), "meshes[0].centre_distance");
     assert_eq!(
-        path_of(&|system| system.bearings[4].stiffness = Coefficient::Full([[1.0, f64::NAN], [0.0, 1.0]]).into()),
+        path_of(&|system| system.bearings[4].stiffness = Some(Coefficient::Full([[1.0, f64::NAN], [0.0, 1.0]]).into())),
         "bearings[4].stiffness[0][1]"
     );
     assert_eq!(path_of(&|system| system.torques[0].balance = true), "torques[0]");

@@ -174,9 +174,10 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 polar_inertia: size * 2e-2,
                 unbalance,
             };
-            let bearing = |(first, at, stiffness, damping): (bool, f64, _, _)| {
+            let bearing = |(first, at, stiffness, damping): (bool, f64, BearingCoefficient, _)| {
                 let (shaft, length) = on(first);
-                Bearing { shaft, position: at * length, stiffness, damping }
+                let (position, stiffness) = (at * length, Some(stiffness));
+                Bearing { shaft, position, stiffness, damping, ..Bearing::default() }
             };
             let torque = |at: Place, value: Option<f64>| Torque { at, value, balance: value.is_none() };
             SceneDescription {

@@ -107,7 +107,7 @@ pub fn cached(system: &SceneDescription) -> CachedModel {
 /// A train with all scene features: cross-coupled bearings, gravity, both dampings, a tilted bow.
 pub fn everything() -> SceneDescription {
     let mut system = train();
-    system.bearings[1].stiffness = Coefficient::Full([[1e8, 3e6], [-2e6, 7e7]]).into();
+    system.bearings[1].stiffness = Some(Coefficient::Full([[1e8, 3e6], [-2e6, 7e7]]).into());
     system.bearings[1].damping = Some(Coefficient::Full([[500.0, -80.0], [60.0, 300.0]]).into());
     system.gravity = Some(Gravity::Vector([1.0, -9.0]));
     system.rayleigh = Some([20.0, 1e-6]);
