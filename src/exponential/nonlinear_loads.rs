@@ -15,7 +15,7 @@ use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{
     RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
 };
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions, OutOfRange};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -206,7 +206,7 @@ impl<'m> NonlinearLoads<'m> {
             let instant = self.motion.instant(interface.mesh(), elapsed);
             *contact = interface
                 .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
-                .map_err(|reason| halt(interface, reason))?;
+                .map_err(|reason| Halt::out_of_range(interface.mesh(), reason))?;
             from = to;
         }
         if let (Some(changing), Some(shaft)) = (&self.changing, self.motion.reference_shaft(elapsed)) {
@@ -306,7 +306,7 @@ impl<'m> NonlinearLoads<'m> {
             let instant = self.motion.instant(interface.mesh(), elapsed);
             let contact_mode = interface
                 .contact_mode(&instant, scalars, rates, unchanged)
-                .map_err(|overlap| halt(interface, overlap.into()))?;
+                .map_err(|overlap| Halt::out_of_range(interface.mesh(), overlap.into()))?;
             contact_modes.extend(contact_mode.iter().flat_map(ContactMode::code));
         }
         contact_modes.extend(self.motion.piece_at(elapsed));
@@ -322,7 +322,9 @@ impl<'m> NonlinearLoads<'m> {
         ends.clear();
         for (interface, scalars, _) in self.each(u) {
             let instant = self.motion.instant(interface.mesh(), elapsed);
-            interface.ends(&instant, scalars, ends).map_err(|overlap| halt(interface, overlap.into()))?;
+            interface
+                .ends(&instant, scalars, ends)
+                .map_err(|overlap| Halt::out_of_range(interface.mesh(), overlap.into()))?;
         }
         Ok(())
     }
@@ -391,12 +393,4 @@ fn interfaces(
         interfaces.extend(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
     }
     Ok(interfaces)
-}
-
-/// The end of a run where a connection has no force. Only meshes have base circles.
-fn halt(interface: &Interface, reason: OutOfRange) -> Halt {
-    match reason {
-        OutOfRange::Overlap(overlap) => Halt::Overlap { mesh: interface.mesh().unwrap_or_default(), overlap },
-        OutOfRange::Touch(touch) => Halt::Touch(touch),
-    }
 }

@@ -313,9 +313,6 @@ mod tests {
             (1.0, vec![], [5e-3, 3e-2]),
             (0.5, vec![[0.0, 0.349], [PI, 0.349]], [1e-2, 5e-2]),
         ] {
-            let begun = std::time::Instant::now();
-            FilmTable::known(length_ratio, &grooves);
-            println!("{:?}", begun.elapsed());
             let low = error(length_ratio, &grooves, &[0.03, 0.11, 0.33, 0.52, 0.74]);
             let high = error(length_ratio, &grooves, &[0.87, 0.95]);
             println!("L/D {length_ratio}, {} grooves: {low:.1e} {high:.1e}", grooves.len());

@@ -1,7 +1,7 @@
 //! Interfaces of an integrator: the system, the observer, and the reasons to stop.
 
 use super::{Span, Trajectory};
-use crate::connection::Touch;
+use crate::connection::{OutOfRange, Touch};
 use crate::mesh::Overlap;
 
 /// Why an integration stopped before its end.
@@ -20,6 +20,16 @@ pub enum Halt {
     Diverged,
     /// The observer stopped the run.
     Interrupted,
+}
+
+impl Halt {
+    /// The reason where a connection has no force; `mesh` is its index, if it is a mesh. Only meshes have base circles.
+    pub fn out_of_range(mesh: Option<usize>, reason: OutOfRange) -> Self {
+        match reason {
+            OutOfRange::Overlap(overlap) => Self::Overlap { mesh: mesh.unwrap_or_default(), overlap },
+            OutOfRange::Touch(touch) => Self::Touch(touch),
+        }
+    }
 }
 
 /// A first-order system ẏ = f(t, y). y holds displacements, then velocities, unless the system has its own coordinates.

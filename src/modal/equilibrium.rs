@@ -81,8 +81,7 @@ pub fn equilibrium(
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, EquilibriumError> {
-    let speed = speeds.flanks;
-    let load = &model.constant_load;
+    let (speed, load) = (speeds.flanks, &model.constant_load);
     let null = real.vectors.columns(0, real.null).into_owned();
     check_balance(model, &null, load)?;
     // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
