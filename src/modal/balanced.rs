@@ -33,8 +33,8 @@ pub struct Directions {
 /// What a reduced model carries from its loads to its signals.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
-    /// Columns b of loads that step.
-    pub columns: Vec<Vec<f64>>,
+    /// Columns b of loads that step, in groups of equal importance.
+    pub columns: Vec<Vec<Vec<f64>>>,
     /// States in which a run can begin.
     pub states: Vec<Vec<f64>>,
     /// Rows w of signals, in groups of the same unit and of equal importance.
@@ -68,19 +68,27 @@ impl Directions {
         let weighted = model.mass_times(&projected.modes.vectors.columns(null, elastic).into_owned());
         let (position, test) = (weighted.tr_mul(&linear.displacement), (&linear.from_velocity * &weighted).transpose());
 
-        let steps = gramian(&coordinates, &responses(&coordinates, &ports.columns, Some(shift)), shift, size);
-        let starts = gramian(&coordinates, &responses(&coordinates, &ports.states, None), shift, size);
-        let rows = scaled(&ports.rows, &steps);
-        let signals = gramian(&dual, &responses(&dual, &rows, Some(shift)), shift, size);
         let mut total = DMatrix::zeros(elastic, elastic);
-        for (map, gramian) in [(&position, steps), (&position, starts), (&test, signals)] {
-            let form = map * gramian * map.transpose();
+        // Adds the displacements of a Gramian, and returns it in the same scale.
+        let mut add = |map: &DMatrix<f64>, gramian: DMatrix<f64>| {
+            let form = map * &gramian * map.transpose();
             let trace = form.trace();
             if trace > 0.0 {
                 total += form / trace;
+                gramian / trace
+            } else {
+                gramian
             }
+        };
+        let mut motion = DMatrix::zeros(size, size);
+        for columns in &ports.columns {
+            let steps = responses(&coordinates, columns, Some(shift));
+            motion += add(&position, gramian(&coordinates, &steps, shift, size));
         }
-        let statics = statics(&coordinates, &ports.columns, size);
+        add(&position, gramian(&coordinates, &responses(&coordinates, &ports.states, None), shift, size));
+        let rows = scaled(&ports.rows, &motion);
+        add(&test, gramian(&dual, &responses(&dual, &rows, Some(shift)), shift, size));
+        let statics = statics(&coordinates, &ports.columns.concat(), size);
         Self::ranked(&total, &(&position * statics))
     }
 

@@ -161,7 +161,8 @@ impl CachedModel {
     /// [`DecompositionError`] if the undamped modes cannot be computed.
     pub fn projected(&self, speed: f64) -> Result<Projected, DecompositionError> {
         let damping = self.damping_matrix(speed)? + self.model.gyroscopic_matrix() * speed;
-        Ok(Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping))
+        let projected = Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping);
+        Ok(projected.with_state_space(self.linear(speed)?))
     }
 
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.

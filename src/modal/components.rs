@@ -4,8 +4,9 @@
 //! Without meshes the model consists of uncoupled components: the torsion of each shaft, and its bending, in each plane
 //! where no bearing couples the planes. Their modes are small problems. The modes below a frequency limit are kept. The
 //! static displacements under unit loads at the interface coordinates are kept exactly: the part that the omitted modes
-//! contribute to them (residual flexibility) becomes a shape of its own. The omitted dynamics decrease with the fourth
-//! power of frequency over limit.
+//! contribute to them (residual flexibility) becomes a shape of its own. For a given frequency the omitted dynamics decrease
+//! with the fourth power of frequency over limit. Under sharp tooth engagement, whose load is a step, the error decreases
+//! with the square of the limit.
 
 use nalgebra::{DMatrix, DVector};
 

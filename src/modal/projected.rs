@@ -60,6 +60,11 @@ impl Projected {
         }
     }
 
+    /// The same with a known state-space model.
+    pub(super) fn with_state_space(self, linear: Arc<ModalStateSpace>) -> Self {
+        Self { linear: OnceLock::from(linear), ..self }
+    }
+
     /// Damping of an undamped mode by itself, 1/s.
     pub(super) fn damping_of(&self, mode: usize) -> f64 {
         self.damping[(mode, mode)]

@@ -43,6 +43,12 @@ impl Start {
     pub fn is_reduced(&self, model: &Model) -> bool {
         self.resumes && (1..2 * model.len()).contains(&self.state.modal.len())
     }
+
+    /// The same displacements and velocities at another elapsed time, s.
+    pub fn moved(&self, elapsed: f64) -> Self {
+        let state = State { elapsed, ..State::new(self.state.y.clone()) };
+        Self { state, resumes: false, ..self.clone() }
+    }
 }
 
 /// Displacements of the equilibrium, initial state, and rotation of the reference shaft.

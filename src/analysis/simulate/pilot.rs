@@ -1,11 +1,14 @@
-//! Pilot runs: the first part of a run, with which models of different size are compared.
+//! Pilot runs: a part of a run, with which models of different size are compared.
+//!
+//! It is the first part at a constant speed. At a changing speed it is the part around the largest speed, where the teeth
+//! excite the highest frequencies; it starts with the initial displacements and velocities of the run.
 
 use std::time::Instant;
 
 use super::initial::Start;
 use super::modal_setup::ModalSetup;
 use super::record::{Record, Recorder};
-use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
+use super::{Options, RecordPlan, Run, RunObserver, exponential, sample_step};
 use crate::analysis::AnalysisError;
 use crate::integrate::{Halt, Observer, Statistics};
 
@@ -16,7 +19,7 @@ const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The signals of the first part of a run, sampled at equal intervals; empty for a run without duration.
+/// The signals of a part of a run, sampled at equal intervals; empty for a run without duration.
 pub(super) fn pilot(
     run: &Run<'_>,
     setup: &ModalSetup<'_>,
@@ -32,9 +35,10 @@ pub(super) fn pilot(
     let duration = options.duration.min(PILOT_DURATION);
     let [least, most] = PILOT_SAMPLES;
     let intervals = (duration / sample_step(&cached.model, options.fastest())).ceil().clamp(least, most);
-    let times: Vec<f64> =
-        (1..=intervals as usize).map(|index| options.start + duration * index as f64 / intervals).collect();
-    let begin = options.start - origin;
+    let first = first_time(options, duration);
+    let times: Vec<f64> = (1..=intervals as usize).map(|index| first + duration * index as f64 / intervals).collect();
+    let begin = first - origin;
+    let moved = (first > options.start).then(|| start.moved(begin));
     let plan = RecordPlan { energy: false, ..plan.clone() };
     let mut pilot = RunObserver {
         recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
@@ -44,11 +48,19 @@ pub(super) fn pilot(
     };
     let end = begin + duration;
     let mut counts = Statistics::new();
+    let start = moved.as_ref().unwrap_or(start);
     let (_, outcome) = exponential::run(cached, options, setup.clone(), start, end, &mut pilot, &mut counts)?;
     if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
         return Err(AnalysisError::Interrupted);
     }
     Ok(pilot.recorder.finish().0)
+}
+
+/// Time at which the pilot run of a run begins, s.
+fn first_time(options: &Options, duration: f64) -> f64 {
+    let end = options.start + options.duration;
+    let fastest = options.speed.time_of_fastest(options.start, end);
+    (fastest - duration / 2.0).min(end - duration).max(options.start)
 }
 
 /// RMS of the difference over RMS of the variation, of displacements and of mesh forces, for the worst signal.

@@ -16,12 +16,13 @@ use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
 use super::pilot::{PILOT_DURATION, differences, pilot};
 use super::ports::{interface, ports};
+use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
@@ -74,14 +75,11 @@ pub(super) fn set_up<'m>(
     let (options, model) = (run.options, &run.cached.model);
     let is_large = model.len() >= LARGE_MODEL;
     let is_short = is_short(run, start);
-    // At a changing speed the set-up itself selects modes.
-    let changes = matches!(options.speed, Speed::Changing(_));
-    let keeps_all = changes
-        || match (options.modes, options.reduction) {
-            (Some(count), _) => count >= model.len(),
-            (None, Some(_)) => plan.energy || !is_large && (is_short || motion.varying_flanks_can_separate()),
-            (None, None) => true,
-        };
+    let keeps_all = match (options.modes, options.reduction) {
+        (Some(count), _) => count >= model.len(),
+        (None, Some(_)) => plan.energy || !is_large && (is_short || motion.varying_flanks_can_separate()),
+        (None, None) => true,
+    };
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
@@ -197,12 +195,12 @@ impl<'a, 'm> Reducer<'a, 'm> {
         plan: &'a RecordPlan,
         limit: f64,
     ) -> Result<Option<Self>, AnalysisError> {
-        let is_large = limit > 0.0;
-        let projected = match is_large {
-            true => of_components(run, motion, plan, limit)?,
-            false => Arc::new(run.cached.projected(run.options.fastest())?),
+        let projected = if limit > 0.0 {
+            of_components(run, motion, plan, limit)?
+        } else {
+            Arc::new(run.cached.at_speed(run.options.fastest())?.projected(reference_speed(run.options))?)
         };
-        let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
+        let unreduced = run.complete(motion.clone(), start, plan, Some(&projected))?;
         if matches!(unreduced.linear.matrix, StateMatrix::Dense(_)) {
             return Ok(None);
         }
@@ -300,7 +298,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let elastic = count.saturating_sub(self.projected.modes.null);
         let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
-        let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
+        let linear = self.projected.restricted(model, reference_speed(self.run.options), &kept)?.state_space()?;
         Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
 
@@ -322,15 +320,18 @@ fn of_components(
     plan: &RecordPlan,
     limit: f64,
 ) -> Result<Arc<Projected>, AnalysisError> {
-    let (model, speed) = (&run.cached.model, run.options.fastest());
-    let ports = interface(model, speed, &plan.selection(model));
+    let (fastest, speed) = (run.options.fastest(), reference_speed(run.options));
+    // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
+    let at_fastest = run.cached.at_speed(fastest)?;
+    let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
+    let model = &at_fastest.model;
     let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
     loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
     loaded.sort_unstable();
     loaded.dedup();
-    let highest = limit * excited_frequency(motion, speed);
+    let highest = limit * excited_frequency(motion, fastest);
     let share = COMPONENT_SHARE / (limit * limit);
-    let found = run.cached.subspace((speed, highest, ports), |ports| {
+    let found = at_fastest.subspace((speed, highest, ports), |ports| {
         let projected = Projected::of_components(model, speed, &loaded, highest)?;
         let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
         let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
