@@ -119,7 +119,8 @@ impl CachedModel {
         }
         let cell = &self.ranges[self.model.rotation(speed) as usize];
         let range = || {
-            if self.model.len() < MIN_KRYLOV || self.modes[self.model.rotation(speed) as usize].get().is_some() {
+            // The choice does not depend on what is known, so that the same run has the same steps.
+            if self.model.len() < MIN_KRYLOV {
                 Ok(SpectralRange::of_modes(self.real_modes(speed)?))
             } else {
                 SpectralRange::new(&self.model, speed)

@@ -44,9 +44,18 @@ impl Start {
         self.resumes && (1..2 * model.len()).contains(&self.state.modal.len())
     }
 
-    /// The same displacements and velocities at another elapsed time, s.
-    pub fn moved(&self, elapsed: f64) -> Self {
-        let state = State { elapsed, ..State::new(self.state.y.clone()) };
+    /// Initial conditions with which the run could begin at another time, s: the same displacements and velocities if they
+    /// do not rotate, and otherwise synchronous motion, if there is one.
+    pub fn moved(&self, cached: &CachedModel, options: &Options, time: f64) -> Self {
+        let rotation = ShaftRotation { origin: time, ..self.rotation.clone() };
+        let moving = match options.initial {
+            Initial::Rest | Initial::Static => None,
+            Initial::Synchronous | Initial::Continue(_) => {
+                synchronous(cached, options, &self.equilibrium, &rotation).ok()
+            }
+        };
+        let y = moving.unwrap_or_else(|| self.state.y.clone());
+        let state = State { elapsed: time - self.rotation.origin, ..State::new(y) };
         Self { state, resumes: false, ..self.clone() }
     }
 }
@@ -77,12 +86,16 @@ pub(super) fn start(
         }
         Initial::Static => {
             let found = found?;
-            let y = [equilibrium_at_start(cached, options, &found)?.as_slice(), zero().as_slice()].concat();
+            let y = [equilibrium_at(cached, options, &found, options.start)?.as_slice(), zero().as_slice()].concat();
             (found, State::new(y), absolute)
         }
-        Initial::Synchronous => synchronous(cached, options, found?, absolute)?,
+        Initial::Synchronous => {
+            let found = found?;
+            let y = synchronous(cached, options, &found, &absolute)?;
+            (found, State::new(y), absolute)
+        }
     };
-    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero())?;
+    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero());
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
     let floor = FLOOR_FRACTION * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
@@ -145,33 +158,34 @@ fn continued(
     }
 }
 
-/// Displacements of the equilibrium with the bearing coefficients of the speed at which the run starts; `found` is the
-/// equilibrium of bearings with constant coefficients.
-fn equilibrium_at_start(
+/// Displacements of the equilibrium with the bearing coefficients of the speed at a time, s; `found` is the equilibrium of
+/// bearings with constant coefficients.
+fn equilibrium_at(
     cached: &CachedModel,
     options: &Options,
     found: &DVector<f64>,
+    time: f64,
 ) -> Result<DVector<f64>, AnalysisError> {
     if cached.model.bearings.is_empty() {
         return Ok(found.clone());
     }
-    equilibrium(&*cached.at_speed(options.speed.at(options.start))?, options.geometry, options.fastest())
+    equilibrium(&*cached.at_speed(options.speed.at(time))?, options.geometry, options.fastest())
 }
 
-/// The equilibrium plus the linear synchronous motion.
+/// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
 fn synchronous(
     cached: &CachedModel,
     options: &Options,
-    found: DVector<f64>,
-    rotation: ShaftRotation,
-) -> Result<Beginning, AnalysisError> {
-    let speed = options.speed.at(options.start);
+    found: &DVector<f64>,
+    rotation: &ShaftRotation,
+) -> Result<Vec<f64>, AnalysisError> {
+    let time = rotation.origin;
+    let speed = options.speed.at(time);
     let amplitudes = with_flanks(cached, speed, options.fastest())?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);
-    let y = [(equilibrium_at_start(cached, options, &found)? + q).as_slice(), v.as_slice()].concat();
-    Ok((found, State::new(y), rotation))
+    Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())
 }
 
 /// Refuses a synchronous motion larger than the shafts are long: its unbalance is in a wrong unit, or the speed is a
@@ -209,7 +223,8 @@ fn complete(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bo
         let rotation = last.rotation(last.origin + last.state.elapsed);
         let steps = (rest * Spectrum::new(cached, rotation.fastest)?.radius()).ceil().max(1.0);
         let control = StepControl::Fixed(rest / steps);
-        let mut motion = EquationOfMotion::along(cached, last.geometry, &rotation, DVector::zeros(n))?;
+        let motion = EquationOfMotion::along(cached, last.geometry, &rotation, DVector::zeros(n));
+        let mut motion = motion.with_modal_damping(cached)?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
         run(&mut motion, &mut method, &control, &mut state, end, &mut Heartbeat(watch), &mut Statistics::new())

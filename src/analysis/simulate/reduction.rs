@@ -4,17 +4,18 @@
 //! accuracy of a run needs, without a large eigenvalue problem. In it, [`Directions`] finds those displacements that
 //! carry the loads of this run to its recorded signals.
 //!
-//! The error is measured: the first part of the run is integrated with the reduced and with the unreduced motion, and
-//! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
+//! The error is measured: a part of the run is integrated with the reduced and with the unreduced motion, and the
+//! recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
 //! synchronous motion are those of the complete model.
 
 use std::cell::OnceCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
-use super::pilot::{PILOT_DURATION, differences, pilot};
+use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
@@ -125,6 +126,8 @@ struct Reducer<'a, 'm> {
     run: &'a Run<'m>,
     start: &'a Start,
     plan: &'a RecordPlan,
+    /// The part of the run with which models are compared.
+    pilot: Rc<Pilot>,
     /// The linear motion of the complete model, or of the modes of its components.
     projected: Arc<Projected>,
     /// The set-up of a run with this linear motion.
@@ -148,12 +151,13 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<Option<Self>, AnalysisError> {
         let (options, model) = (run.options, &run.cached.model);
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
-        let prepared = |limit: f64| Self::prepared(run, motion, start, plan, limit);
+        let pilot = Rc::new(Pilot::new(run, start));
+        let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
         if model.len() < LARGE_MODEL {
             let Some(mut reducer) = prepared(0.0)? else {
                 return Ok(None);
             };
-            reducer.exact = pilot(run, &reducer.unreduced, start, plan, observer)?;
+            reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
             return Ok(Some(reducer));
         }
         let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
@@ -191,7 +195,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
     fn prepared(
         run: &'a Run<'m>,
         motion: &EquationOfMotion<'m>,
-        start: &'a Start,
+        (start, pilot): (&'a Start, &Rc<Pilot>),
         plan: &'a RecordPlan,
         limit: f64,
     ) -> Result<Option<Self>, AnalysisError> {
@@ -206,9 +210,22 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         // A run that cannot be counted ends before its pilot.
         countable_grid(run.cached, run.options, (&unreduced.linear, &unreduced.nonlinear_loads), run.end)?;
-        let directions = OnceCell::new();
-        let exact = Record::default();
-        Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
+        Ok(Some(Self {
+            run,
+            start,
+            plan,
+            pilot: Rc::clone(pilot),
+            projected,
+            unreduced,
+            exact: Record::default(),
+            components: None,
+            directions: OnceCell::new(),
+        }))
+    }
+
+    /// The signals of a pilot run with a set-up.
+    fn signals(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Record, AnalysisError> {
+        self.pilot.signals(self.run, setup, self.plan, observer)
     }
 
     /// Whether this run continues bit by bit a run with the same component modes.
@@ -226,11 +243,11 @@ impl<'a, 'm> Reducer<'a, 'm> {
         limit: f64,
         observer: &mut impl Observer,
     ) -> Result<(), AnalysisError> {
-        self.exact = pilot(self.run, &self.unreduced, self.start, self.plan, observer)?;
+        self.exact = self.signals(&self.unreduced, observer)?;
         let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
         let model = &self.run.cached.model;
         let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
-        let found = differences(&pilot(self.run, &coarse, self.start, self.plan, observer)?, &self.exact);
+        let found = differences(&self.signals(&coarse, observer)?, &self.exact);
         self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
         Ok(())
     }
@@ -305,7 +322,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
     /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
     /// independent, so that their squares add up.
     fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
-        let found = differences(&pilot(self.run, setup, self.start, self.plan, observer)?, &self.exact);
+        let found = differences(&self.signals(setup, observer)?, &self.exact);
         let components = self.components.unwrap_or_default();
         let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
         Ok(Reduction { modes: setup.linear.modes, errors })
