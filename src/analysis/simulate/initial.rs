@@ -2,15 +2,17 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::synchronous::{motion, with_flanks};
-use super::super::{AnalysisError, Spectrum, equilibrium};
+use super::super::synchronous::{motion, synchronous_in, synchronous_of};
+use super::super::{AnalysisError, ExcitationPart, Spectrum, equilibrium};
+use super::ports::connected;
+use super::reduction::LARGE_MODEL;
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
     FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use crate::mesh::Geometry;
-use crate::modal::CachedModel;
+use crate::modal::{CachedModel, Projected};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -22,6 +24,10 @@ const FLOOR_FRACTION: f64 = 1e-9;
 /// can contain many periods of the fastest mode, so that the limit is wide. It rejects an invalid state whose end would
 /// never be reached.
 const MAX_REMAINING_ROTATION: f64 = 1e12;
+
+/// Highest frequency of the modes that are damped in the synchronous motion of a reduced run, in multiples of the fastest
+/// speed. The damping of a mode of frequency ω changes its part of the motion by 2ζΩ/ω.
+const DAMPED: f64 = 100.0;
 
 /// Initial conditions of a run.
 #[derive(Clone, Debug)]
@@ -172,6 +178,33 @@ fn equilibrium_at(
     equilibrium(&*cached.at_speed(options.speed.at(time))?, options.geometry, options.fastest())
 }
 
+/// Complex amplitudes of the synchronous motion at `speed`, rad/s, one column for each source shaft.
+fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let (model, flank_speed) = (&cached.model, options.fastest());
+    let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
+    let sources: Vec<usize> =
+        (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
+    // The matrix of modal damping is full. In a reduced run it acts on few modes.
+    let reduced = model.len() >= LARGE_MODEL && (options.modes.is_some() || options.reduction.is_some());
+    let subspace = if reduced && model.scene.modal_damping > 0.0 && !sources.is_empty() {
+        let at_speed = cached.at_speed(speed)?;
+        let limit = DAMPED * model.max_speed_ratio() * speed.abs();
+        let model = &at_speed.model;
+        let loaded = connected(model, flank_speed);
+        Some(Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit)?)
+    } else {
+        None
+    };
+    for shaft in sources {
+        let column = match &subspace {
+            Some(subspace) => synchronous_in(subspace, cached, speed, flank_speed, shaft)?,
+            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?,
+        };
+        amplitudes.set_column(shaft, &column);
+    }
+    Ok(amplitudes)
+}
+
 /// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
 fn synchronous(
     cached: &CachedModel,
@@ -181,7 +214,7 @@ fn synchronous(
 ) -> Result<Vec<f64>, AnalysisError> {
     let time = rotation.origin;
     let speed = options.speed.at(time);
-    let amplitudes = with_flanks(cached, speed, options.fastest())?;
+    let amplitudes = amplitudes(cached, options, speed)?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::synchronous::synchronous_of;
+use super::super::synchronous::{synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart};
 use super::initial::Start;
 use super::{Method, Options, ramp};
@@ -57,9 +57,12 @@ impl<'m> ModalSetup<'m> {
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
             let forces = || motion.rotating_forces(shaft);
-            let known = subspace.is_none().then(|| linear.synchronous(motion.spin(shaft), &forces())).flatten();
-            let amplitude =
-                known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
+            let amplitude = match subspace {
+                Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
+                None => linear
+                    .synchronous(motion.spin(shaft), &forces())
+                    .map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?,
+            };
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);

@@ -16,7 +16,7 @@ use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::{interface, ports};
+use super::ports::{connected, interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
@@ -29,7 +29,7 @@ use crate::scene::SceneError;
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
 /// Smallest number of coordinates of a model that is built from the modes of its components.
-const LARGE_MODEL: usize = 250;
+pub(super) const LARGE_MODEL: usize = 250;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
 /// Number of mode counts that are tried before the run keeps all modes.
@@ -342,14 +342,14 @@ fn of_components(
     let at_fastest = run.cached.at_speed(fastest)?;
     let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
     let model = &at_fastest.model;
-    let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
-    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    let mut loaded = connected(model, fastest);
+    loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
     loaded.sort_unstable();
     loaded.dedup();
     let highest = limit * excited_frequency(motion, fastest);
     let share = COMPONENT_SHARE / (limit * limit);
     let found = at_fastest.subspace((speed, highest, ports), |ports| {
-        let projected = Projected::of_components(model, speed, &loaded, highest)?;
+        let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
         let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
         let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
         projected.restricted(model, speed, &kept)
