@@ -51,6 +51,12 @@ impl Pins {
         }
     }
 
+    /// Largest force of a spring at the displacements `x`, with its sign, N or N m.
+    pub fn force(&self, x: &DVector<f64>) -> f64 {
+        let forces = self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate]);
+        forces.fold(0.0, |most: f64, force| if force.abs() > most.abs() { force } else { most })
+    }
+
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
     pub fn remove_null_motions<T: ComplexField<RealField = f64>>(&self, x: &mut DVector<T>) {
         for (null, weighted) in self.null.column_iter().zip(self.weighted.column_iter()) {

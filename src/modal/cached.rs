@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::DMatrix;
 
+use super::components::ComponentModes;
 use super::first_order::FirstOrder;
 use super::projected::Projected;
 use super::real::RealModes;
@@ -38,6 +39,8 @@ pub struct CachedModel {
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
     linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
+    /// Undamped modes of the components.
+    components: OnceLock<Result<ComponentModes, DecompositionError>>,
     /// The last [`CAPACITY`] subspaces.
     subspaces: Mutex<Vec<(SubspaceKey, Arc<Projected>)>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
@@ -72,6 +75,7 @@ impl CachedModel {
             modes: [const { OnceLock::new() }; 3],
             ranges: [const { OnceLock::new() }; 3],
             linear: Mutex::new(Vec::new()),
+            components: OnceLock::new(),
             subspaces: Mutex::default(),
             at_speeds: Mutex::default(),
         }
@@ -119,7 +123,8 @@ impl CachedModel {
         }
         let cell = &self.ranges[self.model.rotation(speed) as usize];
         let range = || {
-            if self.model.len() < MIN_KRYLOV || self.modes[self.model.rotation(speed) as usize].get().is_some() {
+            // The choice does not depend on what is known, so that the same run has the same steps.
+            if self.model.len() < MIN_KRYLOV {
                 Ok(SpectralRange::of_modes(self.real_modes(speed)?))
             } else {
                 SpectralRange::new(&self.model, speed)
@@ -160,8 +165,16 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be computed.
     pub fn projected(&self, speed: f64) -> Result<Projected, DecompositionError> {
-        let damping = self.damping_matrix(speed)? + self.model.gyroscopic_matrix() * speed;
-        Ok(Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping))
+        let projected = Projected::new(&self.model, self.real_modes(speed)?.clone(), speed);
+        Ok(projected.with_state_space(self.linear(speed)?))
+    }
+
+    /// Undamped modes of the components.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn component_modes(&self) -> Result<&ComponentModes, DecompositionError> {
+        self.components.get_or_init(|| ComponentModes::new(&self.model)).as_ref().map_err(|error| *error)
     }
 
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.

@@ -29,6 +29,7 @@ mod whirl;
 
 pub use balanced::{Directions, Ports};
 pub use cached::{AtSpeed, CachedModel};
+pub use components::ComponentModes;
 pub use damped::{Mode, modes, structured_modes, whirl};
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use pairs::ModePair;

@@ -89,6 +89,19 @@ impl Model {
         })
     }
 
+    /// Symmetric part of the stiffness of shafts and bearings.
+    pub fn sparse_stiffness_without_connections(&self) -> Sparse {
+        self.sparse(|add| {
+            self.visit_shaft_stiffness(add);
+            self.visit_supports(|support| support.symmetric_part, add);
+        })
+    }
+
+    /// Bearing stiffness without its symmetric part.
+    pub fn sparse_skew_part(&self) -> Sparse {
+        self.sparse(|add| self.visit_supports(Support::skew_part, add))
+    }
+
     /// Damping matrix of shafts, bearings and connections, without modal damping.
     pub fn sparse_damping(&self, speed: f64) -> Sparse {
         self.sparse(|add| {

@@ -99,7 +99,10 @@ pub fn simulate(
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
-    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone())?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
+    if plan.energy || !options.in_modes(&cached.model) {
+        motion = motion.with_modal_damping(cached)?;
+    }
     if options.method == Method::Exponential {
         motion.join_smooth_pieces();
     }
