@@ -188,24 +188,45 @@ impl Advance<'_> {
     }
 }
 
-/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, with `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`. `derivatives` holds the
-/// time derivatives of the loads p, order after order; further ones are zero.
-pub fn taylor_step(
-    arch: Arch,
-    blocks: &[Vec<f64>; 4],
-    columns: &[f64],
-    derivatives: &[f64],
-    rest: f64,
-    terms: usize,
-    z: &mut [f64],
-) {
-    arch.dispatch(TaylorStep { blocks, columns, derivatives, rest, terms, z });
+/// `out = transition·z`, with the blocks of [`advance`].
+pub fn multiply(arch: Arch, transition: &[Aligned; 4], z: &[f64], out: &mut [f64]) {
+    arch.dispatch(Multiply { transition, z, out });
+}
+
+struct Multiply<'a> {
+    transition: &'a [Aligned; 4],
+    z: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Multiply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let half = self.z.len() / 2;
+        let [a, b, c, d] = self.transition.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let (x, y) = self.z.split_at(half);
+        let (x, y) = (x.as_chunks::<WIDTH>().0, y.as_chunks::<WIDTH>().0);
+        let (out_x, out_y) = self.out.split_at_mut(half);
+        let out = out_x.as_chunks_mut::<WIDTH>().0.iter_mut().zip(out_y.as_chunks_mut::<WIDTH>().0);
+        for (i, (out_x, out_y)) in out.enumerate() {
+            for lane in 0..WIDTH {
+                let (u, v) = (x[i][lane], y[i][lane]);
+                out_x[lane] = a[i][lane] * u + b[i][lane] * v;
+                out_y[lane] = c[i][lane] * u + d[i][lane] * v;
+            }
+        }
+    }
+}
+
+/// `z ← Σ restⁿ/n! Aⁿ z` up to n = `terms`. `blocks` holds the entries of the 2×2 blocks of A.
+pub fn taylor_step(arch: Arch, blocks: &[Vec<f64>; 4], rest: f64, terms: usize, z: &mut [f64]) {
+    arch.dispatch(TaylorStep { blocks, rest, terms, z });
 }
 
 struct TaylorStep<'a> {
     blocks: &'a [Vec<f64>; 4],
-    columns: &'a [f64],
-    derivatives: &'a [f64],
     rest: f64,
     terms: usize,
     z: &'a mut [f64],
@@ -217,33 +238,17 @@ impl WithSimd for TaylorStep<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let len = self.z.len();
-        let loads = self.columns.len() / len.max(1);
         let [a, b, c, d] = self.blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
         let (x, y) = self.z.split_at_mut(len / 2);
         let (x, y) = (x.as_chunks_mut::<WIDTH>().0, y.as_chunks_mut::<WIDTH>().0);
-        let columns = self.columns.as_chunks::<WIDTH>().0;
-        let half = x.len();
         let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
         for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
             let (mut first, mut second) = (*x, *y);
-            let mut derivatives = self.derivatives.chunks_exact(loads.max(1));
-            let mut factor = 1.0;
             for by in &parts[..self.terms] {
-                factor *= by;
-                let (mut by_x, mut by_y) = ([0.0; WIDTH], [0.0; WIDTH]);
-                if let Some(derivative) = derivatives.next() {
-                    for (p, column) in derivative.iter().zip(columns.chunks_exact(2 * half)) {
-                        for lane in 0..WIDTH {
-                            by_x[lane] += column[i][lane] * p;
-                            by_y[lane] += column[half + i][lane] * p;
-                        }
-                    }
-                }
-                let (before, beside) = (first, second);
                 for lane in 0..WIDTH {
-                    let (u, v) = (before[lane], beside[lane]);
-                    first[lane] = by * (a[i][lane] * u + b[i][lane] * v) + factor * by_x[lane];
-                    second[lane] = by * (c[i][lane] * u + d[i][lane] * v) + factor * by_y[lane];
+                    let (u, v) = (first[lane], second[lane]);
+                    first[lane] = by * (a[i][lane] * u + b[i][lane] * v);
+                    second[lane] = by * (c[i][lane] * u + d[i][lane] * v);
                     x[lane] += first[lane];
                     y[lane] += second[lane];
                 }

@@ -1,0 +1,263 @@
+//! The motion within a step of a linear motion in mode pairs: free motion plus polynomials, see [`ModeSplit`].
+
+use pulp::{Simd, WithSimd};
+
+use super::fractions::Fractions;
+use super::kernel::{self, TERMS};
+use super::load_polynomials::LoadPolynomials;
+use super::mode_split::{DEGREE, ModeSplit};
+use super::packed::WIDTH;
+use super::quadrature::MAX_STAGES;
+use super::step::Stepper;
+
+/// A remainder below this fraction of a unit is round-off.
+const ROUND_OFF: f64 = 1e-9;
+/// Largest number of coefficients of a load.
+const MAX_POWERS: usize = MAX_STAGES + 2;
+/// Coefficients of the motion of a chunk of slots: both coordinates of [`WIDTH`] slots for each power.
+const CHUNK: usize = 2 * WIDTH * (DEGREE + 1);
+
+/// States within the last step. Factors that two samples share are computed once.
+#[derive(Clone, Debug)]
+pub(super) struct SubstepModes {
+    /// Number of units from the beginning of the step to the last sample.
+    units: u64,
+    /// Free motion z₀ − g₀ at the beginning.
+    free: Vec<f64>,
+    /// Free motion after each digit of the last sample, lowest digit first, and after the rest.
+    states: Vec<Vec<f64>>,
+    remainder_state: Vec<f64>,
+    /// Coefficients gₙ, chunk after chunk and power after power.
+    motion: Vec<f64>,
+    /// Number of coefficients of a load.
+    powers: usize,
+    state: Vec<f64>,
+}
+
+impl SubstepModes {
+    /// Allocates the states of a stepper.
+    pub fn new(stepper: &Stepper<'_>) -> Self {
+        let cache = &stepper.context.cache;
+        let len = cache.linear.len();
+        Self {
+            units: 0,
+            free: vec![0.0; len],
+            states: vec![vec![0.0; len]; cache.fractions.digits()],
+            remainder_state: vec![0.0; len],
+            motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
+            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 1 },
+            state: vec![0.0; len],
+        }
+    }
+
+    /// Starts with the last step, which begins at the state `z`.
+    pub fn begin(&mut self, stepper: &Stepper<'_>, (split, loads): (&ModeSplit, &LoadPolynomials), z: &[f64]) {
+        self.units = 0;
+        let context = &stepper.context;
+        let (free, motion) = (&mut self.free[..], &mut self.motion[..]);
+        let (columns, loads) = (&context.columns[..], &loads.coefficients[..]);
+        context.arch.dispatch(Expand { split, columns, loads, powers: self.powers, z, free, motion });
+    }
+
+    /// The state `within` seconds after the beginning of the step.
+    pub fn state_at(&mut self, stepper: &Stepper<'_>, split: &ModeSplit, within: f64) -> &[f64] {
+        let cache = &stepper.context.cache;
+        let (fractions, arch) = (&cache.fractions, stepper.context.arch);
+        let whole = (within / fractions.unit + ROUND_OFF).floor();
+        let units = whole as u64;
+        let mut last = None;
+        for position in (0..fractions.digits()).rev() {
+            let digit = Fractions::digit(units, position);
+            if digit == 0 {
+                continue;
+            }
+            // As long as the digits agree with those of the last sample, the states do.
+            if !Fractions::agree(units, self.units, position) {
+                let (here, before) = self.states.split_at_mut(position + 1);
+                let from = last.map_or(&self.free, |at: usize| &before[at - position - 1]);
+                let matrix = fractions.matrix(cache.pairs(), position, digit);
+                kernel::multiply(arch, matrix, from, &mut here[position]);
+            }
+            last = Some(position);
+        }
+        self.units = units;
+        let mut free = last.map_or(&self.free, |at| &self.states[at]);
+        let rest = within - whole * fractions.unit;
+        if rest > ROUND_OFF * fractions.unit {
+            self.remainder_state.copy_from_slice(free);
+            let terms = terms(cache.linear.radius * rest);
+            kernel::taylor_step(arch, &cache.linear.blocks, rest, terms, &mut self.remainder_state);
+            free = &self.remainder_state;
+        }
+        let (motion, state) = (&self.motion[..], &mut self.state[..]);
+        arch.dispatch(Evaluate { split, powers: self.powers, part: within / split.step, motion, free, state });
+        &self.state
+    }
+}
+
+/// Terms of a Taylor series over a time in which no mode rotates by more than `rotation`, rad: further ones are below
+/// round-off.
+pub(super) fn terms(rotation: f64) -> usize {
+    let (mut terms, mut size) = (0, 1.0);
+    while terms < TERMS && size >= f64::EPSILON / 8.0 {
+        terms += 1;
+        size *= rotation.abs() / terms as f64;
+    }
+    terms
+}
+
+/// Computes the coefficients of the motion, and the free motion.
+struct Expand<'a> {
+    split: &'a ModeSplit,
+    /// Columns b, one after the other.
+    columns: &'a [f64],
+    /// Coefficients of the loads, highest power first.
+    loads: &'a [f64],
+    powers: usize,
+    z: &'a [f64],
+    free: &'a mut [f64],
+    motion: &'a mut [f64],
+}
+
+type Lanes = [f64; WIDTH];
+
+impl WithSimd for Expand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { split, powers, z, free, motion, .. } = self;
+        let (half, count) = (z.len() / (2 * WIDTH), self.loads.len() / powers);
+        let (z, free) = (z.as_chunks::<WIDTH>().0, free.as_chunks_mut::<WIDTH>().0);
+        let columns = self.columns.as_chunks::<WIDTH>().0;
+        let inverses = split.inverses.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let blocks = split.slow_blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let is_slow = split.is_slow.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        for (i, motion) in motion.chunks_exact_mut(CHUNK).enumerate() {
+            let motion = motion.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<2>().0;
+            let mut forces = [[[0.0; WIDTH]; 2]; MAX_POWERS];
+            for side in 0..2 {
+                for (force, power) in forces[..powers].iter_mut().zip((0..powers).rev()) {
+                    let loads = &self.loads[power * count..][..count];
+                    force[side] = sum_loads(split.step, loads, &columns[(side * half + i).min(columns.len())..], 2 * half);
+                }
+            }
+            let mut next = [[0.0; WIDTH]; 2];
+            for (power, force) in forces[..powers].iter().enumerate().rev() {
+                let factor = (power + 1) as f64;
+                let mut right = [[0.0; WIDTH]; 2];
+                for side in 0..2 {
+                    for lane in 0..WIDTH {
+                        right[side][lane] = factor * next[side][lane] - force[side][lane];
+                    }
+                }
+                next = product(inverses.map(|list| &list[i]), &right);
+                motion[power] = next;
+            }
+            let mut slow = [[0.0; WIDTH]; 2];
+            for side in 0..2 {
+                let (z, mask) = (&z[side * half + i], &is_slow[side][i]);
+                for lane in 0..WIDTH {
+                    slow[side][lane] = mask[lane] * z[lane];
+                    free[side * half + i][lane] = (1.0 - mask[lane]) * (z[lane] - next[side][lane]);
+                }
+            }
+            if split.has_slow[i] {
+                motion[powers..].fill([[0.0; WIDTH]; 2]);
+                let masks = is_slow.map(|list| &list[i]);
+                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, motion);
+            }
+        }
+    }
+}
+
+/// Sum of the columns b of all loads with these coefficients, times the step, for one chunk; `columns` begins with that of
+/// the first load, and those of the others follow at a distance of `stride`.
+#[inline(always)]
+fn sum_loads(step: f64, coefficients: &[f64], columns: &[Lanes], stride: usize) -> Lanes {
+    let mut sum = [0.0; WIDTH];
+    for (coefficient, column) in coefficients.iter().zip(columns.iter().step_by(stride)) {
+        for lane in 0..WIDTH {
+            sum[lane] += column[lane] * coefficient;
+        }
+    }
+    for value in &mut sum {
+        *value *= step;
+    }
+    sum
+}
+
+/// Adds the power series of the slow modes, which begin at `term`.
+#[inline(always)]
+fn add_series(
+    blocks: [&Lanes; 4],
+    masks: [&Lanes; 2],
+    forces: &[[Lanes; 2]],
+    mut term: [Lanes; 2],
+    motion: &mut [[Lanes; 2]],
+) {
+    for (power, motion) in motion.iter_mut().enumerate() {
+        for side in 0..2 {
+            for lane in 0..WIDTH {
+                motion[side][lane] += term[side][lane];
+            }
+        }
+        let factor = 1.0 / (power + 1) as f64;
+        term = product(blocks, &term);
+        for side in 0..2 {
+            for lane in 0..WIDTH {
+                let force = forces.get(power).map_or(0.0, |force| masks[side][lane] * force[side][lane]);
+                term[side][lane] = factor * (term[side][lane] + force);
+            }
+        }
+    }
+}
+
+/// Products of 2×2 blocks with both coordinates.
+#[inline(always)]
+fn product([a, b, c, d]: [&Lanes; 4], [x, y]: &[Lanes; 2]) -> [Lanes; 2] {
+    let mut out = [[0.0; WIDTH]; 2];
+    for lane in 0..WIDTH {
+        out[0][lane] = a[lane] * x[lane] + b[lane] * y[lane];
+        out[1][lane] = c[lane] * x[lane] + d[lane] * y[lane];
+    }
+    out
+}
+
+/// Adds the polynomials to the free motion.
+struct Evaluate<'a> {
+    split: &'a ModeSplit,
+    powers: usize,
+    /// Fraction τ of the step.
+    part: f64,
+    motion: &'a [f64],
+    free: &'a [f64],
+    state: &'a mut [f64],
+}
+
+impl WithSimd for Evaluate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let half = self.state.len() / (2 * WIDTH);
+        let (free, state) = (self.free.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
+        for (i, motion) in self.motion.chunks_exact(CHUNK).enumerate() {
+            let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
+            let powers = if self.split.has_slow[i] { motion.len() } else { self.powers };
+            let mut sum = [[0.0; WIDTH]; 2];
+            for coefficients in motion[..powers].iter().rev() {
+                for side in 0..2 {
+                    for lane in 0..WIDTH {
+                        sum[side][lane] = sum[side][lane] * self.part + coefficients[side][lane];
+                    }
+                }
+            }
+            for side in 0..2 {
+                for lane in 0..WIDTH {
+                    state[side * half + i][lane] = free[side * half + i][lane] + sum[side][lane];
+                }
+            }
+        }
+    }
+}
