@@ -16,6 +16,9 @@ const BITS: usize = 4;
 /// is exact within it.
 const FURTHER_HALVINGS: usize = 12;
 
+/// Largest number of digits: at most 30 + 12 binary digits, and one digit for the longest step itself.
+pub(super) const MAX_DIGITS: usize = 12;
+
 /// Tables of e^{At}.
 #[derive(Clone, Debug)]
 pub struct Fractions {
@@ -33,19 +36,9 @@ impl Fractions {
         Self { unit, tables: vec![OnceCell::new(); digits + 1] }
     }
 
-    /// Number of digits.
-    pub fn digits(&self) -> usize {
-        self.tables.len()
-    }
-
-    /// The digit at `position` of a number of units; position 0 is the lowest.
-    pub fn digit(units: u64, position: usize) -> usize {
-        (units >> (BITS * position)) as usize % (1 << BITS)
-    }
-
-    /// Whether two numbers of units agree in the digit at `position` and in all higher digits.
-    pub fn agree(first: u64, second: u64, position: usize) -> bool {
-        (first ^ second) >> (BITS * position) == 0
+    /// Positions and digits of a number of units, the lowest first.
+    pub fn digits(units: u64) -> impl Iterator<Item = (usize, usize)> {
+        (0..MAX_DIGITS).map(move |position| (position, (units >> (BITS * position)) as usize % (1 << BITS)))
     }
 
     /// e^{At} of a digit from 1 to 15 at `position`.

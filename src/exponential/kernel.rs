@@ -9,8 +9,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::packed::{Aligned, BLOCK, Columns, Group, Rows, WIDTH};
 
-/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian.
-pub const TERMS: usize = 16;
 /// `out[i] = rows[i]·z`, with the rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Scalars { rows, z, out });
@@ -185,74 +183,5 @@ impl Advance<'_> {
         let (x, y) = self.out.split_at_mut(self.out.len() / 2);
         x[from..].as_chunks_mut::<LANES>().0[0] = first;
         y[from..].as_chunks_mut::<LANES>().0[0] = second;
-    }
-}
-
-/// `out = transition·z`, with the blocks of [`advance`].
-pub fn multiply(arch: Arch, transition: &[Aligned; 4], z: &[f64], out: &mut [f64]) {
-    arch.dispatch(Multiply { transition, z, out });
-}
-
-struct Multiply<'a> {
-    transition: &'a [Aligned; 4],
-    z: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Multiply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let half = self.z.len() / 2;
-        let [a, b, c, d] = self.transition.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let (x, y) = self.z.split_at(half);
-        let (x, y) = (x.as_chunks::<WIDTH>().0, y.as_chunks::<WIDTH>().0);
-        let (out_x, out_y) = self.out.split_at_mut(half);
-        let out = out_x.as_chunks_mut::<WIDTH>().0.iter_mut().zip(out_y.as_chunks_mut::<WIDTH>().0);
-        for (i, (out_x, out_y)) in out.enumerate() {
-            for lane in 0..WIDTH {
-                let (u, v) = (x[i][lane], y[i][lane]);
-                out_x[lane] = a[i][lane] * u + b[i][lane] * v;
-                out_y[lane] = c[i][lane] * u + d[i][lane] * v;
-            }
-        }
-    }
-}
-
-/// `z ← Σ restⁿ/n! Aⁿ z` up to n = `terms`. `blocks` holds the entries of the 2×2 blocks of A.
-pub fn taylor_step(arch: Arch, blocks: &[Vec<f64>; 4], rest: f64, terms: usize, z: &mut [f64]) {
-    arch.dispatch(TaylorStep { blocks, rest, terms, z });
-}
-
-struct TaylorStep<'a> {
-    blocks: &'a [Vec<f64>; 4],
-    rest: f64,
-    terms: usize,
-    z: &'a mut [f64],
-}
-
-impl WithSimd for TaylorStep<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let len = self.z.len();
-        let [a, b, c, d] = self.blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let (x, y) = self.z.split_at_mut(len / 2);
-        let (x, y) = (x.as_chunks_mut::<WIDTH>().0, y.as_chunks_mut::<WIDTH>().0);
-        let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
-        for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
-            let (mut first, mut second) = (*x, *y);
-            for by in &parts[..self.terms] {
-                for lane in 0..WIDTH {
-                    let (u, v) = (first[lane], second[lane]);
-                    first[lane] = by * (a[i][lane] * u + b[i][lane] * v);
-                    second[lane] = by * (c[i][lane] * u + d[i][lane] * v);
-                    x[lane] += first[lane];
-                    y[lane] += second[lane];
-                }
-            }
-        }
     }
 }

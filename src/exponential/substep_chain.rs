@@ -1,10 +1,11 @@
 //! The motion within a step of any linear motion: shorter tabulated steps under the polynomials of the loads, and a Taylor
 //! step over the rest.
 
-use super::kernel::TERMS;
 use super::load_polynomials::LoadPolynomials;
 use super::step::Stepper;
 
+/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian.
+const TERMS: usize = 16;
 /// A remainder below this fraction of the shortest substep is round-off.
 const ROUND_OFF: f64 = 1e-9;
 

@@ -2,14 +2,15 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::fractions::Fractions;
-use super::kernel::{self, TERMS};
+use super::fractions::{Fractions, MAX_DIGITS};
 use super::load_polynomials::LoadPolynomials;
 use super::mode_split::{DEGREE, ModeSplit};
 use super::packed::WIDTH;
 use super::quadrature::MAX_STAGES;
 use super::step::Stepper;
 
+/// Largest number of terms of a Taylor series over a unit of time, within which no mode rotates by a radian.
+const TERMS: usize = 16;
 /// A remainder below this fraction of a unit is round-off.
 const ROUND_OFF: f64 = 1e-9;
 /// Largest number of coefficients of a load.
@@ -17,16 +18,11 @@ const MAX_POWERS: usize = MAX_STAGES + 2;
 /// Coefficients of the motion of a chunk of slots: both coordinates of [`WIDTH`] slots for each power.
 const CHUNK: usize = 2 * WIDTH * (DEGREE + 1);
 
-/// States within the last step. Factors that two samples share are computed once.
+/// States within the last step.
 #[derive(Clone, Debug)]
 pub(super) struct SubstepModes {
-    /// Number of units from the beginning of the step to the last sample.
-    units: u64,
     /// Free motion z₀ − g₀ at the beginning.
     free: Vec<f64>,
-    /// Free motion after each digit of the last sample, lowest digit first, and after the rest.
-    states: Vec<Vec<f64>>,
-    remainder_state: Vec<f64>,
     /// Coefficients gₙ, chunk after chunk and power after power.
     motion: Vec<f64>,
     /// Number of coefficients of a load.
@@ -40,10 +36,7 @@ impl SubstepModes {
         let cache = &stepper.context.cache;
         let len = cache.linear.len();
         Self {
-            units: 0,
             free: vec![0.0; len],
-            states: vec![vec![0.0; len]; cache.fractions.digits()],
-            remainder_state: vec![0.0; len],
             motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
             powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 1 },
             state: vec![0.0; len],
@@ -52,7 +45,6 @@ impl SubstepModes {
 
     /// Starts with the last step, which begins at the state `z`.
     pub fn begin(&mut self, stepper: &Stepper<'_>, (split, loads): (&ModeSplit, &LoadPolynomials), z: &[f64]) {
-        self.units = 0;
         let context = &stepper.context;
         let (free, motion) = (&mut self.free[..], &mut self.motion[..]);
         let (columns, loads) = (&context.columns[..], &loads.coefficients[..]);
@@ -62,42 +54,35 @@ impl SubstepModes {
     /// The state `within` seconds after the beginning of the step.
     pub fn state_at(&mut self, stepper: &Stepper<'_>, split: &ModeSplit, within: f64) -> &[f64] {
         let cache = &stepper.context.cache;
-        let (fractions, arch) = (&cache.fractions, stepper.context.arch);
+        let fractions = &cache.fractions;
         let whole = (within / fractions.unit + ROUND_OFF).floor();
-        let units = whole as u64;
-        let mut last = None;
-        for position in (0..fractions.digits()).rev() {
-            let digit = Fractions::digit(units, position);
-            if digit == 0 {
-                continue;
-            }
-            // As long as the digits agree with those of the last sample, the states do.
-            if !Fractions::agree(units, self.units, position) {
-                let (here, before) = self.states.split_at_mut(position + 1);
-                let from = last.map_or(&self.free, |at: usize| &before[at - position - 1]);
-                let matrix = fractions.matrix(cache.pairs(), position, digit);
-                kernel::multiply(arch, matrix, from, &mut here[position]);
-            }
-            last = Some(position);
+        let mut matrices = [[&[][..]; 4]; MAX_DIGITS];
+        let mut count = 0;
+        for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
+            matrices[count] = fractions.matrix(cache.pairs(), position, digit).each_ref().map(|list| &list[..]);
+            count += 1;
         }
-        self.units = units;
-        let mut free = last.map_or(&self.free, |at| &self.states[at]);
         let rest = within - whole * fractions.unit;
-        if rest > ROUND_OFF * fractions.unit {
-            self.remainder_state.copy_from_slice(free);
-            let terms = terms(cache.linear.radius * rest);
-            kernel::taylor_step(arch, &cache.linear.blocks, rest, terms, &mut self.remainder_state);
-            free = &self.remainder_state;
-        }
-        let (motion, state) = (&self.motion[..], &mut self.state[..]);
-        arch.dispatch(Evaluate { split, powers: self.powers, part: within / split.step, motion, free, state });
+        let is_whole = rest <= ROUND_OFF * fractions.unit;
+        stepper.context.arch.dispatch(Evaluate {
+            split,
+            matrices: &matrices[..count],
+            blocks: &cache.linear.blocks,
+            rest,
+            terms: if is_whole { 0 } else { terms(cache.linear.radius * rest) },
+            powers: self.powers,
+            part: within / split.step,
+            motion: &self.motion,
+            free: &self.free,
+            state: &mut self.state,
+        });
         &self.state
     }
 }
 
 /// Terms of a Taylor series over a time in which no mode rotates by more than `rotation`, rad: further ones are below
 /// round-off.
-pub(super) fn terms(rotation: f64) -> usize {
+fn terms(rotation: f64) -> usize {
     let (mut terms, mut size) = (0, 1.0);
     while terms < TERMS && size >= f64::EPSILON / 8.0 {
         terms += 1;
@@ -139,7 +124,8 @@ impl WithSimd for Expand<'_> {
             for side in 0..2 {
                 for (force, power) in forces[..powers].iter_mut().zip((0..powers).rev()) {
                     let loads = &self.loads[power * count..][..count];
-                    force[side] = sum_loads(split.step, loads, &columns[(side * half + i).min(columns.len())..], 2 * half);
+                    force[side] =
+                        sum_loads(split.step, loads, &columns[(side * half + i).min(columns.len())..], 2 * half);
                 }
             }
             let mut next = [[0.0; WIDTH]; 2];
@@ -224,9 +210,16 @@ fn product([a, b, c, d]: [&Lanes; 4], [x, y]: &[Lanes; 2]) -> [Lanes; 2] {
     out
 }
 
-/// Adds the polynomials to the free motion.
+/// Moves the free motion and adds the polynomials.
 struct Evaluate<'a> {
     split: &'a ModeSplit,
+    /// Factors of e^{At}.
+    matrices: &'a [[&'a [f64]; 4]],
+    /// Entries of the blocks of A.
+    blocks: &'a [Vec<f64>; 4],
+    /// Remaining time, s, and the terms of its Taylor series.
+    rest: f64,
+    terms: usize,
     powers: usize,
     /// Fraction τ of the step.
     part: f64,
@@ -242,20 +235,38 @@ impl WithSimd for Evaluate<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let half = self.state.len() / (2 * WIDTH);
         let (free, state) = (self.free.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
+        let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
         for (i, motion) in self.motion.chunks_exact(CHUNK).enumerate() {
+            let mut sum = [free[i], free[half + i]];
+            for matrix in self.matrices {
+                sum = product(matrix.map(|list| &list.as_chunks::<WIDTH>().0[i]), &sum);
+            }
+            if self.terms > 0 {
+                let blocks = self.blocks.each_ref().map(|list| &list.as_chunks::<WIDTH>().0[i]);
+                let mut term = sum;
+                for part in &parts[..self.terms] {
+                    term = product(blocks, &term);
+                    for side in 0..2 {
+                        for lane in 0..WIDTH {
+                            term[side][lane] *= part;
+                            sum[side][lane] += term[side][lane];
+                        }
+                    }
+                }
+            }
             let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
             let powers = if self.split.has_slow[i] { motion.len() } else { self.powers };
-            let mut sum = [[0.0; WIDTH]; 2];
+            let mut forced = [[0.0; WIDTH]; 2];
             for coefficients in motion[..powers].iter().rev() {
                 for side in 0..2 {
                     for lane in 0..WIDTH {
-                        sum[side][lane] = sum[side][lane] * self.part + coefficients[side][lane];
+                        forced[side][lane] = forced[side][lane] * self.part + coefficients[side][lane];
                     }
                 }
             }
             for side in 0..2 {
                 for lane in 0..WIDTH {
-                    state[side * half + i][lane] = free[side * half + i][lane] + sum[side][lane];
+                    state[side * half + i][lane] = sum[side][lane] + forced[side][lane];
                 }
             }
         }
