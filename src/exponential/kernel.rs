@@ -185,3 +185,53 @@ impl Advance<'_> {
         y[from..].as_chunks_mut::<LANES>().0[0] = second;
     }
 }
+
+/// `z += Σ_m (−τ)ᵐ/m! Aᵐ g_m` with `g_m = τ Σⱼ moments[j]/(m + j + 1)`, up to a number of terms. `blocks` holds the entries
+/// of the 2×2 blocks of A.
+pub fn add_jump(arch: Arch, blocks: &[Vec<f64>; 4], moments: [&[f64]; 3], (delay, terms): (f64, usize), z: &mut [f64]) {
+    arch.dispatch(AddJump { blocks, moments, delay, terms, z });
+}
+
+struct AddJump<'a> {
+    blocks: &'a [Vec<f64>; 4],
+    moments: [&'a [f64]; 3],
+    delay: f64,
+    terms: usize,
+    z: &'a mut [f64],
+}
+
+impl WithSimd for AddJump<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let half = self.z.len() / (2 * WIDTH);
+        let [a, b, c, d] = self.blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
+        let moments = self.moments.map(|moment| moment.as_chunks::<WIDTH>().0);
+        let z = self.z.as_chunks_mut::<WIDTH>().0;
+        for i in 0..half {
+            let mut sum = [[0.0; WIDTH]; 2];
+            for m in (0..self.terms).rev() {
+                let factor = -self.delay / (m + 1) as f64;
+                let factors: [f64; 3] = std::array::from_fn(|j| self.delay / (m + j + 1) as f64);
+                let [x, y] = sum;
+                for lane in 0..WIDTH {
+                    sum[0][lane] = factor * (a[i][lane] * x[lane] + b[i][lane] * y[lane]);
+                    sum[1][lane] = factor * (c[i][lane] * x[lane] + d[i][lane] * y[lane]);
+                }
+                for (side, sum) in sum.iter_mut().enumerate() {
+                    for (factor, moment) in factors.iter().zip(&moments) {
+                        for lane in 0..WIDTH {
+                            sum[lane] += factor * moment[side * half + i][lane];
+                        }
+                    }
+                }
+            }
+            for (side, sum) in sum.iter().enumerate() {
+                for lane in 0..WIDTH {
+                    z[side * half + i][lane] += sum[lane];
+                }
+            }
+        }
+    }
+}

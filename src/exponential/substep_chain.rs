@@ -3,9 +3,8 @@
 
 use super::load_polynomials::LoadPolynomials;
 use super::step::Stepper;
+use super::taylor_terms;
 
-/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian.
-const TERMS: usize = 16;
 /// A remainder below this fraction of the shortest substep is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -93,13 +92,7 @@ impl SubstepChain {
     /// Advances [`Self::remainder_state`] by `rest` seconds: z + Σ restⁿ/n! z⁽ⁿ⁾, with z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + b p⁽ⁿ⁾.
     fn taylor_step(&mut self, stepper: &Stepper<'_>, rest: f64) {
         let context = &stepper.context;
-        let rotation = (context.cache.linear.radius * rest).abs();
-        // The remaining terms are below round-off for every mode.
-        let (mut terms, mut size) = (0, 1.0);
-        while terms < TERMS && size >= f64::EPSILON / 8.0 {
-            terms += 1;
-            size *= rotation / terms as f64;
-        }
+        let terms = taylor_terms(context.cache.linear.radius * rest);
         let loads = stepper.nonlinear_loads().load_count().max(1);
         self.term.copy_from_slice(&self.remainder_state);
         let mut factor = 1.0;

@@ -8,9 +8,8 @@ use super::mode_split::{DEGREE, ModeSplit};
 use super::packed::WIDTH;
 use super::quadrature::MAX_STAGES;
 use super::step::Stepper;
+use super::{MAX_TERMS, taylor_terms};
 
-/// Largest number of terms of a Taylor series over a unit of time, within which no mode rotates by a radian.
-const TERMS: usize = 16;
 /// A remainder below this fraction of a unit is round-off.
 const ROUND_OFF: f64 = 1e-9;
 /// Largest number of coefficients of a load.
@@ -69,7 +68,7 @@ impl SubstepModes {
             matrices: &matrices[..count],
             blocks: &cache.linear.blocks,
             rest,
-            terms: if is_whole { 0 } else { terms(cache.linear.radius * rest) },
+            terms: if is_whole { 0 } else { taylor_terms(cache.linear.radius * rest) },
             powers: self.powers,
             part: within / split.step,
             motion: &self.motion,
@@ -78,17 +77,6 @@ impl SubstepModes {
         });
         &self.state
     }
-}
-
-/// Terms of a Taylor series over a time in which no mode rotates by more than `rotation`, rad: further ones are below
-/// round-off.
-fn terms(rotation: f64) -> usize {
-    let (mut terms, mut size) = (0, 1.0);
-    while terms < TERMS && size >= f64::EPSILON / 8.0 {
-        terms += 1;
-        size *= rotation.abs() / terms as f64;
-    }
-    terms
 }
 
 /// Computes the coefficients of the motion, and the free motion.
@@ -235,7 +223,7 @@ impl WithSimd for Evaluate<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let half = self.state.len() / (2 * WIDTH);
         let (free, state) = (self.free.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
-        let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
+        let parts: [f64; MAX_TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
         for (i, motion) in self.motion.chunks_exact(CHUNK).enumerate() {
             let mut sum = [free[i], free[half + i]];
             for matrix in self.matrices {

@@ -34,8 +34,10 @@ const RULES: [(f64, [f64; 3]); 15] = [
 /// Number of abscissae of each rule.
 const POINTS: [usize; 3] = [3, 7, 15];
 
-/// Two rules agree if they differ by less than this fraction of the total work.
-const AGREEMENT: f64 = 1e-8;
+/// Two rules agree if they differ by less than this multiple of the tolerance of the run, but at least and at most by these
+/// fractions, times the total work. The difference is the error of the rule with fewer points.
+const AGREEMENT: f64 = 0.1;
+const AGREEMENTS: [f64; 2] = [1e-8, 1e-5];
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 
@@ -126,6 +128,8 @@ pub(super) struct Audit {
     coordinates: Vec<usize>,
     /// Number of all coordinates.
     len: usize,
+    /// Difference of two rules that agree, as a fraction of the total work.
+    agreement: f64,
     /// Whether powers can jump within a step, because tip relief starts within it.
     has_jumps: bool,
     /// Scratch: displacements and velocities at the abscissae of a rule, one vector after the other.
@@ -136,8 +140,8 @@ pub(super) struct Audit {
 }
 
 impl Audit {
-    /// Creates an audit that begins at the elapsed time `start`, s.
-    pub fn new(start: f64, model: &Model) -> Self {
+    /// Creates an audit of a run with a relative tolerance that begins at the elapsed time `start`, s.
+    pub fn new(start: f64, tolerance: f64, model: &Model) -> Self {
         let selection = PowerCoordinates::new(model);
         let combined = selection.combinations.iter().flatten().map(|(index, _)| index);
         let mut coordinates: Vec<usize> =
@@ -153,6 +157,7 @@ impl Audit {
             pieces: Vec::new(),
             coordinates,
             len: model.len(),
+            agreement: (AGREEMENT * tolerance).clamp(AGREEMENTS[0], AGREEMENTS[1]),
             selection,
             q: vec![0.0; room],
             v: vec![0.0; room],
@@ -218,7 +223,7 @@ impl Audit {
             evaluated = points;
             let difference: f64 = piece.works(rule).iter().zip(piece.works(rule - 1)).map(|(a, b)| (a - b).abs()).sum();
             let is_last = halvings == 0 && evaluated == RULES.len();
-            if is_last || difference <= AGREEMENT * (total + piece.magnitude(rule)) {
+            if is_last || difference <= self.agreement * (total + piece.magnitude(rule)) {
                 piece.rule = rule;
                 self.keep(piece);
                 return Ok(());

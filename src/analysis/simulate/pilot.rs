@@ -37,7 +37,7 @@ pub(super) fn pilot(
     let begin = options.start - origin;
     let plan = RecordPlan { energy: false, ..plan.clone() };
     let mut pilot = RunObserver {
-        recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
+        recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, (begin, 0.0)),
         watch: &mut |_| observer.continues(begin),
         span: (begin, begin + duration),
         last_check: Instant::now(),

@@ -48,8 +48,14 @@ pub(super) struct Recorder<'a, 'm> {
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
-    /// Creates a recorder of a run that starts at the elapsed time `start`, s.
-    pub fn new(motion: EquationOfMotion<'m>, plan: &'a RecordPlan, times: &'a [f64], origin: f64, start: f64) -> Self {
+    /// Creates a recorder of a run with a relative tolerance that starts at the elapsed time `start`, s.
+    pub fn new(
+        motion: EquationOfMotion<'m>,
+        plan: &'a RecordPlan,
+        times: &'a [f64],
+        origin: f64,
+        (start, tolerance): (f64, f64),
+    ) -> Self {
         let model = motion.model();
         let count = times.len();
         let room = |channels: usize| Vec::with_capacity(count * channels);
@@ -66,7 +72,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             coordinates: plan.coordinates(model),
             displacement: vec![0.0; BATCH * model.len()],
             velocity: vec![0.0; BATCH * model.len()],
-            audit: plan.energy.then(|| Audit::new(start, model)),
+            audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
             every_step: plan.energy || EventRecorder::watches(&motion),
             motion,
