@@ -22,6 +22,7 @@ mod pairs;
 mod projected;
 mod quadratic;
 mod real;
+mod recent;
 mod rigid_body;
 mod spectral_range;
 mod state_space;

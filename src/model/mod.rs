@@ -189,6 +189,14 @@ impl Model {
         self.len() == 0
     }
 
+    /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
+    /// depend on the loads of a scene.
+    pub fn has_coordinates_of(&self, other: &Self) -> bool {
+        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion);
+        let nodes = |model: &Self| model.scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
+        kinds(self) == kinds(other) && nodes(self) == nodes(other) && self.sigma_standing == other.sigma_standing
+    }
+
     /// The same model with springs between its coordinates.
     pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
         self.springs = springs;

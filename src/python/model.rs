@@ -48,6 +48,11 @@ impl PyModel {
         Ok(Self::build(SceneDescription::from_toml(text)?)?)
     }
 
+    /// Uses the modes and state-space models of another system, if the two differ in loads only.
+    fn share(&self, other: &Self) {
+        self.share_linear_part(other);
+    }
+
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(pythonize(py, &self.description)?)
     }

@@ -63,7 +63,7 @@ impl Pilot {
         let plan = RecordPlan { energy: false, ..plan.clone() };
         let (motion, origin) = (setup.nonlinear_loads.motion.clone(), self.start.rotation.origin);
         let mut pilot = RunObserver {
-            recorder: Recorder::new(motion, &plan, &self.times, origin, begin),
+            recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),
             watch: &mut |_| observer.continues(run.options.start - origin),
             span: (begin, end),
             last_check: Instant::now(),

@@ -62,6 +62,19 @@ pub struct SceneDescription {
     pub torques: Vec<Torque>,
 }
 
+impl SceneDescription {
+    /// The description without the entries that only determine loads: torques, gravity, bows and unbalances.
+    pub fn without_loads(&self) -> Self {
+        let mut plain = self.clone();
+        plain.torques.clear();
+        plain.gravity = None;
+        plain.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
+        plain.gears.iter_mut().for_each(|gear| gear.unbalance = None);
+        plain.disks.iter_mut().for_each(|disk| disk.unbalance = None);
+        plain
+    }
+}
+
 /// Degrees of freedom of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
