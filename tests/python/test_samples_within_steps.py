@@ -63,7 +63,7 @@ def test_a_sample_does_not_depend_on_the_others():
 def test_energy_between_steps_balances():
     """Works at instants within a step follow from the powers of the whole step."""
     system = train(500.0, None)
-    shafts = [replace(shaft, bow=gb.Bow.half_sine(2e-4 * 1j**k)) for k, shaft in enumerate(system.shafts)]
+    shafts = [replace(shaft, bow=gb.Bow.half_sine(2e-4, phase=float(k))) for k, shaft in enumerate(system.shafts)]
     gears = [replace(gear, unbalance=2e-3 + 1e-3j) for gear in system.gears]
     system = system.replace(shafts=shafts, gears=gears, gravity=9.81)
     times = np.linspace(0.0, 5e-3, 1237)

@@ -37,7 +37,7 @@ const POINTS: [usize; 3] = [3, 7, 15];
 /// Two rules agree if they differ by less than this multiple of the tolerance of the run, but at least and at most by these
 /// fractions, times the total work. The difference is the error of the rule with fewer points.
 const AGREEMENT: f64 = 0.1;
-const AGREEMENTS: [f64; 2] = [1e-8, 1e-5];
+const AGREEMENTS: [f64; 2] = [1e-9, 1e-6];
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 

@@ -110,9 +110,10 @@ pub fn simulate(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
-    // Fixed steps do not limit the error.
+    // Without connections the motion is exact, and fixed steps follow no tolerance.
+    let is_exact = motion.connections().next().is_none();
     let is_fixed = options.step.is_some() || matches!(options.method, Method::Rk4 | Method::ExactRk4);
-    let tolerance = if is_fixed { 0.0 } else { options.tolerance() };
+    let tolerance = if is_exact || is_fixed { 0.0 } else { options.tolerance() };
     let mut observer = RunObserver {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, (options.start - origin, tolerance)),
         watch,
