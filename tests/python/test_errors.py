@@ -92,6 +92,29 @@ def test_errors_of_modes_are_those_against_all_modes():
         assert response.errors[kind].modes == pytest.approx(error, rel=0.1)
 
 
+@pytest.mark.parametrize(
+    "settings",
+    [{"rtol": 1e-2}, {"modes": 10, "rtol": 1e-7}, {"method": "rk45", "rtol": 1e-4}],
+    ids=["exponential", "modes", "rk45"],
+)
+def test_errors_at_a_changing_speed_contain_elements_modes_and_integration(settings):
+    system = train(3)
+    profile = ([0.0, DURATION], [SPEED, 1.5 * SPEED])
+    response = system.simulate(DURATION, profile, **settings)
+    shafts = [replace(shaft, elements=4, degree=6) for shaft in train().shafts]
+    exact = {"method": "exponential", "rtol": 1e-9}
+    complete = system.simulate(DURATION, profile, **exact)
+    fine = train().replace(shafts=shafts).simulate(DURATION, profile, **exact)
+    left_out = difference(response, complete)
+    for kind, error in difference(response, fine).items():
+        found = response.errors[kind]
+        assert error / 2 < found.total < 2 * error
+        assert found.elements == pytest.approx(difference(complete, fine)[kind], rel=0.1)
+        # at most one of both causes a difference to the run with all modes and a small tolerance
+        cause = found.modes if "modes" in settings else found.integration
+        assert cause == pytest.approx(left_out[kind], rel=0.1)
+
+
 def test_errors_belong_to_the_recorded_signals():
     system = train()
     assert set(system.simulate(1e-3, SPEED, record=["g1", "energy"]).errors) == {"displacement"}

@@ -119,7 +119,8 @@ def _runs(
     own = _run(model, options, times, _recorded(request))
     yield own
     record = _items(own)
-    kept = own["statistics"]["modes"]
+    # At a changing speed, the statistics do not contain a given number of modes.
+    kept = own["statistics"]["modes"] or options["modes"]
     exact = {**options, **_tighter(options), "modes": kept, "reduction": None}
     run = _run(model, exact, times, record)
     yield run
@@ -163,13 +164,10 @@ def _items(data: RunData) -> list[Any]:
 
 def _tighter(options: Mapping[str, Any]) -> dict[str, Any]:
     """Choose the method and the tolerance of the companions."""
-    constant = not isinstance(options["speed"], Mapping)
-    method = "exponential" if constant else "rk45"
     rtol = _OTHER_METHOD
-    if method == options["method"] and options["step"] is None:
-        rtol = _TIGHTER * (options["rtol"] or _DEFAULT_RTOL)
-    rtol = max(_SMALLEST, rtol)
-    return {"method": method, "rtol": rtol, "step": None, "stages": None}
+    if options["method"] == "exponential" and options["step"] is None:
+        rtol = max(_SMALLEST, _TIGHTER * (options["rtol"] or _DEFAULT_RTOL))
+    return {"method": "exponential", "rtol": rtol, "step": None, "stages": None}
 
 
 def _window(model: Model, options: Mapping[str, Any]) -> float:
