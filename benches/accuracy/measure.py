@@ -247,7 +247,10 @@ def _read() -> dict[str, dict[str, Any]]:
 
 def _store(name: str, found: dict[str, Measured]) -> None:
     stored = _read()
-    stored[name] = {**stored.get(name, {}), **{level: asdict(each) for level, each in found.items()}}
+    stored[name] = {
+        **stored.get(name, {}),
+        **{level: asdict(each) for level, each in found.items()},
+    }
     STORED.write_text(json.dumps(stored, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
