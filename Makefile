@@ -112,9 +112,10 @@ study: $(VENV)/.dev
 measure: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --measured
 
-# Takes an hour: the references have elements of high degree.
+# The references have elements of high degree: this takes most of an hour on two cores.
 accuracy: $(VENV)/.dev
 	$(BIN)/python benches/accuracy/measure.py
+	$(BIN)/python docs/printed.py
 
 bench:
 	cargo bench --locked --bench engine

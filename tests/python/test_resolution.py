@@ -117,6 +117,22 @@ def test_without_meshes_the_elements_serve_bow_and_unbalance():
     assert error / 3 < response.errors["displacement"].total < 3 * error
 
 
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+@pytest.mark.parametrize("initial", ["rest", "static"])
+def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.mode(3, 1e-4))
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.3, 10.0, 0.03, 0.06)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, resolution=level)
+    options = {"record": ["disk"], "initial": initial}
+    response = system.simulate(0.1, 200.0, accuracy=level, **options)
+    fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
+    moved, known = response.displacement("disk"), fine.displacement("disk")
+    error = np.linalg.norm(moved - known) / np.linalg.norm(known - known.mean(axis=0))
+    assert error < {"draft": 1e-2, "engineering": 1e-3}[level]
+    assert error / 3 < response.errors["displacement"].total < 3 * error
+
+
 def test_elements_too_coarse_for_the_level_give_a_warning():
     with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
         train(1).simulate(1e-3, SPEED, accuracy="draft")

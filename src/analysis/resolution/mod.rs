@@ -1,7 +1,8 @@
 //! Number and degree of the shaft elements, chosen from the scene where it does not give them.
 //!
-//! Teeth that enter and leave contact are steps of the load on the meshes. The response to a step shows which modes the
-//! teeth excite, with which amplitude, and how fast they decay. An element changes the natural frequencies. Within the
+//! Teeth that enter and leave contact are steps of the load on the meshes. A run from rest or from the equilibrium begins
+//! with a step of bow, unbalance, torques and gravity. The response to a step shows which modes it excites, with which
+//! amplitude, and how fast they decay. An element changes the natural frequencies. Within the
 //! time T, the change Δω of a frequency becomes a phase error Δω·T, unless damping decays the mode before. The expected
 //! error is the RMS of the difference between the step responses with ω and with ω + Δω, relative to the RMS of the
 //! response. Of all numbers and degrees that meet the level, those with the fewest coordinates are chosen.
@@ -25,6 +26,9 @@ const TIME: f64 = 0.1;
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
 const PROBE_LENGTH: f64 = 10.0;
+/// Both for [`Resolution::Reference`], where modes of higher frequencies contribute to the permitted error.
+const FINE_PROBE_DEGREE: usize = 7;
+const FINE_PROBE_LENGTH: f64 = 5.0;
 /// Largest number of elements of a shaft of that model that is due to this length.
 const PROBE_ELEMENTS: f64 = 8.0;
 /// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/20 and
@@ -79,10 +83,14 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
+    let (probe_degree, probe_length) = match level {
+        Resolution::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
+        Resolution::Draft | Resolution::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
+    };
     let probe = with_elements(given, &automatic, |i| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
-        (layouts[i].counts((PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS)), PROBE_DEGREE)
+        (layouts[i].counts((probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS)), probe_degree)
     });
     let model = Model::new(Scene::new(&probe)?)?;
     let permitted_error = permitted(level, model.meshes.is_empty());
