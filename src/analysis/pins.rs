@@ -51,6 +51,11 @@ impl Pins {
         }
     }
 
+    /// Forces of the springs at the displacements `x`, N or N m.
+    pub fn forces<'a>(&'a self, x: &'a DVector<f64>) -> impl Iterator<Item = f64> + 'a {
+        self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate])
+    }
+
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
     pub fn remove_null_motions<T: ComplexField<RealField = f64>>(&self, x: &mut DVector<T>) {
         for (null, weighted) in self.null.column_iter().zip(self.weighted.column_iter()) {

@@ -18,7 +18,7 @@ use num_complex::Complex64;
 
 use super::contour::{self, Known, Rectangle};
 use super::real::{RealModes, null_motions};
-use super::spectral_range::{ShiftInverse, mass_times, solve_real};
+use super::spectral_range::{ShiftInverse, mass_times};
 use super::{CachedModel, SpectralRange};
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, Sparse};
 use crate::model::{Model, Weights};
@@ -324,7 +324,7 @@ impl Operator for FirstOrderInverse<'_, '_> {
         let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
         let mut force = mass_times(model, &momentum);
         rate.multiply_add(-1.0, x, &mut force);
-        let mut image = solve_real(model, &self.factors, &force)?;
+        let mut image = model.solve_real(&self.factors, &force)?;
         for index in 0..model.len() {
             image.push(x[index] + shift * image[index]);
         }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::real::{RealModes, null_motions};
-use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Singular, Sparse};
+use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Sparse};
 use crate::model::{Model, Weights};
 
 /// Relative change of a frequency at which an iteration ends.
@@ -133,7 +133,7 @@ impl Operator for ShiftInverse<'_> {
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        Ok(solve_real(self.model, &self.factors, &mass_times(self.model, x))?)
+        Ok(self.model.solve_real(&self.factors, &mass_times(self.model, x))?)
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {
@@ -146,12 +146,4 @@ pub(super) fn mass_times(model: &Model, x: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; x.len()];
     model.multiply_mass(x, &mut product);
     product
-}
-
-/// Solution of a real system in the order of the core.
-pub(super) fn solve_real(model: &Model, factors: &CoupledFactors, right: &[f64]) -> Result<Vec<f64>, Singular> {
-    let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
-    let mut x = model.to_circular(&right);
-    factors.solve(&mut x)?;
-    Ok(model.from_circular(&x).iter().map(|value| value.re).collect())
 }
