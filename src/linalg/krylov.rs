@@ -68,6 +68,11 @@ impl<'a, T: Operator> Krylov<'a, T> {
         space
     }
 
+    /// The operator.
+    pub fn operator(&self) -> &'a T {
+        self.operator
+    }
+
     /// Number of basis vectors.
     fn count(&self) -> usize {
         self.basis.len() / self.operator.size().max(1)

@@ -23,6 +23,7 @@ mod projected;
 mod quadratic;
 mod real;
 mod rigid_body;
+mod shift_invert;
 mod spectral_range;
 mod state_space;
 mod whirl;

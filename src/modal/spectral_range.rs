@@ -114,6 +114,8 @@ impl Operator for MassInverse<'_> {
 pub(super) struct ShiftInverse<'m> {
     model: &'m Model,
     factors: CoupledFactors,
+    /// s, rad/s.
+    pub shift: f64,
 }
 
 impl<'m> ShiftInverse<'m> {
@@ -121,7 +123,7 @@ impl<'m> ShiftInverse<'m> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
         let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
-        Ok(Self { model, factors })
+        Ok(Self { model, factors, shift })
     }
 }
 
