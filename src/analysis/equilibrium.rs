@@ -8,11 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::AnalysisError;
-use super::pins::Pins;
 use crate::connection::{Connection, Row};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
 use crate::mesh::{Flank, Geometry};
-use crate::modal::{CachedModel, null_motions};
+use crate::modal::{CachedModel, Pins, null_motions};
 use crate::model::{Model, Weights};
 use crate::scene::SceneError;
 

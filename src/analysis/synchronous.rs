@@ -5,10 +5,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::pins::Pins;
 use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledBands, Singular, solve_complex};
-use crate::modal::{CachedModel, null_motions};
+use crate::modal::{CachedModel, Pins, null_motions};
 use crate::model::{Excitation, Model, Weights};
 use crate::scene::Node;
 
@@ -22,6 +21,16 @@ pub enum ExcitationPart {
     Bow,
     /// Unbalance only.
     Unbalance,
+}
+
+/// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
+const MAX_DENSE: usize = 2000;
+
+/// The error of a speed without an accurate response, rad/s.
+fn unsolved(speed: f64) -> AnalysisError {
+    AnalysisError::Convergence(format!(
+        "the synchronous response at {speed} rad/s has no accurate solution: it is an undamped critical speed; add damping or change the speed"
+    ))
 }
 
 /// Memory that a synchronous response needs at first.
@@ -131,9 +140,14 @@ pub(super) fn synchronous_of(
         let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
         let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
         pins.add_to(model, &mut matrix);
-        if let Ok(mut found) = solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, &force) {
-            pins.remove_null_motions(&mut found);
-            return Ok(found);
+        match solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, &force) {
+            Ok(mut found) => {
+                pins.remove_null_motions(&mut found);
+                return Ok(found);
+            }
+            // At an undamped critical speed the response is very large: the dense solution shows its size.
+            Err(Singular) if model.len() <= MAX_DENSE => {}
+            Err(Singular) => return Err(unsolved(speed)),
         }
     }
     solve_dense(&cached, [speed, spin], flank_speed, force)

@@ -9,9 +9,14 @@
 //! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
 //! is halved where the prediction fails. The number of determinants hardly depends on the number of eigenvalues outside.
 
+use std::f64::consts::PI;
+
 use num_complex::Complex64;
 
 use crate::linalg::Determinant;
+
+/// Angle from the real axis up to which the sectors reach: their eigenvalues have a damping ratio above one half.
+pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
 
 /// Largest difference of the complex logarithm from its prediction.
 const MAX_ERROR: f64 = 0.5;
@@ -46,20 +51,56 @@ pub(super) struct Contour(pub Vec<Complex64>);
 
 impl Contour {
     /// The disk |λ| < `radius` and both sectors up to |λ| < `farthest` around the real axis: an eigenvalue between both
-    /// radii is inside if |Im λ| < |λ| sin `angle`. Without `right` only the sector of negative Re λ belongs to it.
-    pub fn of_disk_and_sectors([radius, farthest]: [f64; 2], angle: f64, right: bool) -> Self {
+    /// radii is inside if |Im λ| < |λ| sin [`SECTOR`]. Without `right` only the sector of negative Re λ belongs to it.
+    pub fn of_disk_and_sectors([radius, farthest]: [f64; 2], right: bool) -> Self {
         let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
-        let turn = std::f64::consts::PI;
-        let outside = if right { vec![at(farthest, 0.0), at(farthest, angle)] } else { Vec::new() };
-        let begin = if right { angle } else { 0.0 };
-        let inside =
-            [at(radius, begin), at(radius, turn - angle), at(farthest, turn - angle), at(farthest, turn)];
+        let outside = if right { vec![at(farthest, 0.0), at(farthest, SECTOR)] } else { Vec::new() };
+        let begin = if right { SECTOR } else { 0.0 };
+        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(farthest, PI - SECTOR), at(farthest, PI)];
         Self(outside.into_iter().chain(inside).collect())
     }
 
     /// The disk |λ| < `radius`.
     pub fn of_disk(radius: f64) -> Self {
-        Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), std::f64::consts::PI)])
+        Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), PI)])
+    }
+}
+
+/// The sector of an annulus around the real axis, |Im λ| < |λ| sin [`SECTOR`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Annulus {
+    /// Inner and outer radius, rad/s.
+    pub radii: [f64; 2],
+    /// Whether Re λ < 0.
+    pub left: bool,
+}
+
+impl Annulus {
+    /// The real number in its middle, rad/s.
+    pub fn centre(&self) -> f64 {
+        let size = (self.radii[0] * self.radii[1]).sqrt();
+        if self.left { -size } else { size }
+    }
+
+    pub fn contains(&self, value: Complex64) -> bool {
+        let size = value.norm();
+        let is_left = value.re < 0.0;
+        size > self.radii[0] && size <= self.radii[1] && is_left == self.left && value.re.abs() > size * SECTOR.cos()
+    }
+
+    /// The inner and the outer half.
+    pub fn halves(&self) -> [Self; 2] {
+        let ([inner, outer], middle) = (self.radii, self.centre().abs());
+        [Self { radii: [inner, middle], ..*self }, Self { radii: [middle, outer], ..*self }]
+    }
+
+    pub fn contour(&self) -> Contour {
+        let [inner, outer] = self.radii.map(f64::ln);
+        let corners = [(inner, 0.0), (inner, SECTOR), (outer, SECTOR), (outer, 0.0)];
+        if self.left {
+            return Contour(corners.map(|(radius, angle)| Complex64::new(radius, PI - angle)).to_vec());
+        }
+        Contour(corners.into_iter().rev().map(|(radius, angle)| Complex64::new(radius, angle)).collect())
     }
 }
 
@@ -115,7 +156,6 @@ pub(super) fn missing(
             let predicted = extrapolated(&points, z);
             let error = reduced(value(z)? - predicted);
             count += 1;
-            if std::env::var("DBG").is_ok() && (count > MAX_DETERMINANTS || !error.is_finite() || error.norm() > MAX_ERROR && (next - distance) / 2.0 < MIN_STEP) { eprintln!("FAIL at {} count {count} step {step} error {error}", z.exp()); }
             if count > MAX_DETERMINANTS || !error.is_finite() {
                 return None;
             }
@@ -137,8 +177,7 @@ pub(super) fn missing(
             }
         }
     }
-    if std::env::var("DBG").is_ok() { eprintln!("determinants {count}"); }
-    let half_turns = (end - begin).im / std::f64::consts::PI;
+    let half_turns = (end - begin).im / PI;
     let missing = half_turns.round();
     ((half_turns - missing).abs() < MAX_FRACTION).then_some(missing as i64)
 }
@@ -172,7 +211,7 @@ mod tests {
     #[test]
     fn every_missing_eigenvalue_is_counted() {
         for right in [false, true] {
-            let contour = Contour::of_disk_and_sectors([5.0, 1000.0], 1.0, right);
+            let contour = Contour::of_disk_and_sectors([5.0, 1000.0], right);
             let missing = |zeros: usize, values: &[Complex64]| {
                 super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &contour)
             };
@@ -187,11 +226,16 @@ mod tests {
         }
         let disk = super::missing(determinant(0), &Known { zeros: 2, values: vec![] }, &Contour::of_disk(5.0));
         assert_eq!(disk, Some(5));
+        // Of an annular sector: −90, and nothing on the right.
+        for (left, number) in [(true, 1), (false, 0)] {
+            let contour = Annulus { radii: [20.0, 300.0], left }.contour();
+            assert_eq!(super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour), Some(number));
+        }
     }
 
     #[test]
     fn many_other_eigenvalues_do_not_disturb_the_count() {
-        let contour = Contour::of_disk_and_sectors([5.0, 1e6], 1.0, false);
+        let contour = Contour::of_disk_and_sectors([5.0, 1e6], false);
         for others in [10, 100, 1000] {
             let calls = std::cell::Cell::new(0);
             let determinant = determinant(others);

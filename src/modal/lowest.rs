@@ -8,14 +8,13 @@
 //! radius R and those with a damping ratio above one half. As long as one is missing, the spaces are extended. Every other
 //! eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower frequency are known.
 
-use std::cell::OnceCell;
-
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::CachedModel;
+use super::contour::{Annulus, Contour, SECTOR};
 use super::real::RealModes;
-use super::shift_invert::{FirstOrderInverse, Inverse, Problem, SECTOR};
+use super::shift_invert::{FirstOrderInverse, Inverse, Problem};
 use super::spectral_range::ShiftInverse;
 use crate::linalg::{DecompositionError, Krylov, RitzPair};
 
@@ -31,8 +30,9 @@ const SAME: f64 = 1e-6;
 const ZERO: f64 = 1e-7;
 /// Number of times that the spaces are extended for missing eigenvalues.
 const MAX_RESTARTS: usize = 6;
-/// Steps of the space at each further shift, at first and in each extension.
-const FURTHER_STEPS: usize = 24;
+/// Largest number of steps at a further shift beyond the number of dampers, and steps between two checks.
+const FURTHER_STEPS: usize = 60;
+const CHECK_INTERVAL: usize = 12;
 /// Number of strongly damped eigenvalues up to which they are sought one by one.
 const MAX_MISSING: i64 = 120;
 
@@ -62,17 +62,31 @@ pub(super) fn lowest(
 }
 
 /// An approximation of an eigenvalue.
+#[derive(Clone)]
 struct Found {
     /// λ with Im λ ≥ 0, rad/s.
     value: Complex64,
-    pair: RitzPair,
-    /// Number of its space.
-    space: usize,
+    /// Relative residual in its Krylov space.
+    residual: f64,
+    vector: Vector,
+}
+
+/// Where the vector of an approximation is.
+#[derive(Clone)]
+enum Vector {
+    /// In the space at the small shift.
+    Base(RitzPair),
+    /// The mode shape, n entries.
+    Shape(DVector<Complex64>),
 }
 
 impl Found {
     fn is_accurate(&self) -> bool {
-        self.pair.residual <= ACCURATE
+        self.residual <= ACCURATE
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        (other.value - self.value).norm() <= SAME * self.value.norm()
     }
 }
 
@@ -94,83 +108,100 @@ impl Search<'_, '_> {
         &self,
         inverse: impl Fn(f64) -> Result<T, DecompositionError>,
     ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-        let (base, further) = (inverse(self.problem.shift)?, OnceCell::new());
-        let mut spaces = vec![Krylov::new(&base, self.locked.iter().cloned())];
+        let base = inverse(self.problem.shift)?;
+        let mut space = Krylov::new(&base, self.locked.iter().cloned());
         let per_mode = if self.problem.undamped { 1 } else { 2 };
         let mut target = per_mode * 2 * self.elastic + 16;
         let most = 6 * target + 60;
-        let mut restarts = 0;
         // Two bending planes have equal modes at rest.
         for _ in 0..if self.problem.undamped { 2 } else { 1 } {
-            spaces[0].add_start()?;
+            space.add_start()?;
         }
+        let (mut further, mut annuli): (Vec<Found>, Option<Vec<Annulus>>) = (Vec::new(), None);
+        let mut restarts = 0;
         loop {
-            while spaces[0].steps() < target && !spaces[0].is_complete() {
-                spaces[0].step()?;
+            while space.steps() < target && !space.is_complete() {
+                space.step()?;
             }
-            let found = self.recognised(&spaces)?;
-            let steps = spaces[0].steps();
+            let found = merged(self.recognised(&space)?, &further);
+            let steps = space.steps();
             let Some(radius) = self.radius(&found) else {
-                if spaces[0].is_complete() || steps >= most {
+                if space.is_complete() || steps >= most {
                     return Ok(None);
                 }
                 target = steps + (steps / 4).max(8);
                 continue;
             };
-            let missing = self.problem.missing(found.iter().map(|found| found.value), radius);
+            let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
             let chosen = self.chosen(&found, radius);
-            if std::env::var("DBG").is_ok() { eprintln!("steps {steps} found {} radius {radius} missing {missing:?} spaces {} chosen {:?}", found.len(), spaces.len(), chosen.iter().map(|f| f.pair.residual).fold(0.0, f64::max)); }
             if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
-                return Ok(Some(self.eigenpairs(&spaces, &found, &chosen)));
+                return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
             }
             if restarts == MAX_RESTARTS || missing.is_some_and(|missing| missing > MAX_MISSING) {
                 return Ok(None);
             }
             restarts += 1;
-            if missing.is_some_and(|missing| missing > 0) && !self.problem.undamped {
-                if further.get().is_none() {
-                    let operators = self.problem.shifts().into_iter().map(&inverse).collect::<Result<Vec<_>, _>>()?;
-                    let operators = further.get_or_init(|| operators);
-                    spaces.extend(operators.iter().map(|operator| Krylov::new(operator, self.locked.iter().cloned())));
-                }
-                for space in &mut spaces[1..] {
-                    space.add_start()?;
-                    for _ in 0..FURTHER_STEPS {
-                        space.step()?;
-                    }
+            if self.problem.missing(values(&found), &Contour::of_disk(radius)) != Some(0) {
+                // Further start vectors find further vectors of equal eigenvalues.
+                space.add_start()?;
+                space.add_start()?;
+                target = steps + per_mode * self.elastic + 20;
+                continue;
+            }
+            let narrower = match annuli.take() {
+                Some(known) => known.iter().flat_map(Annulus::halves).collect(),
+                None => self.problem.annuli(radius),
+            };
+            let mut left = Vec::new();
+            for annulus in narrower {
+                if self.problem.missing(values(&found), &annulus.contour()) != Some(0) {
+                    further = merged(self.in_annulus(&annulus, &inverse)?, &further);
+                    left.push(annulus);
                 }
             }
-            if spaces.len() == 1 || restarts > 1 {
-                // Further start vectors find further vectors of equal eigenvalues.
-                spaces[0].add_start()?;
-                spaces[0].add_start()?;
-                target = steps + per_mode * self.elastic + 20;
+            annuli = Some(left);
+        }
+    }
+
+    /// Approximations of the eigenvalues in an annular sector, from a space at a shift within it.
+    fn in_annulus<T: Inverse>(
+        &self,
+        annulus: &Annulus,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Found>, DecompositionError> {
+        let operator = inverse(annulus.centre())?;
+        let mut space = Krylov::new(&operator, self.locked.iter().cloned());
+        let dampers = self.problem.damper_states();
+        dampers.iter().try_for_each(|state| space.add_start_of(state))?;
+        loop {
+            for _ in 0..CHECK_INTERVAL {
+                space.step()?;
+            }
+            let mut found = self.recognised(&space)?;
+            found.retain(|found| annulus.contains(found.value));
+            let is_end = space.steps() >= FURTHER_STEPS + dampers.len() || space.is_complete();
+            if is_end || !found.is_empty() && found.iter().all(Found::is_accurate) {
+                for found in &mut found {
+                    if let Vector::Base(pair) = &found.vector {
+                        found.vector = Vector::Shape(operator.shape(space.vector(pair)));
+                    }
+                }
+                return Ok(found);
             }
         }
     }
 
     /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|.
-    fn recognised<T: Inverse>(&self, spaces: &[Krylov<'_, T>]) -> Result<Vec<Found>, DecompositionError> {
+    fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<Vec<Found>, DecompositionError> {
         let is_elastic =
             |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
-        let mut all: Vec<Found> = Vec::new();
-        for (number, space) in spaces.iter().enumerate() {
-            let own: Vec<Found> = space
-                .ritz_pairs()?
-                .into_iter()
-                .map(|pair| Found { value: space.operator().eigenvalue(pair.value), pair, space: number })
-                .filter(|found| found.pair.residual <= RECOGNISED && found.value.im >= 0.0 && is_elastic(&found.value))
-                .collect();
-            // An eigenvalue that is known from another space is not added again.
-            let earlier = all.len();
-            for (index, found) in own.iter().enumerate() {
-                let same = |other: &&Found| (other.value - found.value).norm() <= SAME * found.value.norm();
-                let known = all[..earlier].iter().filter(same).count();
-                if own[..index].iter().filter(same).count() >= known {
-                    all.push(Found { pair: found.pair.clone(), ..*found });
-                }
-            }
-        }
+        let found = |pair: RitzPair| Found {
+            value: space.operator().eigenvalue(pair.value),
+            residual: pair.residual,
+            vector: Vector::Base(pair),
+        };
+        let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().map(found).collect();
+        all.retain(|found| found.residual <= RECOGNISED && found.value.im >= 0.0 && is_elastic(&found.value));
         all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
         Ok(all)
     }
@@ -206,11 +237,11 @@ impl Search<'_, '_> {
     }
 
     /// Rigid-body modes, and the chosen ones of the found modes.
-    fn eigenpairs<T: Inverse>(&self, spaces: &[Krylov<'_, T>], found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
+    fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
         let problem = self.problem;
-        let shape = |found: &Found| {
-            let space = &spaces[found.space];
-            space.operator().shape(space.vector(&found.pair))
+        let shape = |found: &Found| match &found.vector {
+            Vector::Base(pair) => space.operator().shape(space.vector(pair)),
+            Vector::Shape(shape) => shape.clone(),
         };
         let pairs: Vec<Eigenpair> = if problem.undamped {
             // All approximations of one frequency are rotated together.
@@ -225,7 +256,7 @@ impl Search<'_, '_> {
         } else {
             let pair = |found: &&Found| {
                 let shape = shape(found);
-                let size = problem.kinetic(&shape).sqrt();
+                let size = problem.model.complex_kinetic_form(&shape).sqrt();
                 let shape = shape.unscale(size);
                 (problem.rayleigh(found.value, &shape), shape)
             };
@@ -237,4 +268,22 @@ impl Search<'_, '_> {
         all.truncate(self.count);
         all
     }
+}
+
+fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
+    found.iter().map(|found| found.value)
+}
+
+/// The approximations of two spaces in ascending order of |λ|, each eigenvalue as often as in the space that has more of it.
+fn merged(first: Vec<Found>, second: &[Found]) -> Vec<Found> {
+    let mut all = first;
+    let earlier = all.len();
+    for (index, found) in second.iter().enumerate() {
+        let known = all[..earlier].iter().filter(|other| found.is_same(other)).count();
+        if second[..index].iter().filter(|other| found.is_same(other)).count() >= known {
+            all.push(found.clone());
+        }
+    }
+    all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
+    all
 }

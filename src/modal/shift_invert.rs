@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Contour, Known};
+use super::contour::{self, Annulus, Contour, Known};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
 use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
@@ -22,11 +22,8 @@ use crate::model::{Model, Weights};
 const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
-/// Ratio of the sizes of successive shifts.
-const SHIFT_RATIO: f64 = 4.0;
-/// Eigenvalues at less than this angle from the real axis are found at any distance from the origin: those with a
-/// damping ratio above one half.
-pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
+/// Ratio of the radii of an annulus.
+const RATIO: f64 = 4.0;
 
 /// Matrices of the problem and its rigid-body modes.
 pub(super) struct Problem<'m> {
@@ -91,9 +88,27 @@ impl<'m> Problem<'m> {
         positions.chain(self.free.iter().map(move |column| state(*column, n)))
     }
 
-    /// Number of eigenvalues that are missing in `found` of those with |λ| < `radius` or a damping ratio above one half;
-    /// `None` if it cannot be determined.
-    pub fn missing(&self, found: impl Iterator<Item = Complex64>, radius: f64) -> Option<i64> {
+    /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
+    pub fn damper_states(&self) -> Vec<Vec<f64>> {
+        let (n, mut rows) = (self.model.len(), Vec::new());
+        for support in self.model.supports.iter().filter(|support| support.damping != [[0.0; 2]; 2]) {
+            rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
+        }
+        for connection in self.model.connections(self.speed) {
+            if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
+                rows.extend(connection.rows());
+            }
+        }
+        let state = |row: Vec<(usize, f64)>| {
+            let mut state = vec![0.0; 2 * n];
+            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
+            state
+        };
+        rows.into_iter().map(state).collect()
+    }
+
+    /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
+    pub fn missing(&self, found: impl Iterator<Item = Complex64>, contour: &Contour) -> Option<i64> {
         let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
         let known = Known { zeros, values: found.collect() };
         let determinant = |at: Complex64| {
@@ -101,21 +116,25 @@ impl<'m> Problem<'m> {
             let matrix = self.model.dynamic_stiffness(&Weights::dynamic(at, self.speed), self.speed);
             matrix.factor(sense).ok().map(|factors| factors.determinant())
         };
-        contour::missing(determinant, &known, &self.bound.contour(radius))
+        contour::missing(determinant, &known, contour)
     }
 
-    /// Real shifts near which strongly damped eigenvalues lie, rad/s: every decade up to the largest eigenvalue, with both
-    /// signs if eigenvalues may have positive real parts.
-    pub fn shifts(&self) -> Vec<f64> {
-        let sizes = std::iter::successors(Some(self.shift), |size| Some(size * SHIFT_RATIO));
-        let sizes = sizes.take_while(|size| *size < self.bound.largest());
-        sizes.flat_map(|size| std::iter::once(-size).chain((!self.bound.stable).then_some(size))).collect()
+    /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
+    /// half.
+    pub fn contour(&self, radius: f64) -> Contour {
+        let Bound { damping, circulatory, stable, .. } = self.bound;
+        if damping == 0.0 && circulatory == 0.0 {
+            return Contour::of_disk(radius);
+        }
+        Contour::of_disk_and_sectors([radius, self.bound.largest().max(2.0 * radius)], !stable)
     }
 
-    /// φᴴMφ.
-    pub fn kinetic(&self, shape: &DVector<Complex64>) -> f64 {
-        let part = |part: fn(&Complex64) -> f64| self.model.kinetic_form(shape.map(|value| part(&value)).as_slice());
-        part(|value| value.re) + part(|value| value.im)
+    /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
+    pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
+        let radii = std::iter::successors(Some(radius), |radius| Some(radius * RATIO));
+        let radii = radii.take_while(|radius| *radius < self.bound.largest());
+        let sides = if self.bound.stable { &[true][..] } else { &[true, false] };
+        radii.flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left })).collect()
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
@@ -172,6 +191,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
 }
 
 impl Operator for FirstOrderInverse<'_, '_> {
+    type Scalar = f64;
     const SYMMETRIC: bool = false;
 
     fn size(&self) -> usize {
@@ -204,7 +224,7 @@ impl Operator for FirstOrderInverse<'_, '_> {
 }
 
 /// An operator whose eigenvalues θ belong to eigenvalues λ of the problem.
-pub(super) trait Inverse: Operator {
+pub(super) trait Inverse: Operator<Scalar = f64> {
     /// λ, rad/s.
     fn eigenvalue(&self, value: Complex64) -> Complex64;
 
@@ -288,13 +308,5 @@ impl Bound {
     /// Bound of |λ|, rad/s.
     fn largest(&self) -> f64 {
         2.0 * (self.damping + self.gyroscopic + (self.fastest * self.fastest + self.circulatory).sqrt())
-    }
-
-    /// The disk |λ| < `radius` and, where something damps, the sectors of strong damping.
-    fn contour(&self, radius: f64) -> Contour {
-        if self.damping == 0.0 && self.circulatory == 0.0 {
-            return Contour::of_disk(radius);
-        }
-        Contour::of_disk_and_sectors([radius, self.largest().max(2.0 * radius)], SECTOR, !self.stable)
     }
 }
