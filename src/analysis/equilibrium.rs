@@ -1,23 +1,23 @@
 //! Static equilibrium under torques, gravity and mesh forces, by Newton's method with the exact mesh tangent.
 //!
-//! The solution contains no null motion (motion without elastic force, for example the rigid-body rotation), in the
-//! inner product of the mass matrix. A load that drives a null motion has no equilibrium.
+//! Each step solves one system with the band matrices of the shafts, in time proportional to n. The solution contains no
+//! null motion (motion without elastic force, for example the rigid-body rotation), in the inner product of the mass
+//! matrix. A load that drives a null motion has no equilibrium.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::AnalysisError;
-use super::pins::Pins;
 use crate::connection::{Connection, Row};
-use crate::linalg::{CoupledFactors, Singular};
+use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
 use crate::mesh::{Flank, Geometry};
-use crate::modal::{CachedModel, null_motions};
+use crate::modal::{CachedModel, Pins, null_motions};
 use crate::model::{Model, Weights};
 use crate::scene::SceneError;
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-9;
-/// Largest fraction of the load that the springs of the null motions may carry, as round-off.
+/// Largest fraction of the load that the springs on the null motions may carry, as round-off.
 const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
 /// Component of a null motion, relative to its largest one, below which it is round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -43,10 +43,13 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let null = null_motions(model, speed)?;
     check_balance(model, &null, load)?;
     let pins = Pins::new(model, &null);
-    // Sum of the forces of the pins.
-    let mut carried = 0.0;
+    let mut linear = model.shaft_stiffness(&Weights::stiffness());
+    pins.add_to(model, &mut linear);
+
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
+    // Forces of the springs on the null motions.
+    let mut carried = vec![0.0; null.ncols()];
     let mut previous = f64::INFINITY;
     let mut factors: Option<CoupledFactors> = None;
     for _ in 0..MAX_ITERATIONS {
@@ -55,10 +58,11 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         let residual = load - model.static_force(&q) - force;
         let known = match factors.take() {
             Some(known) => known,
-            None => factored(model, &pins, &tangent).map_err(|_| singular())?,
+            None => tangent_factors(model, linear.clone(), &tangent).map_err(DecompositionError::from)?,
         };
-        let mut step = solution(model, &known, &residual).map_err(|_| singular())?;
-        let of_pins = pins.force(&step);
+        let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
+        let mut step = DVector::from_vec(step);
+        carried.iter_mut().zip(pins.forces(&step)).for_each(|(sum, force)| *sum += force);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
@@ -71,42 +75,28 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
-        carried += fraction * of_pins;
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(carried, load)?;
+                check_constraints(&carried, load)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);
         }
     }
+    check_constraints(&carried, load)?;
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
 }
 
-/// Factors of the stiffness matrix with the `tangent` of the connections and with `pins`.
-fn factored(model: &Model, pins: &Pins, tangent: &[Entry]) -> Result<CoupledFactors, Singular> {
-    let mut matrix = model.shaft_stiffness(&Weights::stiffness());
+/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections.
+fn tangent_factors(model: &Model, mut sum: CoupledBands, tangent: &[Entry]) -> Result<CoupledFactors, Singular> {
     for (row, column, value) in tangent {
-        model.add_entry(&mut matrix, *row, *column, Complex64::from(*value));
+        model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
     }
-    pins.add_to(model, &mut matrix);
-    matrix.factor(1.0)
-}
-
-/// Displacements under a load, n entries.
-fn solution(model: &Model, factors: &CoupledFactors, load: &DVector<f64>) -> Result<DVector<f64>, Singular> {
-    let mut x = model.to_circular(load.map(Complex64::from).as_slice());
-    factors.solve(&mut x)?;
-    Ok(DVector::from_iterator(load.len(), model.from_circular(&x).iter().map(|value| value.re)))
-}
-
-/// The error of a singular tangent.
-fn singular() -> AnalysisError {
-    AnalysisError::Convergence("no static equilibrium found: the stiffness matrix is singular".to_owned())
+    sum.factor(1.0)
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
@@ -164,10 +154,10 @@ fn unbalanced(model: &Model) -> SceneError {
     )
 }
 
-/// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
-/// stiffness is singular and not symmetric: its left and right null vectors differ.
-fn check_constraints(carried: f64, load: &DVector<f64>) -> Result<(), AnalysisError> {
-    if carried.abs() <= UNSUPPORTED_TOLERANCE * load.norm() {
+/// Refuses a load that the springs on the null motions carry, N or N m. This occurs with bearings whose stiffness is
+/// singular and not symmetric: its left and right null vectors differ.
+fn check_constraints(carried: &[f64], load: &DVector<f64>) -> Result<(), AnalysisError> {
+    if carried.iter().all(|force| force.abs() <= UNSUPPORTED_TOLERANCE * load.norm()) {
         return Ok(());
     }
     let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";

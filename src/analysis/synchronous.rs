@@ -5,10 +5,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::pins::Pins;
 use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledBands, Singular, solve_complex};
-use crate::modal::{CachedModel, Projected, null_motions};
+use crate::modal::{CachedModel, Pins, Projected, null_motions};
 use crate::model::{Excitation, Model, Weights};
 use crate::scene::Node;
 
@@ -22,6 +21,16 @@ pub enum ExcitationPart {
     Bow,
     /// Unbalance only.
     Unbalance,
+}
+
+/// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
+const MAX_DENSE: usize = 2000;
+
+/// The error of a speed without an accurate response, rad/s.
+fn unsolved(speed: f64) -> AnalysisError {
+    AnalysisError::Convergence(format!(
+        "the synchronous response at {speed} rad/s has no accurate solution: it is an undamped critical speed; add damping or change the speed"
+    ))
 }
 
 /// Memory that a synchronous response needs at first.
@@ -94,10 +103,13 @@ pub(super) fn synchronous_of(
         return Ok(DVector::zeros(model.len()));
     };
     // The matrix of modal damping is full.
-    if model.scene.modal_damping == 0.0
-        && let Some(found) = without_modal_damping(model, [speed, spin], flank_speed, &force)?
-    {
-        return Ok(found);
+    if model.scene.modal_damping == 0.0 {
+        match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
+            Some(found) => return Ok(found),
+            // At an undamped critical speed the response is very large: the dense solution shows its size.
+            None if model.len() <= MAX_DENSE => {}
+            None => return Err(unsolved(speed)),
+        }
     }
     solve_dense(&cached, [speed, spin], flank_speed, force)
 }

@@ -51,10 +51,9 @@ impl Pins {
         }
     }
 
-    /// Largest force of a spring at the displacements `x`, with its sign, N or N m.
-    pub fn force(&self, x: &DVector<f64>) -> f64 {
-        let forces = self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate]);
-        forces.fold(0.0, |most: f64, force| if force.abs() > most.abs() { force } else { most })
+    /// Forces of the springs at the displacements `x`, N or N m.
+    pub fn forces<'a>(&'a self, x: &'a DVector<f64>) -> impl Iterator<Item = f64> + 'a {
+        self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate])
     }
 
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
