@@ -77,8 +77,18 @@ class Ross:
             for b in self.system.bearings
             if b.shaft == shaft.name
         ]
-        gears = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
-        return ross.Rotor(self.elements(shaft), gears, bearings)
+        disks = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
+        disks += [self.disk(disk) for disk in self.system.disks if disk.shaft == shaft.name]
+        return ross.Rotor(self.elements(shaft), disks, bearings)
+
+    def disk(self, disk: gb.Disk) -> Any:
+        """Return a disk."""
+        return ross.DiskElement(
+            n=self.node(disk.position),
+            m=disk.mass,
+            Id=disk.diametral_inertia,
+            Ip=disk.polar_inertia,
+        )
 
     def gear(self, gear: gb.Gear) -> Any:
         """Return a gear, a solid disk with the diameter of the pitch circle."""
@@ -121,6 +131,37 @@ class Ross:
             at = self.offset[gear.shaft] + DOFS * self.node(gear.position) + PLACE["twist"]
             table[:, at] += value
         return table
+
+    def frequencies(self, speed: float, count: int) -> Array:
+        """Return the lowest damped natural frequencies [Hz]."""
+        found = self.rotor_.run_modal(speed, num_modes=2 * count)
+        return np.asarray(found.wd) / (2.0 * np.pi)
+
+    def campbell(self, speeds: Array, count: int) -> Array:
+        """Return the damped natural frequencies (speeds, count) [Hz], followed over the speed."""
+        found = self.rotor_.run_campbell(speeds, frequencies=count)
+        return np.asarray(found.wd) / (2.0 * np.pi)
+
+    def responses(self, speeds: Array) -> Array:
+        """Return the response to the unbalances of the first shaft (speeds, n), complex.
+
+        ROSS stores an n × n matrix for each speed and caches it. Blocks of 100 speeds limit the
+        memory; an empty cache makes each call compute them.
+        """
+        parts = [
+            (int(self.offset[part.shaft] / DOFS) + self.node(part.position), abs(part.unbalance))
+            for part in (*self.system.disks, *self.system.gears)
+            if part.unbalance
+        ]
+        nodes, magnitudes = zip(*parts, strict=True)
+        blocks = []
+        for some in np.array_split(speeds, max(1, len(speeds) // 100)):
+            ross.Rotor._run_freq_response.cache_clear()
+            found = self.rotor_.run_unbalance_response(
+                list(nodes), list(magnitudes), [0.0] * len(nodes), list(some)
+            )
+            blocks.append(np.asarray(found.forced_resp).T)
+        return np.concatenate(blocks)
 
     def simulate(self, force: Array, times: Array, method: str) -> Array:
         """Simulate from rest; return every coordinate at every time."""
