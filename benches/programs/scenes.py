@@ -95,11 +95,10 @@ def geared(
     modal_damping: float | None = None,
     elements: int = 15,
     bow: float = BOW,
-    unbalance: float = 0.0,
 ) -> gb.RotorSystem:
-    """Return shafts with gears at nodes and balanced torques; unbalance is that of every gear."""
+    """Return shafts with gears at nodes and balanced torques."""
     names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
-    options: dict[str, Any] = {"module": 3e-3, "face_width": 0.03, "unbalance": unbalance}
+    options: dict[str, Any] = {"module": 3e-3, "face_width": 0.03}
     return gb.RotorSystem(
         shafts=[
             shaft(name, seats=seats and name != "middle", elements=elements, bow=bow)
