@@ -20,14 +20,16 @@ are medians of the ratios within each round.
 
 import argparse
 import contextlib
+import functools
 import gc
-import importlib.util
+import importlib
 import math
 import os
 import statistics
 import sys
 import warnings
 
+import gearbow as gb
 from programs.analyses import ANALYSES, SUBJECTS, Analysis, Subject
 from programs.calls import CALLS
 from programs.memory import WORKS, peak
@@ -36,14 +38,11 @@ from programs.scenes import SCENES, Scene
 from programs.search import PATIENCE, Found, check, measure, reference, search
 from programs.timing import ROUNDS, Outcome, in_rounds, median_ratio, once, timed
 
-import gearbow as gb
-
-SLOW = 2.0  # work that takes longer is timed only once, s
+SLOW = 1.0  # work that takes longer is timed only once, s
 LIMIT = 20.0  # limit of the CPU time of an analysis, s
 QUICK = ("shaft", "square", "modes", "calls")  # tables of a quick comparison
 TABLES = (*SCENES, *ANALYSES, "calls", "memory")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-ROSS = importlib.util.find_spec("ross") is not None
 
 
 def row(*cells: object) -> None:
@@ -57,9 +56,23 @@ def header(*cells: str) -> None:
     print("|" + "---|" * len(cells))
 
 
-def installed(method: Method) -> bool:
-    """Return whether the program of a method is installed."""
-    return offered(method.name) if method.program == "gearbow" else method.program != "ROSS" or ROSS
+@functools.cache
+def without_ross() -> str:
+    """Return why ROSS cannot be used; empty if it can."""
+    try:
+        importlib.import_module("programs.ross_rotor")
+    except ModuleNotFoundError as error:
+        return "not installed" if error.name == "ross" else f"cannot be imported: {error}"
+    except Exception as error:  # noqa: BLE001  # ROSS fails with some versions of its dependencies
+        return f"cannot be imported: {type(error).__name__}"
+    return ""
+
+
+def unavailable(method: Method) -> str:
+    """Return why a method cannot be used; empty if it can."""
+    if method.program == "gearbow":
+        return "" if offered(method.name) else "not in this version"
+    return without_ross() if method.program == "ROSS" else ""
 
 
 def scene_table(name: str, *, quick: bool) -> None:
@@ -73,10 +86,11 @@ def scene_table(name: str, *, quick: bool) -> None:
     for method in METHODS:
         offers = (scene.ross or not method.ross) and method.only in {"", name}
         if offers and (not scene.own or method.program == "gearbow" or method.only == name):
-            if installed(method):
-                rows.append(search(scene, method, exact, 1.5 if quick else PATIENCE))
+            reason = unavailable(method)
+            if reason:
+                missing.append((method, reason))
             else:
-                missing.append(method)
+                rows.append(search(scene, method, exact, 1.5 if quick else PATIENCE))
     again = {r.method.title: r for r in rows if r.error is not None and r.cost * r.duration < SLOW}
     measured: dict[str, list[Found]] = {title: [] for title in again}
 
@@ -87,8 +101,8 @@ def scene_table(name: str, *, quick: bool) -> None:
     works = {title: lambda title=title: work(title) for title in again}
     costs = in_rounds(works, 1 if quick else ROUNDS)
     print_scene(scene, rows, costs, {title: found[-1].start for title, found in measured.items()})
-    for method in missing:
-        row(method.program, method.name, "not installed", "", "", "", "", "")
+    for method, reason in missing:
+        row(method.program, method.name, reason, "", "", "", "", "")
 
 
 def print_scene(
@@ -153,7 +167,7 @@ class AnalysisTable:
         exact = self.analysis.exact(system)
         errors, costs, works = {}, {}, {}
         for name, program in self.analysis.programs.items():
-            outcome = self.probe(name, program, subject, system)
+            outcome = self.probe(name, subject, system)
             if outcome.value is None:
                 self.cells[name].append(outcome.reason)
                 continue
@@ -174,12 +188,10 @@ class AnalysisTable:
             self.ratios[name].append(ratio)
         gc.collect()
 
-    def probe(
-        self, name: str, program: object, subject: Subject, system: gb.RotorSystem
-    ) -> Outcome[object]:
+    def probe(self, name: str, subject: Subject, system: gb.RotorSystem) -> Outcome[object]:
         """Run once in a process of its own, which ends at the time limit."""
-        if name == "ROSS" and not (ROSS and subject.ross):
-            return Outcome(None, 0.0, "no model" if ROSS else "not installed")
+        if name == "ROSS" and (without_ross() or not subject.ross):
+            return Outcome(None, 0.0, without_ross() or "no model")
         if name in self.stopped and not subject.ross:
             return Outcome(None, 0.0, self.stopped[name])
         prepared = self.analysis.programs[name](system)
@@ -248,11 +260,12 @@ def main() -> None:
     if any(os.environ.get(name) != "1" for name in THREADS):
         # Libraries read these variables when they are loaded.
         os.environ.update(dict.fromkeys(THREADS, "1"))
-        os.execv(sys.executable, [sys.executable, *sys.argv])  # noqa: S606
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     # Libraries that print write to the standard error instead.
     tables = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     warnings.simplefilter("ignore", gb.RunTimeWarning)
+    warnings.simplefilter("ignore", gb.AccuracyWarning)
     quick: bool = given.quick
     with contextlib.redirect_stdout(tables):
         for name in given.tables or (QUICK if quick else TABLES):

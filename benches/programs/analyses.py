@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 import gearbow as gb
-from programs.scenes import MEAN, PAIR, SPEED, STAGES, TRAIN, Array, geared, unbalanced
+from programs.scenes import MEAN, PAIR, SPEED, STAGES, TRAIN, Array, bodies, geared, unbalanced
 from programs.timing import Run
 
 #: Prepares an analysis of a system; each call of the result prepares one run, which is timed.
@@ -106,7 +106,7 @@ def relative_error(found: Any, exact: Any) -> float:
 
 def lateral(system: gb.RotorSystem) -> list[tuple[str, float]]:
     """Return the (shaft, position) of every gear and disk."""
-    return [(part.shaft, part.position) for part in (*system.gears, *system.disks)]
+    return [(part.shaft, part.position) for part in bodies(system)]
 
 
 def gearbow_static(system: gb.RotorSystem) -> Array:
@@ -119,7 +119,7 @@ def scipy_static(sparse: Any, tolerance: float, *, extended: bool = False) -> Ar
     """Return the same from the coordinates that SciPy found."""
     found = sparse.static(tolerance, extended=extended)
     return np.array(
-        [[found[sparse.index[(*place, d)]] for d in "vw"] for place in lateral(sparse.system)]
+        [[found[sparse.index[(shaft, x, d)]] for d in "vw"] for shaft, x in lateral(sparse.system)]
     )
 
 
@@ -134,8 +134,7 @@ def scipy_response(sparse: Any, speeds: Array, refinements: int = 0) -> Any:
     found = sparse.responses(speeds, refinements)
     if len(speeds) == len(SPEEDS):
         found = found[SAMPLE]
-    places = lateral(sparse.system)
-    rows = [[sparse.index[(*place, d)] for d in "vw"] for place in places]
+    rows = [[sparse.index[(shaft, x, d)] for d in "vw"] for shaft, x in lateral(sparse.system)]
     return np.moveaxis(found[..., rows], 2, 0)
 
 
@@ -203,9 +202,7 @@ ANALYSES = {
             "ROSS": of_ross(lambda model: model.campbell(DIAGRAM, 10)),
         },
         exactly(
-            lambda sparse: np.array(
-                [sparse.exact_frequencies(DIAGRAM[i], MODES) for i in CHECKED]
-            )
+            lambda sparse: np.array([sparse.exact_frequencies(DIAGRAM[i], MODES) for i in CHECKED])
         ),
         frequency_error,
     ),

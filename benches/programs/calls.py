@@ -56,9 +56,7 @@ def error(system: gb.RotorSystem, found: gb.Response, speed: Any, **options: Any
         float(found.time[-1]), speed, method="rk45", rtol=1e-9, times=found.time, **options
     )
     pairs = [(found.displacement(gear), exact.displacement(gear)) for gear in GEARS]
-    return max(
-        float(np.linalg.norm(a - b) / np.linalg.norm(b - b.mean(axis=0))) for a, b in pairs
-    )
+    return max(float(np.linalg.norm(a - b) / np.linalg.norm(b - b.mean(axis=0))) for a, b in pairs)
 
 
 def warm() -> Prepared:

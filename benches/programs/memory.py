@@ -4,6 +4,7 @@ import multiprocessing
 import resource
 import signal
 import time
+import warnings
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
@@ -47,11 +48,12 @@ def peak(title: str) -> tuple[str, str]:
 def _work(title: str, sender: Connection) -> None:
     """Analyse, and send the peak memory and the CPU time."""
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 1))
+    warnings.simplefilter("ignore", gb.AccuracyWarning)
     begin = time.process_time()
     try:
         WORKS[title](geared(TRAIN, STAGES, MEAN, 0.05, elements=ELEMENTS))
     except gb.SceneError as error:
-        memory = f"refused: {error}"
+        memory = "refused: " + str(error).partition(";")[0]
     else:
         memory = f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f}"
     sender.send((memory, f"{time.process_time() - begin:.2f}"))

@@ -14,7 +14,7 @@ import numpy as np
 
 import gearbow as gb
 from programs.dense import bow_shape, nodal
-from programs.scenes import Array
+from programs.scenes import Array, bodies
 
 with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
     warnings.simplefilter("ignore")  # ROSS warns about an optional package for refrigerants
@@ -150,7 +150,7 @@ class Ross:
         """
         parts = [
             (int(self.offset[part.shaft] / DOFS) + self.node(part.position), abs(part.unbalance))
-            for part in (*self.system.disks, *self.system.gears)
+            for part in bodies(self.system)
             if part.unbalance
         ]
         nodes, magnitudes = zip(*parts, strict=True)

@@ -44,9 +44,7 @@ class Scene:
         return np.linspace(0.0, duration, round(duration / self.sample) + 1)
 
 
-def shaft(
-    name: str, *, seats: bool = False, elements: int = 15, bow: float = BOW
-) -> gb.Shaft:
+def shaft(name: str, *, seats: bool = False, elements: int = 15, bow: float = BOW) -> gb.Shaft:
     """Return a bowed shaft of 1 m; seats add 2 mm elements at both ends of 15 elements."""
     seat = gb.Segment(SEAT, 0.05)
     inner = [gb.Segment(ELEMENT - SEAT, 0.05), gb.Segment(13 * ELEMENT, 0.05, elements=13)]
@@ -129,6 +127,11 @@ STAGES = (("g1", "g2"), ("g3", "g4"))
 SQUARE = gb.Stiffness.square(pair=2e8, engagement="sharp")
 SMOOTH = gb.Stiffness.square(pair=2e8, engagement=0.2)
 MEAN = gb.Stiffness.constant(3.4e8)
+
+
+def bodies(system: gb.RotorSystem) -> list[gb.Disk | gb.Gear]:
+    """Return all gears and disks."""
+    return [*system.gears, *system.disks]
 
 
 def places(where: dict[str, tuple[str, int, int]]) -> tuple[tuple[str, float], ...]:

@@ -14,7 +14,7 @@ from scipy.sparse.linalg import LinearOperator, eigs, splu
 
 import gearbow as gb
 from programs.dense import Pair, bow_force, torques
-from programs.scenes import Array
+from programs.scenes import Array, bodies
 
 SHIFT = 100.0  # real shift of the eigenvalues, near the lowest frequencies, rad/s
 
@@ -35,8 +35,9 @@ class Sparse:
     def __init__(self, system: gb.RotorSystem, speed: float) -> None:
         matrices = system.matrices(speed)
         self.mass, self.stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
-        self.damping, self.gyroscopic = csc_matrix(matrices.damping), csc_matrix(
-            matrices.gyroscopic
+        self.damping, self.gyroscopic = (
+            csc_matrix(matrices.damping),
+            csc_matrix(matrices.gyroscopic),
         )
         self.index = {dof: i for i, dof in enumerate(system.dofs)}
         self.n = len(self.index)
@@ -48,7 +49,7 @@ class Sparse:
     def _unbalance(self, shaft: str) -> Complex:
         """Return the unbalance of a shaft, the force divided by the square of its speed."""
         force = np.zeros(self.n, dtype=complex)
-        for part in (*self.system.disks, *self.system.gears):
+        for part in bodies(self.system):
             if part.shaft == shaft:
                 force[self.index[shaft, part.position, "v"]] += part.unbalance
                 force[self.index[shaft, part.position, "w"]] -= 1j * part.unbalance
