@@ -179,7 +179,7 @@ class AnalysisTable:
         costs |= in_rounds(works, self.rounds)
         for name, values in costs.items():
             cost = statistics.median(values)
-            self.cells[name].append(f"{1e3 * cost:.3g} ms, {errors[name]:.0e}")
+            self.cells[name].append(f"{readable(cost)}, {errors[name]:.0e}")
             if not subject.ross:
                 self.trains[name][size] = cost
         for name in self.cells:
@@ -208,6 +208,11 @@ class AnalysisTable:
             row(name, *cells, growth(self.trains[name]))
             if name != "gearbow" and any(self.ratios[name]):
                 row(f"{name} / gearbow", *self.ratios[name], "")
+
+
+def readable(seconds: float) -> str:
+    """Return a time with its unit."""
+    return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{1e3 * seconds:.3g} ms"
 
 
 def growth(costs: dict[int, float]) -> str:

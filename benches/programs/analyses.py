@@ -74,7 +74,12 @@ def of_ross(call: Callable[[Any], Any]) -> Program:
         from programs.ross_rotor import Ross  # noqa: PLC0415  # slow import
 
         model = Ross(system, SPEED)
-        return lambda: functools.partial(call, model)
+
+        def fresh() -> Run[Any]:
+            model.forget()
+            return functools.partial(call, model)
+
+        return fresh
 
     return prepare
 

@@ -132,6 +132,11 @@ class Ross:
             table[:, at] += value
         return table
 
+    def forget(self) -> None:
+        """Empty the caches of ROSS, so that a repeated call computes its result again."""
+        self.rotor_.run_modal.cache_clear()
+        self.rotor_._run_freq_response.cache_clear()
+
     def frequencies(self, speed: float, count: int) -> Array:
         """Return the lowest damped natural frequencies [Hz]."""
         found = self.rotor_.run_modal(speed, num_modes=2 * count)
@@ -145,8 +150,7 @@ class Ross:
     def responses(self, speeds: Array) -> Array:
         """Return the response to the unbalances of the first shaft (speeds, n), complex.
 
-        ROSS stores an n × n matrix for each speed and caches it. Blocks of 100 speeds limit the
-        memory; an empty cache makes each call compute them.
+        ROSS keeps n × n matrices for each speed: blocks of 100 speeds limit the memory.
         """
         parts = [
             (int(self.offset[part.shaft] / DOFS) + self.node(part.position), abs(part.unbalance))
@@ -156,7 +160,7 @@ class Ross:
         nodes, magnitudes = zip(*parts, strict=True)
         blocks = []
         for some in np.array_split(speeds, max(1, len(speeds) // 100)):
-            ross.Rotor._run_freq_response.cache_clear()
+            self.forget()
             found = self.rotor_.run_unbalance_response(
                 list(nodes), list(magnitudes), [0.0] * len(nodes), list(some)
             )
