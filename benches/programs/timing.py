@@ -84,6 +84,8 @@ def _work(prepare: Callable[[], Run[Any]], limit: float, sender: Connection) -> 
             if first or spent > limit / 3.0:
                 break
     except Exception as error:  # noqa: BLE001  # the table shows why a program has no result
-        sender.send(Outcome(None, spent, f"{type(error).__name__}: {error}"))
+        # One line that fits into a cell of a table.
+        reason = str(error).partition("\n")[0].partition(";")[0].replace("|", "/")
+        sender.send(Outcome(None, spent, f"{type(error).__name__}: {reason}"))
     else:
         sender.send(Outcome(value, spent))
