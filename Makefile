@@ -35,7 +35,7 @@ help:
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
 	@echo "make bench-accept  store the instructions as they are now"
-	@echo "make compare       gearbow beside SciPy and ROSS: the same scenes to the same error"
+	@echo "make compare       gearbow beside SciPy and ROSS: the same work, with the error of each"
 	@echo "make fmt           format Rust and Python"
 	@echo "make wheel         build the wheel into dist/"
 	@echo "make readme        print the tables of the documents anew"
@@ -110,7 +110,7 @@ study: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --studied
 	$(MAKE) measure
 
-measure: $(VENV)/.dev
+measure: $(VENV)/.dev $(VENV)/.compare
 	$(BIN)/python docs/printed.py --measured
 
 # The references have elements of high degree: this takes most of an hour on two cores.
@@ -153,6 +153,12 @@ $(VENV)/.wheel: $(SOURCES) | $(BIN)/python
 	rm -f dist/gearbow-*.whl
 	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out dist
 	$(PIP) install --force-reinstall --no-deps dist/gearbow-*.whl
+	touch $@
+
+# ROSS is optional: where it cannot be installed, the tables say so.
+$(VENV)/.compare: $(VENV)/.wheel
+	$(PIP) install "$$(echo dist/gearbow-*.whl)[compare]" \
+	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo dist/gearbow-*.whl)[test]"; }
 	touch $@
 
 # The wheel with one of its extras, plot or dev.
