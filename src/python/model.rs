@@ -249,8 +249,8 @@ impl PyModel {
         EntryPath::root("speed").finite(speed)?;
         let at_speed = self.cached.at_speed(speed)?;
         let model = &at_speed.model;
-        self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
-        let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
+        self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
+        let found = self.run(py, Dense::Bands, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {

@@ -15,8 +15,9 @@ use std::sync::Arc;
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
+use super::options::LARGE_MODEL;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::{connected, interface, ports};
+use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
@@ -31,8 +32,6 @@ const SHORT_RUN: f64 = 3.0;
 /// The same below [`LARGE_MODEL`] for meshes with separation and varying stiffness. With all modes, their linear motion
 /// contains the shafts alone, which are uncoupled, so that a reduction saves less: 5 to 20 % over 1 s.
 const SHORT_SEPARATING_RUN: f64 = 10.0;
-/// Smallest number of coordinates of a model that is built from the modes of its components.
-pub(super) const LARGE_MODEL: usize = 250;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
 /// Number of modes up to which a choice among numbers of modes pays for all runs that are not short.
@@ -364,7 +363,7 @@ fn of_components(
     let at_fastest = run.cached.at_speed(fastest)?;
     let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
     let model = &at_fastest.model;
-    let mut loaded = connected(model, fastest);
+    let mut loaded = model.coupled_coordinates(fastest);
     loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
     loaded.sort_unstable();
     loaded.dedup();
