@@ -269,6 +269,7 @@ def test_a_level_at_a_changing_speed(elements: int):
     assert (errors(found, exact) < (1e-3, 1e-2)).all()
 
 
+@pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_speed_dependent_bearings_in_a_reduced_run_up():
     stiffness = gb.SpeedTable([0.0, 300.0], [5e7, 1.5e8])
     system = train(bearing={"stiffness": stiffness, "damping": 500.0}, engagement=0.4)
@@ -276,7 +277,11 @@ def test_speed_dependent_bearings_in_a_reduced_run_up():
     run: dict[str, Any] = {"rtol": 1e-6, "output_step": 1e-4}
     exact = system.simulate(0.03, profile, **run)
     found = system.simulate(0.03, profile, modes=56, **run)
-    assert (errors(found, exact) < (1e-3, 1e-2)).all()
+    true = errors(found, exact)
+    assert (true < (1e-2, 1e-1)).all()
+    ratio = np.array(found.statistics.modes_error) / true
+    assert (ratio > 1 / 3).all()
+    assert (ratio < 3).all()
 
 
 def test_a_warning_at_a_changing_speed():
