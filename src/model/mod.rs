@@ -299,6 +299,13 @@ impl Model {
         }
     }
 
+    /// Coordinates on which bearings and connections act, with repetitions; `speed` of the reference shaft, rad/s.
+    pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
+        let rows = self.connections(speed).flat_map(|connection| connection.rows());
+        let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
+        rows.flatten().map(|(index, _)| index).chain(bearings).collect()
+    }
+
     /// M X for a matrix X with n rows.
     pub fn mass_times(&self, vectors: &DMatrix<f64>) -> DMatrix<f64> {
         let mut weighted = DMatrix::zeros(self.len(), vectors.ncols());

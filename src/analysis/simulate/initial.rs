@@ -4,8 +4,6 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::synchronous::{motion, synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum, equilibrium};
-use super::ports::connected;
-use super::reduction::LARGE_MODEL;
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
@@ -185,12 +183,11 @@ fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMa
     let sources: Vec<usize> =
         (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
     // The matrix of modal damping is full. In a reduced run it acts on few modes.
-    let reduced = model.len() >= LARGE_MODEL && (options.modes.is_some() || options.reduction.is_some());
-    let subspace = if reduced && model.scene.modal_damping > 0.0 && !sources.is_empty() {
+    let subspace = if options.uses_components(model) && model.scene.modal_damping > 0.0 && !sources.is_empty() {
         let at_speed = cached.at_speed(speed)?;
         let limit = DAMPED * model.max_speed_ratio() * speed.abs();
         let model = &at_speed.model;
-        let loaded = connected(model, flank_speed);
+        let loaded = model.coupled_coordinates(flank_speed);
         Some(Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit)?)
     } else {
         None

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 use super::super::synchronous::{synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart};
@@ -91,13 +91,9 @@ impl<'m> ModalSetup<'m> {
 
     /// The same run with the linear motion of a subspace.
     pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
-        let embedding = self.linear.map_from(model, &linear);
-        let restriction = linear.map_from(model, &self.linear);
-        let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
-        let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
         let maps = InterfaceMaps {
-            rows: self.maps.rows.iter().map(row).collect(),
-            columns: self.maps.columns.iter().map(column).collect(),
+            rows: linear.rows_of(model, &self.linear, &self.maps.rows),
+            columns: linear.columns_of(model, &self.linear, &self.maps.columns),
             parts: linear.parts.clone(),
             ..self.maps.clone()
         };

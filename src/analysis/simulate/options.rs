@@ -51,6 +51,8 @@ impl Method {
     }
 }
 
+/// Smallest number of coordinates of a model that a reduction builds from the modes of its components.
+pub(super) const LARGE_MODEL: usize = 250;
 /// Default relative tolerance.
 const DEFAULT_RTOL: f64 = 1e-6;
 /// Smallest relative tolerance: the round-off of a step.
@@ -162,6 +164,11 @@ impl Options {
     pub(super) fn in_modes(&self, model: &Model) -> bool {
         let modal = model.scene.modal_damping > 0.0 && matches!(self.speed, Speed::Constant(_));
         modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
+    }
+
+    /// Whether the run may use a model that is built from the modes of its components.
+    pub(super) fn uses_components(&self, model: &Model) -> bool {
+        model.len() >= LARGE_MODEL && (self.modes.is_some() || self.reduction.is_some())
     }
 
     /// The dense matrices that the run needs.

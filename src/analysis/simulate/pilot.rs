@@ -14,6 +14,9 @@ use crate::integrate::{Halt, Observer, Statistics};
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
+/// Part of a short run that a pilot run takes, and its shortest duration, s.
+const PART: f64 = 1.0 / 3.0;
+const SHORTEST: f64 = 0.03;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
@@ -33,7 +36,7 @@ impl Pilot {
     /// Chooses the part of a run.
     pub fn new(run: &Run<'_>, start: &Start) -> Self {
         let Run { cached, options, .. } = *run;
-        let duration = options.duration.min(PILOT_DURATION);
+        let duration = (PART * options.duration).clamp(SHORTEST, PILOT_DURATION).min(options.duration);
         let end = options.start + options.duration;
         let fastest = options.speed.time_of_fastest(options.start, end);
         let first = (fastest - duration / 2.0).min(end - duration).max(options.start);

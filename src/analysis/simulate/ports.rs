@@ -24,13 +24,6 @@ pub(super) fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec
     scalars
 }
 
-/// Coordinates on which connections and bearings act, with repetitions.
-pub(super) fn connected(model: &Model, speed: f64) -> Vec<usize> {
-    let rows = model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows());
-    let bearings = model.supports.iter().flat_map(|support| [support.index, support.index + 1]);
-    rows.flatten().map(|(index, _)| index).chain(bearings).collect()
-}
-
 /// What the reduced motion carries: forces of connections, prescribed loads, recorded displacements, and the states in
 /// which a run can begin.
 pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {

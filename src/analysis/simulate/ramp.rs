@@ -14,6 +14,8 @@ use crate::motion::Speed;
 /// A gyroscopic coupling is neglected if its acceleration, relative to that of the motion, is below this multiple of the
 /// tolerance. Tolerances limit the error of a step; the error of a run is about ten times as large.
 const NEGLECTED: f64 = 10.0;
+/// The same limit in multiples of the error of displacements that a reduction may cause.
+const NEGLECTED_SHARE: f64 = 0.1;
 /// Tolerance of the gyroscopic couplings with fixed steps.
 const FIXED_TOLERANCE: f64 = 1e-10;
 
@@ -33,10 +35,14 @@ pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -
     let fastest = options.fastest();
     let [slowest, largest] = options.speed.magnitudes();
     let corner = corner_frequency(model, real, fastest);
-    let tolerance = if options.step.is_some() { FIXED_TOLERANCE } else { options.tolerance() };
+    let neglected = match (options.reduction, options.step) {
+        (Some([displacement, _]), _) => NEGLECTED_SHARE * displacement,
+        (None, Some(_)) => NEGLECTED * FIXED_TOLERANCE,
+        (None, None) => NEGLECTED * options.tolerance(),
+    };
     let difference = (largest - slowest) / 2.0;
     let pairs = if difference > 0.0 {
-        let smallest = NEGLECTED * tolerance * corner / difference;
+        let smallest = neglected * corner / difference;
         gyroscopic_pairs(model, real, corner, smallest)?
     } else {
         Vec::new()

@@ -15,8 +15,9 @@ use std::sync::Arc;
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
+use super::options::LARGE_MODEL;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::{connected, interface, ports};
+use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
@@ -31,10 +32,10 @@ const SHORT_RUN: f64 = 3.0;
 /// The same below [`LARGE_MODEL`] for meshes with separation and varying stiffness. With all modes, their linear motion
 /// contains the shafts alone, which are uncoupled, so that a reduction saves less: 5 to 20 % over 1 s.
 const SHORT_SEPARATING_RUN: f64 = 10.0;
-/// Smallest number of coordinates of a model that is built from the modes of its components.
-pub(super) const LARGE_MODEL: usize = 250;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
+/// Number of modes up to which a choice among numbers of modes pays for all runs that are not short.
+const FEW_MODES: f64 = 150.0;
 /// Number of mode counts that are tried before the run keeps all modes.
 const MAX_TRIALS: usize = 4;
 /// Errors of displacements and mesh forces that determine the modes of the components without a given target.
@@ -95,7 +96,7 @@ pub(super) fn set_up<'m>(
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
     match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short => reducer.choose(target, observer),
+        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer),
         (None, _) => Ok(reducer.unreduced()),
         (Some(count), _) => {
             let setup = reducer.reduced(count)?;
@@ -273,10 +274,12 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
         let null = self.projected.modes.null;
         let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
-        let first = self.directions()?.count(FIRST_SHARE * target[1]) + null;
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
-        let before = self.start.is_reduced(&self.run.cached.model).then_some(self.start.state.modal.len() / 2);
-        let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
+        let (mut count, mut allowed) = if self.start.is_reduced(&self.run.cached.model) {
+            (self.start.state.modal.len() / 2, CONTINUED)
+        } else {
+            (self.directions()?.count(FIRST_SHARE * target[1]) + null, 1.0)
+        };
         for _ in 0..MAX_TRIALS {
             count = count.next_multiple_of(LANES);
             if count > largest {
@@ -293,6 +296,15 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let modes = self.unreduced.linear.modes;
         Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
+    }
+
+    /// Whether a choice among numbers of modes saves more time than it takes: the eigenvalue problem of a choice takes a time
+    /// in proportion to the third power of the number of modes, and a step in proportion to the number. A continued run
+    /// keeps its choice.
+    fn choice_pays(&self) -> bool {
+        let growth = (self.unreduced.linear.modes as f64 / FEW_MODES).max(1.0).powi(2);
+        self.run.options.duration >= SHORT_RUN * growth * PILOT_DURATION
+            || self.start.is_reduced(&self.run.cached.model)
     }
 
     /// Largest ratio of the errors, with those from the modes of the components, to their target.
@@ -321,7 +333,10 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let elastic = count.saturating_sub(self.projected.modes.null);
         let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
-        let linear = self.projected.restricted(model, reference_speed(self.run.options), &kept)?.state_space()?;
+        // The frequencies are those with the bearings at the largest speed.
+        let at_fastest = self.run.cached.at_speed(self.run.options.fastest())?;
+        let subspace = self.projected.restricted(&at_fastest.model, reference_speed(self.run.options), &kept)?;
+        let linear = subspace.state_space()?;
         Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
 
@@ -348,7 +363,7 @@ fn of_components(
     let at_fastest = run.cached.at_speed(fastest)?;
     let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
     let model = &at_fastest.model;
-    let mut loaded = connected(model, fastest);
+    let mut loaded = model.coupled_coordinates(fastest);
     loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
     loaded.sort_unstable();
     loaded.dedup();
