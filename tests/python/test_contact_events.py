@@ -110,21 +110,3 @@ def test_round_off_of_touching_flanks_does_not_delay_their_contact(seed: int):
         assert events == wanted
         # A contact that is late by 3 microseconds changes the forces by 6e-5.
         assert np.abs(forces - exact).max() < 1e-6 * np.abs(exact).max()
-
-
-@pytest.mark.parametrize("rtol", [1e-7, 1e-8, 1e-9])
-def test_a_short_separation_between_the_stages_of_a_step_is_found(rtol: float):
-    """Flanks that touch at rest separate after 7 and meet after 20 microseconds, within the first step."""
-    drawn = scene(450)
-    undamped = replace(
-        drawn, bearing=(*drawn.bearing[:3], 0.0), mesh=(*drawn.mesh[:2], 0.0), rayleigh=0.0
-    )
-    system, times = undamped.system(), np.linspace(0.0, 1e-3, 21)
-    run, exact = (
-        system.simulate(1e-3, drawn.speed, initial="rest", times=times, rtol=tolerance)
-        for tolerance in (rtol, 1e-11)
-    )
-    kinds = ["separation", "contact", "separation", "contact"]
-    assert [event.kind for event in run.events if event.kind in CONTACT] == kinds
-    for event, wanted in zip(run.events, exact.events, strict=True):
-        assert event.time == pytest.approx(wanted.time, abs=1e-8)
