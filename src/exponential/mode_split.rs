@@ -88,7 +88,7 @@ mod tests {
             .cycle()
             .take(2 * WIDTH)
             .collect::<Vec<_>>();
-        let split = ModeSplit::new(&pairs, 1.0).unwrap();
+        let Some(split) = ModeSplit::new(&pairs, 1.0) else { panic!("no pair is coupled") };
         assert_eq!(
             [0, 1, 2].map(|slot| split.is_slow.each_ref().map(|list| list[slot])),
             [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
