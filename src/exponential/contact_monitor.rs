@@ -21,7 +21,7 @@ const TOUCHING_TIME: f64 = 1e-4;
 pub(super) struct CandidateEvent {
     /// Fraction of the step.
     pub at: f64,
-    /// Whether the margin has, or may have, a minimum there. Its sign decides, so that the motion itself is evaluated.
+    /// Whether the margin has a minimum there. The sign of a minimum decides, so that the motion itself is evaluated.
     pub is_minimum: bool,
 }
 
@@ -36,9 +36,8 @@ impl ContactMonitor {
     /// Allocates the candidates of a number of meshes.
     pub fn new(rule: &QuadratureRule, meshes: usize) -> Self {
         let weights = std::array::from_fn(|point| rule.through((point as f64 - 1.0) / INTERVALS as f64));
-        // Each of the two flanks has at most one candidate at the end of an interval, one minimum in it, and one candidate
-        // between two known points.
-        Self { weights, candidates: Vec::with_capacity(meshes * 2 * (2 * INTERVALS + rule.stages() + 1)) }
+        // Each of the two flanks has at most one candidate at the end of an interval and one minimum in it.
+        Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * INTERVALS) }
     }
 
     /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`. The current contact
@@ -53,18 +52,6 @@ impl ContactMonitor {
         self.candidates.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
     }
 
-    /// Adds the middle between two points with margins of at most `near`: flanks that separate and meet between them may
-    /// leave no minimum on the polynomial through all points.
-    fn add_between(&mut self, rule: &QuadratureRule, known: &[f64], near: f64) {
-        let points = std::iter::once(&0.0).chain(&rule.nodes).chain([&1.0]);
-        let ends = points.clone().zip(points.skip(1));
-        for ((from, to), margins) in ends.zip(known.windows(2)) {
-            if to > from && margins.iter().all(|margin| (0.0..=near).contains(margin)) {
-                self.candidates.push(CandidateEvent { at: (from + to) / 2.0, is_minimum: true });
-            }
-        }
-    }
-
     /// Adds the candidates of one flank with these margins after the fraction `since` of the step.
     fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues, since: f64) {
         let known = &margins[..rule.stages() + 2];
@@ -77,7 +64,6 @@ impl ContactMonitor {
         }
         let value =
             |weights: &PointValues| weights.iter().zip(margins).map(|(weight, value)| weight * value).sum::<f64>();
-        self.add_between(rule, known, near);
         let values = self.weights.map(|weights| value(&weights));
         for (interval, around) in values.windows(3).enumerate() {
             let at = interval as f64 / INTERVALS as f64;
@@ -127,17 +113,6 @@ mod tests {
 
     fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
         candidates_since(0.0, stages, bottom, depth)
-    }
-
-    #[test]
-    fn the_middle_between_two_points_near_zero_is_a_candidate() {
-        let rule = QuadratureRule::gauss(3);
-        let mut contact_monitor = ContactMonitor::new(&rule, 1);
-        contact_monitor.follow(&rule, &[0.0, 0.005, 0.01, 0.45, 1.0, 0.0], 0.0);
-        let middles = [rule.nodes[0] / 2.0, (rule.nodes[0] + rule.nodes[1]) / 2.0];
-        for at in middles {
-            assert!(contact_monitor.candidates.contains(&CandidateEvent { at, is_minimum: true }));
-        }
     }
 
     #[test]

@@ -69,3 +69,28 @@ fn table(first: Vec<Block>) -> Vec<[Aligned; 4]> {
 fn product(a: &Block, b: &Block) -> Block {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
 }
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::*;
+
+    #[test]
+    fn digits_give_the_exponential_of_any_number_of_units() {
+        let time_grid = TimeGrid { longest: 4e-4, finest: 20, event: 9 };
+        let fractions = Fractions::new(&time_grid);
+        let value = Complex64::new(-30.0, 2e5);
+        let pairs = [ModePair::Oscillation(value); 8];
+        let whole = (time_grid.longest / fractions.unit).round() as u64;
+        for units in [1, 15, 16, 12345, whole / 3, whole - 1, whole] {
+            let mut found = Complex64::ONE;
+            for (position, digit) in Fractions::digits(units).filter(|(_, digit)| *digit > 0) {
+                let [a, b, ..] = fractions.matrix(&pairs, position, digit);
+                found *= Complex64::new(a[0], b[0]);
+            }
+            // The phase is rounded to 80 rad times the machine precision, in each of seven digits.
+            assert!((found - (value * (units as f64 * fractions.unit)).exp()).norm() < 1e-13, "{units}");
+        }
+    }
+}

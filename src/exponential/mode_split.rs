@@ -73,3 +73,36 @@ impl ModeSplit {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::*;
+
+    #[test]
+    fn each_coordinate_is_slow_or_fast() {
+        let rigid = ModePair::RigidBodyPair(-1.0);
+        let pairs = [ModePair::Oscillation(Complex64::new(-1.0, 100.0)), ModePair::Real([-1.0, -1e6]), rigid, rigid]
+            .into_iter()
+            .cycle()
+            .take(2 * WIDTH)
+            .collect::<Vec<_>>();
+        let Some(split) = ModeSplit::new(&pairs, 1.0) else { panic!("no pair is coupled") };
+        assert_eq!(
+            [0, 1, 2].map(|slot| split.is_slow.each_ref().map(|list| list[slot])),
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+        );
+        // A slow coordinate has no inverse, and a fast one no block.
+        assert_eq!(split.inverses.each_ref().map(|list| list[1]), [0.0, 0.0, 0.0, -1e-6]);
+        assert_eq!(split.slow_blocks.each_ref().map(|list| list[1]), [-1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(split.has_slow, [true, true]);
+    }
+
+    #[test]
+    fn a_rigid_body_motion_that_decays_within_the_step_is_neither() {
+        let pairs = vec![ModePair::RigidBodyPair(-1e3); WIDTH];
+        assert!(ModeSplit::new(&pairs, 1e-3).is_some());
+        assert!(ModeSplit::new(&pairs, 1e-2).is_none());
+    }
+}

@@ -55,15 +55,16 @@ def test_a_sample_does_not_depend_on_the_others():
     every = system.simulate(1e-3, 150.0, rtol=1e-6, times=times)
     some = system.simulate(1e-3, 150.0, rtol=1e-6, times=times[5::7])
     np.testing.assert_array_equal(every.displacement("g2")[5::7], some.displacement("g2"))
-    np.testing.assert_array_equal(
-        every.mesh("g1", "g2").force[5::7], some.mesh("g1", "g2").force
-    )
+    np.testing.assert_array_equal(every.mesh("g1", "g2").force[5::7], some.mesh("g1", "g2").force)
 
 
 def test_energy_between_steps_balances():
     """Works at instants within a step follow from the powers of the whole step."""
     system = train(500.0, None)
-    shafts = [replace(shaft, bow=gb.Bow.half_sine(2e-4, phase=float(k))) for k, shaft in enumerate(system.shafts)]
+    shafts = [
+        replace(shaft, bow=gb.Bow.half_sine(2e-4, phase=float(k)))
+        for k, shaft in enumerate(system.shafts)
+    ]
     gears = [replace(gear, unbalance=2e-3 + 1e-3j) for gear in system.gears]
     system = system.replace(shafts=shafts, gears=gears, gravity=9.81)
     times = np.linspace(0.0, 5e-3, 1237)

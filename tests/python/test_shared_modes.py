@@ -31,9 +31,7 @@ SYSTEM = gb.RotorSystem(
 
 CHANGES: dict[str, dict[str, Any]] = {
     "torque": {"torques": [gb.Torque("g1", -100.0), gb.Torque.balance("g2")]},
-    "torque elsewhere": {
-        "torques": [gb.Torque(("input", 0.3), 100.0), gb.Torque.balance("g2")]
-    },
+    "torque elsewhere": {"torques": [gb.Torque(("input", 0.3), 100.0), gb.Torque.balance("g2")]},
     "bow": {"shafts": [replace(shaft, bow=gb.Bow.half_sine(2e-4, phase=1.0)) for shaft in SHAFTS]},
     "no bow": {"shafts": [replace(shaft, bow=None) for shaft in SHAFTS]},
     "unbalance": {"gears": [replace(gear, unbalance=1e-3j) for gear in GEARS]},

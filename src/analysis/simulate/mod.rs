@@ -110,10 +110,7 @@ pub fn simulate(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
-    // Without connections the motion is exact, and fixed steps follow no tolerance.
-    let is_exact = motion.connections().next().is_none();
-    let is_fixed = options.step.is_some() || matches!(options.method, Method::Rk4 | Method::ExactRk4);
-    let tolerance = if is_exact || is_fixed { 0.0 } else { options.tolerance() };
+    let tolerance = tolerance(options, &motion);
     let mut observer = RunObserver {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, (options.start - origin, tolerance)),
         watch,
@@ -145,6 +142,13 @@ pub fn simulate(
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
     }
+}
+
+/// Relative tolerance that the motion of a run follows; zero without connections, where it is exact, and with fixed steps.
+fn tolerance(options: &Options, motion: &EquationOfMotion<'_>) -> f64 {
+    let is_exact = motion.connections().next().is_none();
+    let is_fixed = options.step.is_some() || matches!(options.method, Method::Rk4 | Method::ExactRk4);
+    if is_exact || is_fixed { 0.0 } else { options.tolerance() }
 }
 
 /// The error of an initial state whose contact modes no run of this system leaves.
