@@ -33,8 +33,8 @@ mod whirl;
 
 pub use balanced::{Directions, Ports};
 pub use cached::{AtSpeed, CachedModel};
-pub use damped::{Mode, modes, structured_modes, whirl};
 pub use critical::lowest_critical;
+pub use damped::{Mode, modes, structured_modes, whirl};
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use intersection::{OrderIntersection, intersection};
 pub use pairs::ModePair;
