@@ -263,7 +263,9 @@ impl Search<'_, '_> {
                 let shape = shape(found);
                 let size = problem.model.complex_kinetic_form(&shape).sqrt();
                 let shape = shape.unscale(size);
-                (problem.rayleigh(found.value, &shape), shape)
+                let value = problem.rayleigh(found.value, &shape);
+                // A real eigenvalue has no sign of zero, which would count in the order.
+                (Complex64::new(value.re, value.im.abs()), shape)
             };
             chosen.iter().map(pair).collect()
         };
@@ -284,14 +286,17 @@ fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
     found.iter().map(|found| found.value)
 }
 
-/// The approximations of two spaces in ascending order of |λ|, each eigenvalue as often as in the space that has more of it.
+/// The approximations of two spaces in ascending order of |λ|: each eigenvalue as often as in the space that has more of it,
+/// and with the smaller residual.
 fn merged(first: Vec<Found>, second: &[Found]) -> Vec<Found> {
     let mut all = first;
     let earlier = all.len();
     for (index, found) in second.iter().enumerate() {
-        let known = all[..earlier].iter().filter(|other| found.is_same(other)).count();
-        if second[..index].iter().filter(|other| found.is_same(other)).count() >= known {
-            all.push(found.clone());
+        let before = second[..index].iter().filter(|other| found.is_same(other)).count();
+        match (0..earlier).filter(|other| found.is_same(&all[*other])).nth(before) {
+            None => all.push(found.clone()),
+            Some(known) if all[known].residual > found.residual => all[known] = found.clone(),
+            Some(_) => {}
         }
     }
     all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
