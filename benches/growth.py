@@ -1,7 +1,7 @@
 """Print how the time of the analyses with band matrices grows with the number of coordinates.
 
-`python benches/growth.py` takes about a minute on one core. The exponent is that between the smallest
-and the largest train.
+`python benches/growth.py` takes about a minute on one core. The exponent is that between the
+smallest and the largest train.
 """
 
 import time
@@ -39,7 +39,9 @@ def train(elements: int, damping: float = 500.0) -> gb.RotorSystem:
         gears=gears,
         meshes=[gb.Mesh(a, b, stiffness=2e8, damping_ratio=0.05) for a, b in pairs],
         bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=damping) for name in names for x in (0.0, 0.5)
+            gb.Bearing(name, x, stiffness=1e8, damping=damping)
+            for name in names
+            for x in (0.0, 0.5)
         ],
         torques=[gb.Torque("g1", 250.0), gb.Torque.balance("g4")],
         gravity=(0.0, -9.81),

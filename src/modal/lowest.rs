@@ -153,18 +153,31 @@ impl Search<'_, '_> {
                 Some(known) => known.iter().flat_map(Annulus::halves).collect(),
                 None => self.problem.annuli(radius),
             };
-            let mut left = Vec::new();
-            for annulus in narrower {
-                let missing = self.problem.missing(values(&found), &annulus.contour());
-                if missing != Some(0) {
-                    let known = weight(found.iter().filter(|found| annulus.contains(found.value)));
-                    let total = missing.map(|missing| missing + known);
-                    further = merged(self.in_annulus(&annulus, total, &inverse)?, &further);
-                    left.push(annulus);
-                }
-            }
-            annuli = Some(left);
+            annuli = Some(self.search_annuli(narrower, (&found, &chosen), &mut further, &inverse)?);
         }
+    }
+
+    /// Searches the annular sectors in which a found eigenvalue is missing or a chosen one is inaccurate, and adds what is
+    /// found to `further`. Returns these sectors.
+    fn search_annuli<T: Inverse>(
+        &self,
+        annuli: Vec<Annulus>,
+        (found, chosen): (&[Found], &[&Found]),
+        further: &mut Vec<Found>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Annulus>, DecompositionError> {
+        let mut searched = Vec::new();
+        for annulus in annuli {
+            let missing = self.problem.missing(values(found), &annulus.contour());
+            let is_accurate = !chosen.iter().any(|found| annulus.contains(found.value) && !found.is_accurate());
+            if missing != Some(0) || !is_accurate {
+                let known = weight(found.iter().filter(|found| annulus.contains(found.value)));
+                let total = missing.map(|missing| missing + known);
+                *further = merged(self.in_annulus(&annulus, total, &inverse)?, further);
+                searched.push(annulus);
+            }
+        }
+        Ok(searched)
     }
 
     /// Approximations of the `total` eigenvalues in an annular sector, from a space at a shift within it.
