@@ -174,7 +174,9 @@ impl<'a, T: Operator> Krylov<'a, T> {
     pub fn ritz_pairs(&self) -> Result<Vec<RitzPair>, DecompositionError> {
         let m = self.images.len();
         let rest = self.count() - self.locked - m;
-        let entry = |row: usize, column: usize| self.images[column].get(self.locked + row).copied().unwrap_or(T::Scalar::from_real(0.0));
+        let entry = |row: usize, column: usize| {
+            self.images[column].get(self.locked + row).copied().unwrap_or(T::Scalar::from_real(0.0))
+        };
         let projected = DMatrix::from_fn(m, m, entry);
         let eigen = if T::SYMMETRIC {
             // Vectors of equal eigenvalues are then orthogonal.

@@ -229,7 +229,10 @@ mod tests {
         // Of an annular sector: −90, and nothing on the right.
         for (left, number) in [(true, 1), (false, 0)] {
             let contour = Annulus { radii: [20.0, 300.0], left }.contour();
-            assert_eq!(super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour), Some(number));
+            assert_eq!(
+                super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour),
+                Some(number)
+            );
         }
     }
 

@@ -56,11 +56,7 @@ pub fn intersection(model: &Model, order: f64, start: &OrderIntersection) -> Opt
 }
 
 /// Changes of φ, Re λ and Ω.
-fn newton_step(
-    model: &Model,
-    order: f64,
-    at: &OrderIntersection,
-) -> Result<(DVector<Complex64>, f64, f64), Singular> {
+fn newton_step(model: &Model, order: f64, at: &OrderIntersection) -> Result<(DVector<Complex64>, f64, f64), Singular> {
     let (lambda, phi) = (at.eigenvalue, &at.shape);
     let [inertia, damping, gyroscopic] = [
         model.product(phi, |x, out| model.multiply_mass(x, out)),

@@ -111,8 +111,9 @@ impl Search<'_, '_> {
         let base = inverse(self.problem.shift)?;
         let mut space = Krylov::new(&base, self.locked.iter().cloned());
         let per_mode = if self.problem.undamped { 1 } else { 2 };
-        let mut target = per_mode * 2 * self.elastic + 16;
-        let most = 6 * target + 60;
+        // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
+        let mut target = 3 * per_mode * self.elastic + 28;
+        let most = 4 * target + 60;
         // Two bending planes have equal modes at rest.
         for _ in 0..if self.problem.undamped { 2 } else { 1 } {
             space.add_start()?;
@@ -129,7 +130,7 @@ impl Search<'_, '_> {
                 if space.is_complete() || steps >= most {
                     return Ok(None);
                 }
-                target = steps + (steps / 4).max(8);
+                target = steps + (steps / 8).max(8);
                 continue;
             };
             let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
@@ -152,21 +153,38 @@ impl Search<'_, '_> {
                 Some(known) => known.iter().flat_map(Annulus::halves).collect(),
                 None => self.problem.annuli(radius),
             };
-            let mut left = Vec::new();
-            for annulus in narrower {
-                if self.problem.missing(values(&found), &annulus.contour()) != Some(0) {
-                    further = merged(self.in_annulus(&annulus, &inverse)?, &further);
-                    left.push(annulus);
-                }
-            }
-            annuli = Some(left);
+            annuli = Some(self.search_annuli(narrower, (&found, &chosen), &mut further, &inverse)?);
         }
     }
 
-    /// Approximations of the eigenvalues in an annular sector, from a space at a shift within it.
+    /// Searches the annular sectors in which a found eigenvalue is missing or a chosen one is inaccurate, and adds what is
+    /// found to `further`. Returns these sectors.
+    fn search_annuli<T: Inverse>(
+        &self,
+        annuli: Vec<Annulus>,
+        (found, chosen): (&[Found], &[&Found]),
+        further: &mut Vec<Found>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Annulus>, DecompositionError> {
+        let mut searched = Vec::new();
+        for annulus in annuli {
+            let missing = self.problem.missing(values(found), &annulus.contour());
+            let is_accurate = !chosen.iter().any(|found| annulus.contains(found.value) && !found.is_accurate());
+            if missing != Some(0) || !is_accurate {
+                let known = weight(found.iter().filter(|found| annulus.contains(found.value)));
+                let total = missing.map(|missing| missing + known);
+                *further = merged(self.in_annulus(&annulus, total, &inverse)?, further);
+                searched.push(annulus);
+            }
+        }
+        Ok(searched)
+    }
+
+    /// Approximations of the `total` eigenvalues in an annular sector, from a space at a shift within it.
     fn in_annulus<T: Inverse>(
         &self,
         annulus: &Annulus,
+        total: Option<i64>,
         inverse: impl Fn(f64) -> Result<T, DecompositionError>,
     ) -> Result<Vec<Found>, DecompositionError> {
         let operator = inverse(annulus.centre())?;
@@ -180,7 +198,8 @@ impl Search<'_, '_> {
             let mut found = self.recognised(&space)?;
             found.retain(|found| annulus.contains(found.value));
             let is_end = space.steps() >= FURTHER_STEPS + dampers.len() || space.is_complete();
-            if is_end || !found.is_empty() && found.iter().all(Found::is_accurate) {
+            let is_complete = total.is_some_and(|total| weight(found.iter()) >= total);
+            if is_end || is_complete && found.iter().all(Found::is_accurate) {
                 for found in &mut found {
                     if let Vector::Base(pair) = &found.vector {
                         found.vector = Vector::Shape(operator.shape(space.vector(pair)));
@@ -193,8 +212,7 @@ impl Search<'_, '_> {
 
     /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|.
     fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<Vec<Found>, DecompositionError> {
-        let is_elastic =
-            |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
+        let is_elastic = |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
         let found = |pair: RitzPair| Found {
             value: space.operator().eigenvalue(pair.value),
             residual: pair.residual,
@@ -258,7 +276,9 @@ impl Search<'_, '_> {
                 let shape = shape(found);
                 let size = problem.model.complex_kinetic_form(&shape).sqrt();
                 let shape = shape.unscale(size);
-                (problem.rayleigh(found.value, &shape), shape)
+                let value = problem.rayleigh(found.value, &shape);
+                // A real eigenvalue has no sign of zero, which would count in the order.
+                (Complex64::new(value.re, value.im.abs()), shape)
             };
             chosen.iter().map(pair).collect()
         };
@@ -270,18 +290,26 @@ impl Search<'_, '_> {
     }
 }
 
+/// Number of eigenvalues: two of each conjugate pair.
+fn weight<'f>(found: impl Iterator<Item = &'f Found>) -> i64 {
+    found.map(|found| if found.value.im == 0.0 { 1 } else { 2 }).sum()
+}
+
 fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
     found.iter().map(|found| found.value)
 }
 
-/// The approximations of two spaces in ascending order of |λ|, each eigenvalue as often as in the space that has more of it.
+/// The approximations of two spaces in ascending order of |λ|: each eigenvalue as often as in the space that has more of it,
+/// and with the smaller residual.
 fn merged(first: Vec<Found>, second: &[Found]) -> Vec<Found> {
     let mut all = first;
     let earlier = all.len();
     for (index, found) in second.iter().enumerate() {
-        let known = all[..earlier].iter().filter(|other| found.is_same(other)).count();
-        if second[..index].iter().filter(|other| found.is_same(other)).count() >= known {
-            all.push(found.clone());
+        let before = second[..index].iter().filter(|other| found.is_same(other)).count();
+        match (0..earlier).filter(|other| found.is_same(&all[*other])).nth(before) {
+            None => all.push(found.clone()),
+            Some(known) if all[known].residual > found.residual => all[known] = found.clone(),
+            Some(_) => {}
         }
     }
     all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));

@@ -134,7 +134,9 @@ impl<'m> Problem<'m> {
         let radii = std::iter::successors(Some(radius), |radius| Some(radius * RATIO));
         let radii = radii.take_while(|radius| *radius < self.bound.largest());
         let sides = if self.bound.stable { &[true][..] } else { &[true, false] };
-        radii.flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left })).collect()
+        radii
+            .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
+            .collect()
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off

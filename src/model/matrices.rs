@@ -164,11 +164,7 @@ impl Model {
     }
 
     /// Product of a real matrix with a complex vector; `multiply(x, out)` adds the product with a real vector.
-    pub fn product(
-        &self,
-        x: &DVector<Complex64>,
-        multiply: impl Fn(&[f64], &mut [f64]),
-    ) -> DVector<Complex64> {
+    pub fn product(&self, x: &DVector<Complex64>, multiply: impl Fn(&[f64], &mut [f64])) -> DVector<Complex64> {
         let part = |part: fn(&Complex64) -> f64| {
             let mut image = DVector::zeros(self.len());
             multiply(x.map(|value| part(&value)).as_slice(), image.as_mut_slice());

@@ -47,9 +47,8 @@ pub fn campbell<'py>(
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let rows = speeds.len();
     let memory = analysis::memory_of_modes(model.model(), count);
-    let found = model.run(py, memory, move |cached, interrupt| {
-        analysis::campbell(cached, &speeds, count, harmonics, interrupt)
-    })?;
+    let found = model
+        .run(py, memory, move |cached, interrupt| analysis::campbell(cached, &speeds, count, harmonics, interrupt))?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
     let line = |line: &analysis::ExcitationLine| match line.source {
@@ -87,9 +86,8 @@ pub fn critical_speeds(
 ) -> PyResult<Vec<(f64, String)>> {
     let count = count.unwrap_or(usize::MAX);
     let memory = analysis::memory_of_critical_speeds(model.model(), count);
-    let found = model.run(py, memory, move |cached, interrupt| {
-        analysis::critical_speeds(cached, excitation, count, interrupt)
-    })?;
+    let found = model
+        .run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, excitation, count, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 

@@ -111,7 +111,9 @@ fn unstable_modes_are_found() {
 #[test]
 fn overdamped_modes_are_not_left_out() {
     // Real eigenvalues have the frequency zero, however far they are from the origin: they are the lowest modes.
-    for bearing in ["stiffness = 1e7, damping = 1e5", "stiffness = 1e6, damping = 1e6", "stiffness = 1e7, damping = 3e4"] {
+    for bearing in
+        ["stiffness = 1e7, damping = 1e5", "stiffness = 1e6, damping = 1e6", "stiffness = 1e7, damping = 3e4"]
+    {
         assert_same_modes(&rotor(24, bearing), 100.0, 8);
     }
     assert_same_modes(&train(8, |text| text.replace("damping = 500.0", "damping = 5e4")), 100.0, 14);
@@ -141,6 +143,12 @@ fn an_intersection_is_the_same_in_physical_and_in_modal_coordinates() {
         let other = quadratic.intersection(1.0, start).unwrap();
         assert!((one.speed - other.speed).abs() < 1e-9 * other.speed, "{} is not {}", one.speed, other.speed);
         assert!((one.eigenvalue - other.eigenvalue).norm() < 1e-9 * other.speed);
-        assert!(captured(&cached.model, &one.shape, &[&Mode { eigenvalue: other.eigenvalue, shape: other.shape, whirl: modal::Whirl::Coupled }]) > 1.0 - 1e-6);
+        assert!(
+            captured(
+                &cached.model,
+                &one.shape,
+                &[&Mode { eigenvalue: other.eigenvalue, shape: other.shape, whirl: modal::Whirl::Coupled }]
+            ) > 1.0 - 1e-6
+        );
     }
 }

@@ -5,7 +5,7 @@ from typing import Any
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Dof, Rows, SparseMatricesData
+from gearbow._types import Array, Dof, SparseMatricesData
 
 __all__ = ["Matrices", "SparseMatrices"]
 
@@ -106,15 +106,12 @@ class SparseMatrices:
             If SciPy is not installed.
         """
         with extra("sparse"):
-            from scipy.sparse import csr_array
-
-        def matrix(rows: Rows) -> Any:
-            return csr_array(rows, shape=(len(dofs), len(dofs)))
-
+            from scipy.sparse import csr_array  # noqa: PLC0415 (only here)
+        shape = (len(dofs), len(dofs))
         return cls(
-            mass=matrix(data["mass"]),
-            stiffness=matrix(data["stiffness"]),
-            damping=matrix(data["damping"]),
-            gyroscopic=matrix(data["gyroscopic"]),
+            mass=csr_array(data["mass"], shape=shape),
+            stiffness=csr_array(data["stiffness"], shape=shape),
+            damping=csr_array(data["damping"], shape=shape),
+            gyroscopic=csr_array(data["gyroscopic"], shape=shape),
             dofs=dofs,
         )

@@ -23,10 +23,14 @@ class LinearAnalyses(SystemDescription):
     """Matrices, modes, equilibrium and linear response of a system."""
 
     @overload
-    def matrices(self, speed: float = 0.0, sparse: Literal[False] = False) -> Matrices: ...
+    def matrices(  # numpydoc ignore=GL08
+        self, speed: float = 0.0, sparse: Literal[False] = False
+    ) -> Matrices: ...
 
     @overload
-    def matrices(self, speed: float = 0.0, *, sparse: Literal[True]) -> SparseMatrices: ...
+    def matrices(  # numpydoc ignore=GL08
+        self, speed: float = 0.0, *, sparse: Literal[True]
+    ) -> SparseMatrices: ...
 
     def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices | SparseMatrices:
         """Assemble the matrices of the linear equations of motion.
