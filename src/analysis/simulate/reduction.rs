@@ -21,6 +21,7 @@ use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
+use crate::model::Model;
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
@@ -72,7 +73,7 @@ pub(super) fn set_up<'m>(
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
     let (options, model) = (run.options, &run.cached.model);
-    let is_large = model.len() >= LARGE_MODEL;
+    let is_large = is_large(model);
     let is_short = is_short(run, start);
     // At a changing speed the set-up itself selects modes.
     let changes = matches!(options.speed, Speed::Changing(_));
@@ -101,6 +102,12 @@ pub(super) fn set_up<'m>(
             Ok((setup, Some(reduction)))
         }
     }
+}
+
+/// Whether a model is built from the modes of its components. Their highest frequency is a multiple of one that teeth
+/// excite, so that the model has meshes.
+fn is_large(model: &Model) -> bool {
+    model.len() >= LARGE_MODEL && !model.meshes.is_empty()
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
@@ -151,7 +158,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let (options, model) = (run.options, &run.cached.model);
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
         let prepared = |limit: f64| Self::prepared(run, motion, start, plan, limit);
-        if model.len() < LARGE_MODEL {
+        if !is_large(model) {
             let Some(mut reducer) = prepared(0.0)? else {
                 return Ok(None);
             };
