@@ -110,6 +110,7 @@ def test_errors_of_a_long_run_contain_the_modes_that_it_left_out(level):
         assert found.modes > 0.1 * error
 
 
+@pytest.mark.filterwarnings("ignore:modes. 10 modes leave an error:gearbow.AccuracyWarning")
 @pytest.mark.parametrize(
     "settings",
     [{"rtol": 1e-2}, {"modes": 10, "rtol": 1e-7}, {"method": "rk45", "rtol": 1e-4}],

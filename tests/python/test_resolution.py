@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.accuracy.levels import LEVELS
 from test_errors import difference, train
 
 SPEED = 100.0
@@ -143,6 +144,19 @@ def test_elements_too_coarse_for_the_level_give_a_warning():
     assert "does not include the elements" in draft.simulate(1e-3, SPEED).accuracy
     assert "does not include" not in draft.simulate(1e-3, SPEED, accuracy="draft").accuracy
     assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
+
+
+def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
+    long = [gb.Shaft(name, length=2.0, outer_diameter=0.03) for name in ("input", "output")]
+    bearings = [gb.Bearing(s, x, stiffness=1e8) for s in ("input", "output") for x in (0.0, 2.0)]
+    system = automatic(resolution="reference", stiffness=gb.Stiffness.square(2e8))
+    system = system.replace(shafts=long, bearings=bearings, modal_damping=None)
+    assert system.discretisation.expected_error > system.discretisation.permitted_error
+    # `simulate` writes both into its warning; a run would take half a minute
+    level = LEVELS["reference"]
+    assert "the largest number of coordinates that gearbow chooses" in level.coarse(system._model)
+    assert "response.errors" in level.finer(system._model)
+    assert "resolution='reference'" in level.finer(automatic()._model)
 
 
 def test_bearings_with_a_speed_table_have_a_choice():

@@ -5,8 +5,9 @@ use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
 
-/// Step of a mesh force, relative to the static force, that its teeth excite.
-const STEP: f64 = 0.3;
+/// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
+/// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
+const STEP: f64 = 0.6;
 /// A displacement below this fraction of the largest one under the same load is round-off.
 const ROUND_OFF: f64 = 1e-9;
 

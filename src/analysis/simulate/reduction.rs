@@ -15,7 +15,7 @@ use std::sync::Arc;
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
-use super::options::LARGE_MODEL;
+use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
 use super::ramp::reference_speed;
@@ -29,7 +29,7 @@ use crate::scene::SceneError;
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
-/// The same below [`LARGE_MODEL`] for meshes with separation and varying stiffness. With all modes, their linear motion
+/// The same for a small model ([`is_large`]) whose meshes separate and vary in stiffness. With all modes, its linear motion
 /// contains the shafts alone, which are uncoupled, so that a reduction saves less: 5 to 20 % over 1 s.
 const SHORT_SEPARATING_RUN: f64 = 10.0;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
@@ -78,7 +78,7 @@ pub(super) fn set_up<'m>(
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
     let (options, model) = (run.options, &run.cached.model);
-    let is_large = model.len() >= LARGE_MODEL;
+    let is_large = is_large(model);
     let is_short = is_short(run, start, &motion);
     let keeps_all = match (options.modes, options.reduction) {
         (Some(count), _) => count >= model.len(),
@@ -109,7 +109,7 @@ pub(super) fn set_up<'m>(
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
 fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool {
     let model = &run.cached.model;
-    let separates = model.len() < LARGE_MODEL && motion.varying_flanks_can_separate();
+    let separates = !is_large(model) && motion.varying_flanks_can_separate();
     let shortest = if separates { SHORT_SEPARATING_RUN } else { SHORT_RUN };
     run.options.duration < shortest * PILOT_DURATION && !start.is_reduced(model)
 }
@@ -160,7 +160,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
         let pilot = Rc::new(Pilot::new(run, start));
         let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
-        if model.len() < LARGE_MODEL {
+        if !is_large(model) {
             let Some(mut reducer) = prepared(0.0)? else {
                 return Ok(None);
             };
