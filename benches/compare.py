@@ -39,7 +39,7 @@ from programs.search import PATIENCE, Found, check, measure, reference, search
 from programs.timing import ROUNDS, Outcome, in_rounds, median_ratio, once, timed
 
 SLOW = 1.0  # work that takes longer is timed only once, s
-LIMIT = 20.0  # limit of the CPU time of an analysis, s
+LIMIT = 15.0  # limit of the CPU time of an analysis, s
 QUICK = ("shaft", "square", "modes", "calls")  # tables of a quick comparison
 TABLES = (*SCENES, *ANALYSES, "calls", "memory")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -195,7 +195,7 @@ class AnalysisTable:
         if name in self.stopped and not subject.ross:
             return Outcome(None, 0.0, self.stopped[name])
         prepared = self.analysis.programs[name](system)
-        outcome = once(prepared, LIMIT)
+        outcome = once(prepared, LIMIT, compiles=name == "ROSS")
         if outcome.value is None:
             self.stopped[name] = outcome.reason
         return outcome

@@ -54,11 +54,14 @@ def median_ratio(costs: list[float], units: list[float]) -> float:
     return statistics.median(a / b for a, b in zip(costs, units, strict=True))
 
 
-def once(prepare: Callable[[], Run[Any]], limit: float) -> Outcome[Any]:
-    """Run in a forked process that ends when its CPU time exceeds `limit` [s]."""
+def once(prepare: Callable[[], Run[Any]], limit: float, *, compiles: bool = False) -> Outcome[Any]:
+    """Run in a forked process that ends when its CPU time exceeds `limit` [s].
+
+    The first run of a program that `compiles` is not timed, if the limit permits a second one.
+    """
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(prepare, limit, sender))
+    process = context.Process(target=_work, args=(prepare, limit, sender, compiles))
     process.start()
     sender.close()
     try:
@@ -71,17 +74,19 @@ def once(prepare: Callable[[], Run[Any]], limit: float) -> Outcome[Any]:
     return outcome
 
 
-def _work(prepare: Callable[[], Run[Any]], limit: float, sender: Connection) -> None:
-    """Run, and send the outcome. The first call of a program may compile: a second one is timed."""
+def _work(
+    prepare: Callable[[], Run[Any]], limit: float, sender: Connection, compiles: bool
+) -> None:
+    """Run, and send the outcome."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 1))
     spent = 0.0
     try:
-        while True:
+        for last in (False, True) if compiles else (True,):
             run = prepare()
             begin = time.process_time()
             value = run()
-            first, spent = spent, time.process_time() - begin
-            if first or spent > limit / 3.0:
+            spent = time.process_time() - begin
+            if last or spent > limit / 2.5:
                 break
     except Exception as error:  # noqa: BLE001  # the table shows why a program has no result
         # One line that fits into a cell of a table.
