@@ -164,10 +164,12 @@ class AnalysisTable:
         system = subject.build()
         size = len(system.dofs)
         self.heads.append(f"{subject.title}, n = {size}")
-        exact = self.analysis.exact(system)
+        outcomes = {name: self.probe(name, subject, system) for name in self.analysis.programs}
+        completed = any(outcome.value is not None for outcome in outcomes.values())
+        exact = self.analysis.exact(system) if completed else None
         errors, costs, works = {}, {}, {}
         for name, program in self.analysis.programs.items():
-            outcome = self.probe(name, subject, system)
+            outcome = outcomes[name]
             if outcome.value is None:
                 self.cells[name].append(outcome.reason)
                 continue
