@@ -197,7 +197,7 @@ class AnalysisTable:
         if name in self.stopped and not subject.ross:
             return Outcome(None, 0.0, self.stopped[name])
         prepared = self.analysis.programs[name](system)
-        outcome = once(prepared, LIMIT, compiles=name == "ROSS")
+        outcome = once(prepared, LIMIT)
         if outcome.value is None:
             self.stopped[name] = outcome.reason
         return outcome

@@ -54,14 +54,11 @@ def median_ratio(costs: list[float], units: list[float]) -> float:
     return statistics.median(a / b for a, b in zip(costs, units, strict=True))
 
 
-def once(prepare: Callable[[], Run[Any]], limit: float, *, compiles: bool = False) -> Outcome[Any]:
-    """Run in a forked process that ends when its CPU time exceeds `limit` [s].
-
-    The first run of a program that `compiles` is not timed, if the limit permits a second one.
-    """
+def once(prepare: Callable[[], Run[Any]], limit: float) -> Outcome[Any]:
+    """Run in a forked process that ends when its CPU time exceeds `limit` [s]."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(prepare, limit, sender, compiles))
+    process = context.Process(target=_work, args=(prepare, limit, sender))
     process.start()
     sender.close()
     try:
@@ -74,23 +71,16 @@ def once(prepare: Callable[[], Run[Any]], limit: float, *, compiles: bool = Fals
     return outcome
 
 
-def _work(
-    prepare: Callable[[], Run[Any]], limit: float, sender: Connection, compiles: bool
-) -> None:
+def _work(prepare: Callable[[], Run[Any]], limit: float, sender: Connection) -> None:
     """Run, and send the outcome."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 1))
-    spent = 0.0
+    run = prepare()
+    begin = time.process_time()
     try:
-        for last in (False, True) if compiles else (True,):
-            run = prepare()
-            begin = time.process_time()
-            value = run()
-            spent = time.process_time() - begin
-            if last or spent > limit / 2.5:
-                break
+        value = run()
     except Exception as error:  # noqa: BLE001  # the table shows why a program has no result
         # One line that fits into a cell of a table.
         reason = str(error).partition("\n")[0].partition(";")[0].replace("|", "/")
-        sender.send(Outcome(None, spent, f"{type(error).__name__}: {reason}"))
+        sender.send(Outcome(None, time.process_time() - begin, f"{type(error).__name__}: {reason}"))
     else:
-        sender.send(Outcome(value, spent))
+        sender.send(Outcome(value, time.process_time() - begin))
