@@ -66,7 +66,7 @@ def once(prepare: Callable[[], Run[Any]], limit: float) -> Outcome[Any]:
     except EOFError:
         outcome = Outcome(None, limit, "ended by the system")
     process.join()
-    if process.exitcode in {-signal.SIGXCPU, -signal.SIGKILL} and outcome.value is None:
+    if process.exitcode == -signal.SIGXCPU:
         return Outcome(None, limit, f"> {limit:g} s")
     return outcome
 
