@@ -40,7 +40,7 @@ def peak(title: str) -> tuple[str, str]:
     except EOFError:
         found = ("ended by the system", "")
     process.join()
-    if process.exitcode in {-signal.SIGXCPU, -signal.SIGKILL}:
+    if process.exitcode == -signal.SIGXCPU:
         return "", f"> {LIMIT}"
     return found
 

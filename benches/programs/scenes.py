@@ -145,7 +145,6 @@ SCENES = {
         single,
         (("rotor", 5 * ELEMENT), ("rotor", 10 * ELEMENT)),
         duration=1.0,
-        stretch=0.05,
         ross=True,
     ),
     "pair": Scene(
@@ -153,7 +152,6 @@ SCENES = {
         functools.partial(geared, PAIR, (("g1", "g2"),), MEAN, 0.0),
         places(PAIR),
         duration=1.0,
-        stretch=0.05,
         ross=True,
     ),
     "square": Scene(

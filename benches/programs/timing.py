@@ -66,26 +66,21 @@ def once(prepare: Callable[[], Run[Any]], limit: float) -> Outcome[Any]:
     except EOFError:
         outcome = Outcome(None, limit, "ended by the system")
     process.join()
-    if process.exitcode in {-signal.SIGXCPU, -signal.SIGKILL} and outcome.value is None:
+    if process.exitcode == -signal.SIGXCPU:
         return Outcome(None, limit, f"> {limit:g} s")
     return outcome
 
 
 def _work(prepare: Callable[[], Run[Any]], limit: float, sender: Connection) -> None:
-    """Run, and send the outcome. The first call of a program may compile: a second one is timed."""
+    """Run, and send the outcome."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 1))
-    spent = 0.0
+    run = prepare()
+    begin = time.process_time()
     try:
-        while True:
-            run = prepare()
-            begin = time.process_time()
-            value = run()
-            first, spent = spent, time.process_time() - begin
-            if first or spent > limit / 3.0:
-                break
+        value = run()
     except Exception as error:  # noqa: BLE001  # the table shows why a program has no result
         # One line that fits into a cell of a table.
         reason = str(error).partition("\n")[0].partition(";")[0].replace("|", "/")
-        sender.send(Outcome(None, spent, f"{type(error).__name__}: {reason}"))
+        sender.send(Outcome(None, time.process_time() - begin, f"{type(error).__name__}: {reason}"))
     else:
-        sender.send(Outcome(value, spent))
+        sender.send(Outcome(value, time.process_time() - begin))
