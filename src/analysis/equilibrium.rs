@@ -44,7 +44,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     check_balance(model, &null, load)?;
     let pins = Pins::new(model, &null);
     // Sum of the forces of the pins.
-    let mut carried = 0.0;
+    let mut carried = DVector::zeros(model.len());
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
@@ -58,7 +58,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             None => factored(model, &pins, &tangent).map_err(|_| singular())?,
         };
         let mut step = solution(model, &known, &residual).map_err(|_| singular())?;
-        let of_pins = pins.force(&step);
+        let of_pins = pins.carried(&step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
@@ -71,14 +71,14 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
-        carried += fraction * of_pins;
+        carried.axpy(fraction, &of_pins, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(carried, load)?;
+                check_constraints(&carried, load)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);
@@ -166,8 +166,8 @@ fn unbalanced(model: &Model) -> SceneError {
 
 /// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
 /// stiffness is singular and not symmetric: its left and right null vectors differ.
-fn check_constraints(carried: f64, load: &DVector<f64>) -> Result<(), AnalysisError> {
-    if carried.abs() <= UNSUPPORTED_TOLERANCE * load.norm() {
+fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
         return Ok(());
     }
     let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";

@@ -51,10 +51,14 @@ impl Pins {
         }
     }
 
-    /// Largest force of a spring at the displacements `x`, with its sign, N or N m.
-    pub fn force(&self, x: &DVector<f64>) -> f64 {
-        let forces = self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate]);
-        forces.fold(0.0, |most: f64, force| if force.abs() > most.abs() { force } else { most })
+    /// Forces of the springs at the displacements `x`, distributed like inertia forces that do the same work on the null
+    /// motions: a spring at one coordinate would exaggerate round-off.
+    pub fn carried(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut work = DVector::zeros(self.null.ncols());
+        for (coordinate, stiffness) in &self.springs {
+            work.axpy(stiffness * x[*coordinate], &self.null.row(*coordinate).transpose(), 1.0);
+        }
+        &self.weighted * work
     }
 
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
