@@ -48,8 +48,8 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
-    // Forces of the springs on the null motions.
-    let mut carried = vec![0.0; null.ncols()];
+    // Sum of the forces of the springs on the null motions.
+    let mut carried = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
     let mut factors: Option<CoupledFactors> = None;
     for _ in 0..MAX_ITERATIONS {
@@ -62,7 +62,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         };
         let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
         let mut step = DVector::from_vec(step);
-        carried.iter_mut().zip(pins.forces(&step)).for_each(|(sum, force)| *sum += force);
+        let of_pins = pins.carried(&step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
@@ -75,6 +75,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
+        carried.axpy(fraction, &of_pins, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }
@@ -154,10 +155,10 @@ fn unbalanced(model: &Model) -> SceneError {
     )
 }
 
-/// Refuses a load that the springs on the null motions carry, N or N m. This occurs with bearings whose stiffness is
-/// singular and not symmetric: its left and right null vectors differ.
-fn check_constraints(carried: &[f64], load: &DVector<f64>) -> Result<(), AnalysisError> {
-    if carried.iter().all(|force| force.abs() <= UNSUPPORTED_TOLERANCE * load.norm()) {
+/// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
+/// stiffness is singular and not symmetric: its left and right null vectors differ.
+fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+    if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
         return Ok(());
     }
     let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";

@@ -51,9 +51,14 @@ impl Pins {
         }
     }
 
-    /// Forces of the springs at the displacements `x`, N or N m.
-    pub fn forces<'a>(&'a self, x: &'a DVector<f64>) -> impl Iterator<Item = f64> + 'a {
-        self.springs.iter().map(|(coordinate, stiffness)| stiffness * x[*coordinate])
+    /// Forces of the springs at the displacements `x`, distributed like inertia forces that do the same work on the null
+    /// motions: a spring at one coordinate would exaggerate round-off.
+    pub fn carried(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut work = DVector::zeros(self.null.ncols());
+        for (coordinate, stiffness) in &self.springs {
+            work.axpy(stiffness * x[*coordinate], &self.null.row(*coordinate).transpose(), 1.0);
+        }
+        &self.weighted * work
     }
 
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
