@@ -43,8 +43,6 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let null = null_motions(model, speed)?;
     check_balance(model, &null, load)?;
     let pins = Pins::new(model, &null);
-    // Sum of the forces of the pins.
-    let mut carried = DVector::zeros(model.len());
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
@@ -58,7 +56,6 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
             None => factored(model, &pins, &tangent).map_err(|_| singular())?,
         };
         let mut step = solution(model, &known, &residual).map_err(|_| singular())?;
-        let of_pins = pins.carried(&step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
         let scale = load.dot(&q).abs().max(energy);
@@ -71,14 +68,13 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
-        carried.axpy(fraction, &of_pins, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(&carried, load)?;
+                check_constraints(&pins.carried(&residual), load)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);
