@@ -306,7 +306,7 @@ FAULTS: list[Fault] = [
             'bearing["stiffness"] = float(stiffness)',
             'bearing["stiffness"] = 2.0 * float(stiffness)',
         ),
-        (".critical_speeds(excitation)", ".critical_speeds(1.0)"),
+        (".critical_speeds(excitation, count)", ".critical_speeds(1.0, count)"),
         ("CriticalSpeedMap(wanted, excitation,", "CriticalSpeedMap(wanted, 1.0,"),
         (
             "self._model.campbell(wanted, count, harmonics)",

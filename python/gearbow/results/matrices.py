@@ -75,7 +75,7 @@ class SparseMatrices:
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=1000, degree=1)
     >>> matrices = gb.RotorSystem(shafts=[rotor]).matrices(sparse=True)
     >>> matrices.mass.shape
-    (4004, 4004)
+    (5005, 5005)
     """
 
     mass: Any

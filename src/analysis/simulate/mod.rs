@@ -110,9 +110,9 @@ pub fn simulate(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
-    let tolerance = tolerance(options, &motion);
+    let during = (options.start - origin, tolerance(options, &motion));
     let mut observer = RunObserver {
-        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, (options.start - origin, tolerance)),
+        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, during),
         watch,
         span: (options.start - origin, end),
         last_check: Instant::now() - HEARTBEAT,
