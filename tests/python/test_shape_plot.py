@@ -97,7 +97,7 @@ def test_a_mode_is_drawn_in_its_plane(number: int, moving: int):
 
 def stepped(elements: int, degree: int, *, shear: bool, motion: str) -> gb.RotorSystem:
     """Return a hollow stepped shaft with a disk on bearings that are softer along y."""
-    bore = {"inner_diameter": 0.02, "elements": elements}
+    bore = {"inner_diameter": 0.05, "elements": elements}
     segments = [gb.Segment(0.3, 0.06, **bore), gb.Segment(0.3, 0.04, elements=elements)]
     return gb.RotorSystem(
         [gb.Shaft("s", segments=segments, shear=shear, degree=degree)],
@@ -127,7 +127,7 @@ def test_a_long_element_is_drawn_as_many_short_ones(shear: bool, motion: str):
         if frequency > 0.0:
             largest = int(np.argmax(np.abs(other)))
             # The natural frequencies of the two models differ by up to 1e-6, their shapes by 1e-4.
-            np.testing.assert_allclose(mine / mine[largest], other / other[largest], atol=1e-3)
+            np.testing.assert_allclose(mine / mine[largest], other / other[largest], atol=3e-4)
 
 
 def test_a_shaft_of_one_element_is_drawn_bent():
