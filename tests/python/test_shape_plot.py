@@ -126,8 +126,8 @@ def test_a_long_element_is_drawn_as_many_short_ones(shear: bool, motion: str):
     for mine, other, frequency in zip(ours, theirs, short.frequencies_hz, strict=True):
         if frequency > 0.0:
             largest = int(np.argmax(np.abs(other)))
-            # The natural frequencies of the two models differ by up to 1e-6, their shapes by 1e-4.
-            np.testing.assert_allclose(mine / mine[largest], other / other[largest], atol=3e-4)
+            # The natural frequencies of the two models differ by up to 1e-6, their shapes by 3e-4.
+            np.testing.assert_allclose(mine / mine[largest], other / other[largest], atol=5e-4)
 
 
 def test_a_shaft_of_one_element_is_drawn_bent():
