@@ -50,7 +50,7 @@ class Modes(ReadOnly):
     --------
     >>> import gearbow as gb
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> modes = gb.RotorSystem(shafts=[rotor], bearings=bearings).modes(speed=300.0, count=2)
     >>> modes.whirl
     ('backward', 'forward')
