@@ -54,7 +54,7 @@ class Synchronous(ReadOnly):
     >>> import gearbow as gb
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
     >>> response = gb.RotorSystem(shafts=[rotor], bearings=bearings).synchronous([1.0, 300.0])
     >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(6)
     array([0.0001  , 0.000129])

@@ -199,7 +199,7 @@ class SystemDescription:
         --------
         >>> from dataclasses import replace
         >>> import gearbow as gb
-        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
         >>> system = gb.RotorSystem(shafts=[shaft], gravity=9.81)
         >>> bent = system.replace(shafts=[replace(shaft, bow=gb.Bow.half_sine(1e-4))])
         >>> bent.shafts[0].bow.amplitude, bent.gravity

@@ -61,8 +61,8 @@ class RotorSystem(Simulation):
     >>> bow = gb.Bow.half_sine(1.5e-4)
     >>> system = gb.RotorSystem(
     ...     shafts=[
-    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, elements=8, bow=bow),
-    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05, elements=8),
+    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, bow=bow),
+    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05),
     ...     ],
     ...     gears=[
     ...         gb.Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),
