@@ -9,6 +9,7 @@ mod contact;
 pub mod description;
 mod error;
 mod gear;
+mod housing;
 mod material;
 mod mesh;
 mod place;
@@ -26,6 +27,7 @@ pub(crate) use contact::path_of_contact;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
+pub use housing::{Attachment, Housing};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, MAX_DEGREE, Shaft};
@@ -40,10 +42,10 @@ pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 /// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
 pub const MAX_ELEMENTS: usize = 10_000;
 
-/// A node of a shaft.
+/// A node of a shaft, or the centre of mass of a housing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node {
-    /// Index of the shaft.
+    /// Index of the shaft. A housing counts as a shaft with one node; its index follows those of the shafts.
     pub shaft: usize,
     /// Index of the node on the shaft; node 0 is at x = 0.
     pub node: usize,
@@ -75,6 +77,8 @@ pub struct Bearing {
     pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
     pub damping: BearingCoefficient,
+    /// Its place on a housing; `None` on the ground.
+    pub attachment: Option<Attachment>,
 }
 
 /// A constant torque about +x.
@@ -99,6 +103,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Bearings, in the order of the description.
     pub bearings: Vec<Bearing>,
+    /// Supports and housings, on which bearings stand.
+    pub housings: Vec<Housing>,
     /// Torques, in the order of the description, with the value of the balancing torque.
     pub torques: Vec<Torque>,
     /// Signed speed of each shaft relative to the reference shaft.
@@ -134,9 +140,12 @@ impl Scene {
         let meshes = mesh::meshes(system, &shafts, &gears, &mut warnings)?;
         let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
         let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
+        let housings = housing::housings(system)?;
+        let attachments = housing::attachments(system, &names, &shafts, (&gears, &meshes), &housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
-            bearings: bearings(system, &names, &shafts)?,
+            bearings: bearings(system, &names, &shafts, &attachments)?,
+            housings,
             modal_damping: modal_damping(system)?,
             rayleigh: rayleigh(system)?,
             gravity: gravity(system)?,
@@ -163,6 +172,36 @@ impl Scene {
     /// Finds a gear or disk by name.
     pub fn body(&self, name: &str) -> Option<&Body> {
         self.bodies().find(|body| body.name == name)
+    }
+
+    /// Finds a housing, or a point of it, by name: its node, and the distance (x, y, z) of the point from the centre of
+    /// mass, m.
+    pub fn housing_point(&self, name: &str) -> Option<(Node, [f64; 3])> {
+        self.housings.iter().enumerate().find_map(|(index, housing)| {
+            let node = Node { shaft: self.shafts.len() + index, node: 0 };
+            let point = || housing.points.iter().find(|(point, _)| point == name).map(|(_, arm)| *arm);
+            let arm = if housing.name == name { Some([0.0; 3]) } else { point() };
+            arm.map(|arm| (node, arm))
+        })
+    }
+
+    /// Names of all supports, housings and points of housings.
+    pub fn housing_names(&self) -> impl Iterator<Item = &str> {
+        self.housings.iter().flat_map(|housing| {
+            let points = housing.points.iter().map(|(name, _)| name.as_str());
+            std::iter::once(housing.name.as_str()).chain(points)
+        })
+    }
+
+    /// Name of the shaft, or of the housing, and the position x of a node, m.
+    pub fn place(&self, node: Node) -> (&str, f64) {
+        match self.shafts.get(node.shaft) {
+            Some(shaft) => (&shaft.name, shaft.nodes[node.node]),
+            None => {
+                let housing = &self.housings[node.shaft - self.shafts.len()];
+                (&housing.name, housing.centre[0])
+            }
+        }
     }
 
     /// Nodes with bearings, each once.
@@ -255,13 +294,19 @@ fn disks(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<V
     system.disks.iter().enumerate().map(body).collect()
 }
 
-fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bearing>, SceneError> {
+fn bearings(
+    system: &SceneDescription,
+    names: &Names,
+    shafts: &[Shaft],
+    attachments: &[Option<Attachment>],
+) -> Result<Vec<Bearing>, SceneError> {
     let bearing = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
             stiffness: BearingCoefficient::new(Some(&bearing.stiffness), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
+            attachment: attachments[index],
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()

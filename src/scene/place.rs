@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::description::{Place, SceneDescription};
-use super::{EntryPath, Node, SceneError, Shaft, nearest};
+use super::{EntryPath, Node, SceneError, Shaft, housing, nearest};
 
 /// The names of a description. Each name is unique.
 pub(super) struct Names<'a> {
@@ -21,16 +21,18 @@ impl<'a> Names<'a> {
             .map(|entry| ("shafts", entry))
             .chain(gears.enumerate().map(|entry| ("gears", entry)))
             .chain(disks.enumerate().map(|entry| ("disks", entry)));
-        let mut used: HashMap<&str, EntryPath> = HashMap::new();
-        for (list, (index, name)) in lists {
+        let lists = lists.map(|(list, (index, name))| {
             let at = EntryPath::entry(list, index);
+            (at.field("name"), at, name)
+        });
+        let lists = lists.chain(housing::names(system).map(|(at, name)| (at.clone(), at, name)));
+        let mut used: HashMap<&str, EntryPath> = HashMap::new();
+        for (field, at, name) in lists {
             if name.is_empty() {
-                return Err(at.field("name").error("must not be empty"));
+                return Err(field.error("must not be empty"));
             }
             if let Some(first) = used.get(name) {
-                return Err(at
-                    .field("name")
-                    .error(format!("{first} has the name \"{name}\" too; names must be unique")));
+                return Err(field.error(format!("{first} has the name \"{name}\" too; names must be unique")));
             }
             used.insert(name, at);
         }

@@ -162,7 +162,7 @@ impl SpeedTable {
 }
 
 /// A finite 2×2 coefficient without a negative diagonal.
-fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, SceneError> {
+pub(super) fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, SceneError> {
     let rows = given.rows();
     for (i, row) in rows.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {

@@ -3,6 +3,7 @@
 //! These types check the types of the entries only; [`Scene::new`](super::Scene::new) checks the values. All units are
 //! SI units and radians.
 
+mod housing;
 mod reading;
 mod shaft;
 mod speed_table;
@@ -11,6 +12,7 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+pub use housing::{Base, Housing, Support};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
 pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
 pub use teeth::{
@@ -60,6 +62,12 @@ pub struct SceneDescription {
     /// Torques on the shafts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torques: Vec<Torque>,
+    /// Supports of bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<Support>,
+    /// Housings, which carry several bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub housings: Vec<Housing>,
 }
 
 /// Degrees of freedom of a node.
@@ -242,7 +250,7 @@ impl Coefficient {
     }
 }
 
-/// A linear bearing between a shaft and the ground.
+/// A linear bearing between a shaft and the ground, a support or a housing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
@@ -255,6 +263,9 @@ pub struct Bearing {
     /// Damping, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<BearingCoefficient>,
+    /// What it stands on; the ground by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<Base>,
 }
 
 /// A gear or disk by name, or a position on a shaft.
