@@ -10,7 +10,7 @@ use crate::connection::{Connection, Row};
 use crate::linalg::LuFactors;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::CachedModel;
-use crate::model::Model;
+use crate::model::{Dof, DofKind, Model};
 use crate::scene::SceneError;
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
@@ -109,6 +109,12 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
     if largest == 0.0 {
         return Ok(());
     }
+    for (index, housing) in model.housing_nodes().zip(&model.scene.housings) {
+        let moves = |dof: &&Dof| dof.node == index && acceleration[dof.index].abs() > UNSUPPORTED_TOLERANCE * largest;
+        if let Some(dof) = model.numbering.dofs().iter().find(moves) {
+            return Err(unmounted(&housing.name, dof.kind).into());
+        }
+    }
     let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
     let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
         let motion = acceleration[dof.index].abs();
@@ -116,6 +122,15 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
     });
     Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
         .into())
+}
+
+/// The error for a load that moves a housing: its mount does not constrain it.
+fn unmounted(name: &str, motion: DofKind) -> SceneError {
+    let entry = match motion {
+        DofKind::V | DofKind::W => "stiffness along y and z",
+        DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
+    };
+    SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
 }
 
 /// The error for a load that moves a shaft laterally: its bearings do not constrain it.
@@ -186,7 +201,7 @@ fn connection_forces(
             }
             Connection::Bearing(bearing) => {
                 let known = bearing.static_tangent(speed, q.as_slice());
-                add_over_scalars(&bearing.rows(), &known, &mut force, &mut tangent);
+                add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
             }
             Connection::Spring(spring) => {
                 add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);

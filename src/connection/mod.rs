@@ -108,7 +108,7 @@ impl Connection<'_> {
                 mesh.gradient(*sigma, mesh.normal_at_rest(*sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
-            Self::Bearing(bearing) => bearing.rows(),
+            Self::Bearing(bearing) => bearing.rows.to_vec(),
             Self::Spring(spring) => spring.rows.clone(),
         }
     }

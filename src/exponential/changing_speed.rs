@@ -101,13 +101,13 @@ impl ChangingSpeedLoads {
         let mut columns = Vec::new();
         let mut bearings = Vec::with_capacity(model.bearings.len());
         for bearing in &model.bearings {
-            let entries = bearing.rows();
+            let entries = &bearing.rows;
             maps.rows.extend([false, true].iter().flat_map(|rate| entries.iter().map(|row| linear.row(row, *rate))));
             columns.extend(entries.iter().map(|row| linear.column(row)));
             bearings.push(BearingDifference {
                 bearing: bearing.clone(),
                 contained: bearing.at(change.bearing_speed),
-                reference: [reference[bearing.index], reference[bearing.index + 1]],
+                reference: bearing.scalars(reference.as_slice()),
             });
         }
         for vector in change.pairs.iter().flat_map(|pair| &pair.vectors) {

@@ -88,7 +88,7 @@ impl<'m> Problem<'m> {
     fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
         let rate = model.sparse_rate(speed);
         let circulates =
-            model.supports.iter().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
+            model.local_elements().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
         let null = null_motions(model, speed)?;
         // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
         let inertia = model.sparse_mass().diagonal();
@@ -276,6 +276,15 @@ impl<'m> Problem<'m> {
                 }
             }
         }
+        for link in &self.model.links {
+            let parts = parts.each_ref().map(|part| link.scalars(part.as_slice()));
+            let local = [0, 1].map(|row| Complex64::new(parts[0][row], parts[1][row]));
+            for (row, left) in link.local.skew_part().iter().zip(local) {
+                for (value, right) in row.iter().zip(local) {
+                    stiffness += left.conj() * right * *value;
+                }
+            }
+        }
         let images = parts.each_ref().map(|part| {
             let mut image = DVector::zeros(part.len());
             self.rate.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
@@ -369,12 +378,14 @@ impl Reach {
         let mobility = |row: &[(usize, f64)]| {
             let mut column = vec![0.0; model.len()];
             row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
-            model.shafts.iter().for_each(|shaft| shaft.solve_mass(&mut column));
+            model.solve_mass(&mut column);
             row.iter().map(|(index, coefficient)| coefficient * column[*index]).sum::<f64>()
         };
-        for support in &model.supports {
+        let supports = model.supports.iter().map(|support| (2.0 * mobility(&[(support.index, 1.0)]), support));
+        let links = model.links.iter();
+        let links = links.map(|link| (link.rows.iter().map(|row| mobility(row)).sum::<f64>(), &link.local));
+        for (mobility, support) in supports.chain(links) {
             let [[a, b], [c, d]] = support.damping;
-            let mobility = 2.0 * mobility(&[(support.index, 1.0)]);
             reach.damping += mobility * a.hypot(b).hypot(c.hypot(d));
             reach.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
             reach.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;

@@ -1,21 +1,26 @@
 //! Connections of the model, and the model at a constant speed.
 
-use super::{Model, Numbering, Support};
+use super::link::links;
+use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{Connection, SpeedDependentBearing};
 use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
 
-/// Bearings with constant coefficients, and bearings that depend on the speed.
+/// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let Some(index) = numbering.translation(bearing.node) else {
+        let (Some(index), Some(rows)) =
+            (numbering.translation(bearing.node), bearing_rows(scene, numbering, bearing))
+        else {
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
+            // A bearing on a housing is a link.
+            (Some(_), Some(_)) if bearing.attachment.is_some() => {}
             (Some(stiffness), Some(damping)) => supports.push(Support::new(index, stiffness, damping)),
             _ => {
                 let ratio = scene.speed_ratios[bearing.node.shaft];
-                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), index, ratio });
+                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio });
             }
         }
     }
@@ -65,6 +70,7 @@ impl Model {
             given.damping = BearingCoefficient::Constant(damping);
         }
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
+        model.links = links(&model.scene, &model.numbering);
         Ok(model)
     }
 

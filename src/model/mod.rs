@@ -13,19 +13,25 @@ mod bow;
 mod circular;
 mod dynamic_stiffness;
 mod flanks;
+mod housing;
+mod link;
 mod matrices;
 mod numbering;
 mod quadratic_forms;
 mod shaft;
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
+pub use housing::{HousingInertia, point_rows};
+pub use link::{Link, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{SpeedDependentBearing, Spring};
+use crate::connection::{Row, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -124,6 +130,10 @@ pub struct Model {
     pub shafts: Vec<ShaftModel>,
     /// Bearings with constant coefficients; empty for a scene without bending.
     pub supports: Vec<Support>,
+    /// All other linear elements with constant coefficients: bearings on housings, and mounts of housings.
+    pub links: Vec<Link>,
+    /// Inertia of supports and housings.
+    pub housings: HousingInertia,
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
     /// [`at_speed`](Self::at_speed).
     pub bearings: Vec<SpeedDependentBearing>,
@@ -165,6 +175,8 @@ impl Model {
         let constant_load = DVector::zeros(numbering.len());
         let mut model = Self {
             constant_load,
+            links: link::links(&scene, &numbering),
+            housings: HousingInertia::new(&scene, &numbering),
             sigma_standing: Vec::new(),
             scene,
             numbering,
@@ -202,6 +214,11 @@ impl Model {
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
             for (sum, value) in force.iter_mut().zip(support.force(q, v)) {
+                *sum += value;
+            }
+        }
+        for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
+            for (sum, value) in force.iter_mut().zip(link.force(q, v)) {
                 *sum += value;
             }
         }
@@ -260,12 +277,47 @@ impl Model {
                     _ => {}
                 }
             }
+            for node in self.housing_nodes() {
+                if let Some(v) = self.numbering.translation(node) {
+                    (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
+                }
+            }
             self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
         }
         load
     }
 
-    /// K q of shafts and bearings, n entries, N or N m.
+    /// Index ranges, in the order of the core, of the parts that only meshes couple.
+    pub fn uncoupled_parts(&self) -> Vec<Range<usize>> {
+        if self.links.is_empty() { self.numbering.uncoupled_parts().collect() } else { std::iter::once(0..self.len()).collect() }
+    }
+
+    /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;
+    /// `None` for a node of a shaft and without bending.
+    pub fn point_rows(&self, node: Node, arm: [f64; 3]) -> Option<[Row; 2]> {
+        let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
+        Some(point_rows(housing, self.numbering.translation(node)?, arm))
+    }
+
+    /// Coordinates on which the bearings at a node act.
+    pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
+        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
+        let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
+        rows.flatten().map(|(index, _)| *index).collect()
+    }
+
+    /// Coefficients of all bearings with constant coefficients and of all links.
+    pub fn local_elements(&self) -> impl Iterator<Item = &Support> {
+        self.supports.iter().chain(self.links.iter().map(|link| &link.local))
+    }
+
+    /// Nodes of supports and housings.
+    pub fn housing_nodes(&self) -> impl Iterator<Item = Node> + use<> {
+        let shafts = self.scene.shafts.len();
+        (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
+    }
+
+    /// K q of shafts, bearings and links, n entries, N or N m.
     pub fn static_force(&self, q: &DVector<f64>) -> DVector<f64> {
         let (q, mut force) = (q.as_slice(), DVector::zeros(self.len()));
         for shaft in &self.shafts {
@@ -281,6 +333,9 @@ impl Model {
                 force[support.index + row] -= value;
             }
         }
+        for link in &self.links {
+            link.subtract(link.local.elastic_force(&link.scalars(q)), force.as_mut_slice());
+        }
         -force
     }
 
@@ -289,6 +344,15 @@ impl Model {
         for shaft in &self.shafts {
             shaft.multiply_mass(x, out);
         }
+        self.housings.multiply_mass(x, out);
+    }
+
+    /// `x ← M⁻¹ x`.
+    pub fn solve_mass(&self, x: &mut [f64]) {
+        for shaft in &self.shafts {
+            shaft.solve_mass(x);
+        }
+        self.housings.solve_mass(x);
     }
 
     /// M X for a matrix X with n rows.

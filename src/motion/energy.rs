@@ -108,6 +108,10 @@ impl<'m> EquationOfMotion<'m> {
             let skew = (k[0][1] - k[1][0]) / 2.0;
             damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
         }
+        for link in &model.links {
+            let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
+            damping += (a - b) / 2.0 * (y_rate * z - z_rate * y);
+        }
         if let Some(modal) = &self.modal_damping {
             for (column, rate) in modal.column_iter().zip(v) {
                 damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();

@@ -15,7 +15,7 @@ use crate::connection::{Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
-use crate::model::{Model, ShaftModel, Support};
+use crate::model::{Link, Model, ShaftModel};
 use crate::scene::Node;
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
@@ -64,7 +64,7 @@ pub struct EquationOfMotion<'m> {
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
     /// must be constant during a run.
-    norm_supports: Vec<Support>,
+    norm_bearings: Vec<Link>,
     pub(super) equilibrium: DVector<f64>,
     /// Scratch memory for one vector of displacements.
     pub(super) scratch: Vec<f64>,
@@ -116,9 +116,9 @@ impl<'m> EquationOfMotion<'m> {
                 cached.modal_damping_matrix(speed)?
             }
         };
-        let norm_supports = model.bearings.iter().map(|bearing| {
+        let norm_bearings = model.bearings.iter().map(|bearing| {
             let [stiffness, damping] = bearing.at(speed);
-            Support::new(bearing.index, stiffness, damping)
+            Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
         });
         let angles: Vec<f64> = at_origin.iter().map(|phasor| phasor.arg()).collect();
         Ok(Self {
@@ -134,7 +134,7 @@ impl<'m> EquationOfMotion<'m> {
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             rotating_forces,
             modal_damping,
-            norm_supports: norm_supports.collect(),
+            norm_bearings: norm_bearings.collect(),
             equilibrium,
             scratch: vec![0.0; model.len()],
         })
@@ -143,7 +143,7 @@ impl<'m> EquationOfMotion<'m> {
     /// Quadratic form qᵀKq, with each mesh linearised at rest.
     pub(super) fn elastic_form(&self, q: &[f64]) -> f64 {
         let constant = self.model.elastic_form(q, |mesh| self.sigma[mesh]);
-        self.norm_supports.iter().fold(constant, |sum, support| sum + support.elastic_form(q))
+        self.norm_bearings.iter().fold(constant, |sum, link| sum + link.local.elastic_form(&link.scalars(q)))
     }
 
     /// All connections of the model, meshes first.

@@ -79,9 +79,8 @@ impl PyModel {
         if self.model().bearings.is_empty() { 0.0 } else { fastest }
     }
 
-    /// Name of the shaft and position, m, of a node.
+    /// Name of the shaft or housing and position x, m, of a node.
     pub fn place(&self, node: Node) -> (&str, f64) {
-        let shaft = &self.model().scene.shafts[node.shaft];
-        (&shaft.name, shaft.nodes[node.node])
+        self.model().scene.place(node)
     }
 }

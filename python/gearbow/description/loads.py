@@ -10,13 +10,14 @@ from gearbow._types import At, Plain
 from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.speed_table import SpeedTable
+from gearbow.description.supports import Support
 
 __all__ = ["Bearing", "Torque"]
 
 
 @dataclass(frozen=True)
 class Bearing(Part):
-    """A bearing between a shaft and the ground, linear in displacement and velocity.
+    """A bearing between a shaft and what it stands on, linear in displacement and velocity.
 
     Parameters
     ----------
@@ -29,6 +30,9 @@ class Bearing(Part):
         of one of these against the speed of the shaft.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
+    support : str or Support, optional
+        What it stands on: the name of a support or housing of the system, or a support of its own.
+        None is the ground.
 
     Examples
     --------
@@ -41,6 +45,7 @@ class Bearing(Part):
     _: KW_ONLY
     stiffness: ArrayLike | SpeedTable
     damping: ArrayLike | SpeedTable = 0.0
+    support: str | Support | None = None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Bearing":
@@ -48,6 +53,8 @@ class Bearing(Part):
         for key in ("stiffness", "damping"):
             if isinstance(given.get(key), Mapping):
                 given[key] = SpeedTable._from_description(given[key])
+        if isinstance(given.get("support"), Mapping):
+            given["support"] = Support._from_description(given["support"])
         return cls(**given)
 
 

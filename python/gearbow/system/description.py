@@ -18,6 +18,7 @@ from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
+from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
 from gearbow.system.run import SpeedLike, given_speed
@@ -34,6 +35,8 @@ _PARTS: dict[str, type[Part]] = {
     "bearings": Bearing,
     "torques": Torque,
     "disks": Disk,
+    "supports": Support,
+    "housings": Housing,
 }
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
@@ -60,6 +63,8 @@ class SystemDescription:
     bearings: tuple[Bearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    supports: tuple[Support, ...]
+    housings: tuple[Housing, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
@@ -76,6 +81,8 @@ class SystemDescription:
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),
+        supports: Sequence[Support] = (),
+        housings: Sequence[Housing] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
@@ -89,6 +96,8 @@ class SystemDescription:
         self.bearings = parts(bearings, Bearing, "bearings")
         self.torques = parts(torques, Torque, "torques")
         self.disks = parts(disks, Disk, "disks")
+        self.supports = parts(supports, Support, "supports")
+        self.housings = parts(housings, Housing, "housings")
         options = {
             "reference": reference,
             "modal_damping": modal_damping,

@@ -326,6 +326,7 @@ fn of_components(
     let ports = interface(model, speed, &plan.selection(model));
     let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
     loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    loaded.extend(model.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index)));
     loaded.sort_unstable();
     loaded.dedup();
     let highest = limit * excited_frequency(motion, speed);

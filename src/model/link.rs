@@ -1,0 +1,123 @@
+//! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
+//!
+//! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
+//! link: a bearing on a housing, the mount of a housing. All are part of the matrices.
+
+use super::housing::point_rows;
+use super::{Numbering, Support};
+use crate::connection::Row;
+use crate::scene::{Attachment, Bearing, Housing, Matrix2, Node, Scene};
+
+/// A spring and damper over one or two scalars u = Wᵀq: f = K u + C u̇, which acts as −W f.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Path of its entry in the scene.
+    pub name: String,
+    /// Node of the bearing that it represents; `None` for another element.
+    pub bearing: Option<Node>,
+    /// The scalars as entries (index of a coordinate, coefficient).
+    pub rows: Vec<Row>,
+    /// Coefficients over the scalars, with the index 0; entries beyond the number of scalars are zero.
+    pub local: Support,
+}
+
+impl Link {
+    /// An element over the scalars of `rows` that is no bearing.
+    pub fn new(name: String, rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2) -> Self {
+        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping) }
+    }
+
+    /// The scalars u for displacements q, or u̇ for velocities; zero beyond their number.
+    #[inline]
+    pub fn scalars(&self, q: &[f64]) -> [f64; 2] {
+        let mut scalars = [0.0; 2];
+        for (scalar, row) in scalars.iter_mut().zip(&self.rows) {
+            *scalar = row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
+        }
+        scalars
+    }
+
+    /// Force K u + C u̇ over the scalars, N or N m.
+    #[inline]
+    pub fn force(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
+        self.local.force(&self.scalars(q), &self.scalars(v))
+    }
+
+    /// Subtracts a force over the scalars from the generalised forces.
+    #[inline]
+    pub fn subtract(&self, force: [f64; 2], out: &mut [f64]) {
+        for (row, force) in self.rows.iter().zip(force) {
+            row.iter().for_each(|(index, coefficient)| out[*index] -= coefficient * force);
+        }
+    }
+
+    /// Directions in which it has stiffness, as entries over the coordinates.
+    pub fn directions(&self) -> impl Iterator<Item = Row> + '_ {
+        self.local.directions().map(|direction| {
+            let scaled = |(row, factor): (&Row, f64)| row.iter().map(|(i, c)| (*i, factor * c)).collect::<Vec<_>>();
+            self.rows.iter().zip(direction).flat_map(scaled).collect()
+        })
+    }
+
+    /// Norm of WᵀM⁻¹W, an upper bound of the acceleration of the scalars per unit force on them; `solve_mass` gives
+    /// M⁻¹x.
+    pub fn mobility(&self, len: usize, solve_mass: impl Fn(&mut [f64])) -> f64 {
+        let accelerated = |row: &Row| {
+            let mut column = vec![0.0; len];
+            row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
+            solve_mass(&mut column);
+            self.scalars(&column)
+        };
+        self.rows.iter().map(|row| accelerated(row).iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
+    }
+}
+
+/// The links of a scene: mounts of supports and housings, and bearings with constant coefficients that stand on them.
+pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
+    let mut links = Vec::new();
+    for (index, housing) in scene.housings.iter().enumerate() {
+        let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+        if let Some(first) = numbering.translation(node) {
+            mounts(housing, first, &mut links);
+        }
+    }
+    for (number, bearing) in scene.bearings.iter().enumerate() {
+        let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
+            continue;
+        };
+        if let Some(rows) = bearing_rows(scene, numbering, bearing).filter(|_| bearing.attachment.is_some()) {
+            let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
+            links.push(Link { bearing: Some(bearing.node), ..link });
+        }
+    }
+    links
+}
+
+/// Displacements (v, w) of the shaft relative to what its bearing stands on; `None` without bending.
+pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Option<[Row; 2]> {
+    let index = numbering.translation(bearing.node)?;
+    let mut rows = [vec![(index, 1.0)], vec![(index + 1, 1.0)]];
+    if let Some(Attachment { housing, arm }) = bearing.attachment {
+        let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
+        let base = point_rows(&scene.housings[housing], first, arm);
+        for (row, base) in rows.iter_mut().zip(base) {
+            row.extend(base.into_iter().map(|(index, coefficient)| (index, -coefficient)));
+        }
+    }
+    Some(rows)
+}
+
+/// Springs and dampers between a housing and the ground.
+fn mounts(housing: &Housing, first: usize, links: &mut Vec<Link>) {
+    let rows = vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]];
+    let name = format!("the mount of \"{}\"", housing.name);
+    links.push(Link::new(name.clone(), rows, housing.stiffness, housing.damping));
+    if housing.inertia.is_some() {
+        // The order of the core is −B = −rotation about y, Γ about z and θ about x.
+        for (axis, index) in [(0, first + 4), (1, first + 3), (2, first + 2)] {
+            let (k, c) = (housing.rotational_stiffness[axis], housing.rotational_damping[axis]);
+            let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
+            links.push(Link::new(name.clone(), vec![vec![(index, 1.0)]], single(k), single(c)));
+        }
+    }
+}
