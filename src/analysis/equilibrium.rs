@@ -39,8 +39,9 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let model = &cached.model;
     let real = cached.real_modes(speed)?;
     let load = &model.constant_load;
+    model.check_speed(speed)?;
     let null = real.vectors.columns(0, real.null).into_owned();
-    check_balance(model, &null, load)?;
+    check_balance(model, &null, &(load + model.speed_torques(speed)), speed)?;
     // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
     let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
     let weighted = model.mass_times(&null) * lowest;
@@ -66,7 +67,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
         let step = step.column(0);
         let energy = step.dot(&residual).abs();
-        let scale = load.dot(&q).abs().max(energy);
+        let scale = (load.dot(&q) + model.speed_torques(speed).dot(&q)).abs().max(energy);
         let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
         let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
         // An old tangent is used as long as the steps decrease fast.
@@ -92,7 +93,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
-fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed: f64) -> Result<(), AnalysisError> {
     // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
     // depend on the combination.
     let mut acceleration = DVector::zeros(model.len());
@@ -120,7 +121,7 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
         let motion = acceleration[dof.index].abs();
         if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
     });
-    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model, speed) }
         .into())
 }
 
@@ -150,13 +151,14 @@ fn unsupported(model: &Model, shaft: usize) -> SceneError {
 }
 
 /// The error for torques that do not balance.
-fn unbalanced(model: &Model) -> SceneError {
+fn unbalanced(model: &Model, speed: f64) -> SceneError {
     let scene = &model.scene;
     let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
+    let net = model.loads.iter().fold(net, |net, load| net + load.constant(speed) * load.ratio);
     SceneError::new(
         "torques",
         format!(
-            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts"
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...)"
         ),
     )
 }
@@ -202,6 +204,11 @@ fn connection_forces(
             Connection::Bearing(bearing) => {
                 let known = bearing.static_tangent(speed, q.as_slice());
                 add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
+            }
+            Connection::Load(load) => {
+                for (row, factor) in &load.rows[0] {
+                    force[*row] -= factor * load.constant(speed);
+                }
             }
             Connection::Spring(spring) => {
                 add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);

@@ -394,7 +394,7 @@ impl Reach {
             let damping = connection.linear(speed).damping;
             let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
             reach.damping += mobility * damping.norm();
-            reach.stable &= damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
+            reach.stable &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
         }
         reach.stable &= reach.circulatory == 0.0;
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.

@@ -18,6 +18,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
+use crate::connection::Connection;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::{DofKind, Link, Model};
 use crate::scene::Node;
@@ -201,7 +202,8 @@ pub(super) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f
             rows.push(row);
         }
     }
-    let connections = speed.iter().flat_map(|speed| model.connections(*speed)).flat_map(|connection| connection.rows());
+    let connections = speed.iter().flat_map(|speed| model.connections(*speed)).filter(Connection::is_elastic);
+    let connections = connections.flat_map(|connection| connection.rows());
     for entries in model.links.iter().flat_map(Link::directions).chain(connections) {
         let mut row = RowDVector::zeros(model.len());
         entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);

@@ -1,5 +1,7 @@
 //! Connections of the model, and the model at a constant speed.
 
+use nalgebra::DVector;
+
 use super::link::links;
 use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{Connection, SpeedDependentBearing};
@@ -41,14 +43,16 @@ impl Model {
     ) -> impl Iterator<Item = Connection<'a>> + 'a {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
-        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(self.springs.iter().map(Connection::Spring))
+        let others = self.bearings.iter().map(Connection::Bearing).chain(self.springs.iter().map(Connection::Spring));
+        meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
 
-    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
+    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients or a torque no value.
     ///
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
+        self.loads.iter().try_for_each(|load| load.check(speed))?;
         self.bearings.iter().try_for_each(|bearing| {
             let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
             bearing.check(speed, &shaft.name)
@@ -72,6 +76,15 @@ impl Model {
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
         Ok(model)
+    }
+
+    /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.
+    pub fn speed_torques(&self, speed: f64) -> DVector<f64> {
+        let mut torques = DVector::zeros(self.len());
+        for load in &self.loads {
+            load.rows[0].iter().for_each(|(index, factor)| torques[*index] += factor * load.constant(speed));
+        }
+        torques
     }
 
     /// The bearings at a node whose coefficients depend on the speed.

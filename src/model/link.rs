@@ -1,12 +1,14 @@
 //! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
 //!
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
-//! link: a bearing on a housing, the mount of a housing. All are part of the matrices.
+//! link: a bearing on a housing, the mount of a housing, a coupling, a drive. All are part of the matrices.
+
+use num_complex::Complex64;
 
 use super::housing::point_rows;
 use super::{Numbering, Support};
 use crate::connection::Row;
-use crate::scene::{Attachment, Bearing, Housing, Matrix2, Node, Scene};
+use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
 
 /// A spring and damper over one or two scalars u = Wᵀq: f = K u + C u̇, which acts as −W f.
 #[derive(Clone, Debug)]
@@ -19,12 +21,25 @@ pub struct Link {
     pub rows: Vec<Row>,
     /// Coefficients over the scalars, with the index 0; entries beyond the number of scalars are zero.
     pub local: Support,
+    /// Scalars at which it has no force; `None` if they are zero.
+    pub rest: Option<Rest>,
+}
+
+/// Scalars of a misaligned coupling at which it has no force: fixed + turning·e^{iϑ}, as v + iw.
+#[derive(Clone, Copy, Debug)]
+pub struct Rest {
+    /// Part that is fixed in space, m or rad.
+    pub fixed: Complex64,
+    /// Part that turns with the shaft, m.
+    pub turning: Complex64,
+    /// Index of the shaft.
+    pub shaft: usize,
 }
 
 impl Link {
     /// An element over the scalars of `rows` that is no bearing.
     pub fn new(name: String, rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping) }
+        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
     /// The scalars u for displacements q, or u̇ for velocities; zero beyond their number.
@@ -51,6 +66,32 @@ impl Link {
         }
     }
 
+    /// Generalised forces W K u₀ of scalars u₀ = v + iw, as entries over the coordinates, N or N m.
+    pub fn rest_force(&self, rest: Complex64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let force = self.local.elastic_force(&[rest.re, rest.im]);
+        let scaled = |(row, force): (&Row, f64)| row.iter().map(|(i, c)| (*i, force * c)).collect::<Vec<_>>();
+        self.rows.iter().zip(force).flat_map(scaled)
+    }
+
+    /// ½(u − u₀)ᵀK(u − u₀) − ½uᵀKu, J, with the scalars u₀ without force at the phasor e^{iϑ} of its shaft.
+    pub fn rest_energy(&self, phasor: Complex64, q: &[f64]) -> f64 {
+        let Some(rest) = &self.rest else { return 0.0 };
+        let (at_rest, u) = (rest.fixed + rest.turning * phasor, self.scalars(q));
+        let [y, z] = self.local.elastic_force(&[at_rest.re, at_rest.im]);
+        y * (at_rest.re / 2.0 - u[0]) + z * (at_rest.im / 2.0 - u[1])
+    }
+
+    /// Powers, W: that of the constant force of the part fixed in space, and that which turns the other part, at the phasor
+    /// e^{iϑ} and the spin, rad/s, of its shaft.
+    pub fn rest_powers(&self, phasor: Complex64, spin: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let Some(rest) = &self.rest else { return [0.0; 2] };
+        let ([u, u_rate], turning) = ([q, v].map(|x| self.scalars(x)), rest.turning * phasor);
+        let fixed = self.local.elastic_force(&[rest.fixed.re, rest.fixed.im]);
+        let stretch = [u[0] - rest.fixed.re - turning.re, u[1] - rest.fixed.im - turning.im];
+        let (force, rate) = (self.local.elastic_force(&stretch), turning * Complex64::new(0.0, spin));
+        [fixed[0] * u_rate[0] + fixed[1] * u_rate[1], -(rate.re * force[0] + rate.im * force[1])]
+    }
+
     /// Directions in which it has stiffness, as entries over the coordinates.
     pub fn directions(&self) -> impl Iterator<Item = Row> + '_ {
         self.local.directions().map(|direction| {
@@ -72,13 +113,22 @@ impl Link {
     }
 }
 
-/// The links of a scene: mounts of supports and housings, and bearings with constant coefficients that stand on them.
+/// The links of a scene: mounts of supports and housings, couplings, drives, and bearings with constant coefficients that stand on them.
 pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     let mut links = Vec::new();
     for (index, housing) in scene.housings.iter().enumerate() {
         let node = Node { shaft: scene.shafts.len() + index, node: 0 };
         if let Some(first) = numbering.translation(node) {
             mounts(housing, first, &mut links);
+        }
+    }
+    for (number, coupling) in scene.couplings.iter().enumerate() {
+        join(coupling, number, numbering, &mut links);
+    }
+    for (number, drive) in scene.drives.iter().enumerate() {
+        if let Some(index) = numbering.twist(drive.node) {
+            let [stiffness, damping] = [drive.stiffness, drive.damping].map(|value| [[value, 0.0], [0.0, 0.0]]);
+            links.push(Link::new(format!("drives[{number}]"), vec![vec![(index, 1.0)]], stiffness, damping));
         }
     }
     for (number, bearing) in scene.bearings.iter().enumerate() {
@@ -105,6 +155,33 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
         }
     }
     Some(rows)
+}
+
+/// Springs and dampers of a coupling, over the displacements of hub a relative to hub b.
+fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut Vec<Link>) {
+    let (name, [a, b]) = (format!("couplings[{number}]"), coupling.hubs);
+    let [_, lateral, tilting, torsional] =
+        std::array::from_fn(|kind| [coupling.stiffness[kind], coupling.damping[kind]]);
+    let both = |[k, c]: [f64; 2]| [k, c].map(|value| [[value, 0.0], [0.0, value]]);
+    let relative = |a: usize, b: usize| vec![(a, 1.0), (b, -1.0)];
+    if let (Some(v), Some(w)) = (numbering.translation(a), numbering.translation(b)) {
+        let misaligned = [
+            (lateral, 0, coupling.offset, coupling.runout),
+            // The slopes along y and z are Γ and −B.
+            (tilting, 2, coupling.angle, Complex64::ZERO),
+        ];
+        for (coefficients, at, fixed, turning) in misaligned {
+            let [stiffness, damping] = both(coefficients);
+            let rows = vec![relative(v + at, w + at), relative(v + at + 1, w + at + 1)];
+            let rest = Rest { fixed, turning, shaft: a.shaft };
+            let rest = (fixed != Complex64::ZERO || turning != Complex64::ZERO).then_some(rest);
+            links.push(Link { rest, ..Link::new(name.clone(), rows, stiffness, damping) });
+        }
+    }
+    if let (Some(a), Some(b)) = (numbering.twist(a), numbering.twist(b)) {
+        let [stiffness, damping] = torsional.map(|value| [[value, 0.0], [0.0, 0.0]]);
+        links.push(Link::new(name, vec![relative(a, b)], stiffness, damping));
+    }
 }
 
 /// Springs and dampers between a housing and the ground.

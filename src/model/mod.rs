@@ -23,19 +23,20 @@ mod shaft;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
-pub use link::{Link, bearing_rows};
+pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{Row, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, Row, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
-use crate::scene::{Matrix2, Node, Scene, SceneError};
+use crate::scene::{Matrix2, Node, Scene, SceneError, VaryingLoad};
 
 /// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -130,7 +131,7 @@ pub struct Model {
     pub shafts: Vec<ShaftModel>,
     /// Bearings with constant coefficients; empty for a scene without bending.
     pub supports: Vec<Support>,
-    /// All other linear elements with constant coefficients: bearings on housings, and mounts of housings.
+    /// All other linear elements with constant coefficients: bearings on housings, mounts of housings, couplings, drives.
     pub links: Vec<Link>,
     /// Inertia of supports and housings.
     pub housings: HousingInertia,
@@ -141,7 +142,9 @@ pub struct Model {
     pub meshes: Vec<GearMesh>,
     /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
     pub springs: Vec<Spring>,
-    /// Constant load of torques and gravity, n entries, N or N m.
+    /// Forces and torques that depend on time, angle or speed.
+    pub loads: Vec<AppliedLoad>,
+    /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
@@ -185,7 +188,10 @@ impl Model {
             bearings,
             meshes,
             springs: Vec::new(),
+            loads: Vec::new(),
         };
+        model.loads = model.varying_loads();
+        model.add_turning_forces();
         model.constant_load = model.assemble_constant_load();
         model.sigma_standing = model.sigma_at_rest();
         Ok(model)
@@ -261,12 +267,59 @@ impl Model {
         orders.fold(0.0, f64::max)
     }
 
+    /// Forces and torques that depend on time, angle or speed, on the coordinates that the scene has.
+    fn varying_loads(&self) -> Vec<AppliedLoad> {
+        let load = |given: &VaryingLoad| {
+            let rows = if given.law.is_torque() {
+                vec![vec![(self.numbering.twist(given.node)?, 1.0)]]
+            } else {
+                let index = self.numbering.translation(given.node)?;
+                vec![vec![(index, 1.0)], vec![(index + 1, 1.0)]]
+            };
+            let (path, shaft, law) = (given.path.clone(), given.node.shaft, given.law.clone());
+            Some(AppliedLoad { path, rows, shaft, ratio: self.scene.speed_ratios[shaft], law })
+        };
+        self.scene.varying_loads.iter().filter_map(load).collect()
+    }
+
+    /// Adds the forces that turn with a shaft, and those of eccentric hubs of couplings, to the excitations of the shafts.
+    fn add_turning_forces(&mut self) {
+        let force = |index: usize, bow: Complex64| Excitation { index, bow, unbalance: Complex64::ZERO };
+        for given in self.scene.forces.iter().filter(|force| force.turns) {
+            if let Some(index) = self.numbering.translation(given.node) {
+                self.shafts[given.node.shaft].excitations.push(force(index, given.value));
+            }
+        }
+        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
+            // The entries of each hub are a pair (v, w).
+            let [along_v, along_w] = [&link.rows[0], &link.rows[1]];
+            let amplitude = rest.turning * link.local.stiffness[0][0];
+            for ((index, coefficient), _) in along_v.iter().zip(along_w).filter(|_| amplitude != Complex64::ZERO) {
+                self.shafts[rest.shaft].excitations.push(force(*index, amplitude * *coefficient));
+            }
+        }
+    }
+
+    /// Power of a force y + iz, N, on a node that moves with the velocities v, W.
+    pub fn power(&self, node: Node, force: Complex64, v: &[f64]) -> f64 {
+        self.numbering.translation(node).map_or(0.0, |index| force.re * v[index] + force.im * v[index + 1])
+    }
+
     fn assemble_constant_load(&self) -> DVector<f64> {
         let mut load = DVector::zeros(self.len());
         for torque in &self.scene.torques {
             if let Some(index) = self.numbering.twist(torque.node) {
                 load[index] += torque.value;
             }
+        }
+        for force in self.scene.forces.iter().filter(|force| !force.turns) {
+            if let Some(index) = self.numbering.translation(force.node) {
+                load[index] += force.value.re;
+                load[index + 1] += force.value.im;
+            }
+        }
+        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
+            link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
         }
         if self.scene.gravity != [0.0; 2] {
             let mut acceleration = DVector::zeros(self.len());

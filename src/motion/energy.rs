@@ -3,7 +3,7 @@
 use super::EquationOfMotion;
 use crate::connection::Connection;
 use crate::mesh::{MeshState, Overlap};
-use crate::model::Model;
+use crate::model::{Link, Model};
 
 /// Energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,15 +42,23 @@ impl<'m> EquationOfMotion<'m> {
         Ok(Energies {
             kinetic: self.model.kinetic_form(v) / 2.0,
             shafts,
-            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q),
+            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q),
             meshes,
         })
+    }
+
+    /// Elastic energy that the misalignment of couplings adds to that of their displacements, J.
+    fn rest_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
+        let energy = |link: &Link| {
+            link.rest.as_ref().map_or(0.0, |rest| link.rest_energy(self.phasor(rest.shaft, elapsed), q))
+        };
+        self.model.links.iter().map(energy).sum()
     }
 
     /// Elastic energy of all connections except meshes, J.
     fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
-            Connection::Mesh(..) => 0.0,
+            Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Spring(spring) => spring.energy(q),
         };
@@ -71,7 +79,7 @@ impl<'m> EquationOfMotion<'m> {
         Ok(sum)
     }
 
-    /// Power of the [`SOURCES`], W: torque; gravity; the drive, which turns bowed shafts and changes the stiffness of
+    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of couplings and changes the stiffness of
     /// bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
     /// the cross-coupling of bearings.
     ///
@@ -80,9 +88,12 @@ impl<'m> EquationOfMotion<'m> {
     pub fn powers(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
         let torques = model.scene.torques.iter();
-        let torque: f64 =
+        let mut torque: f64 =
             torques.map(|torque| torque.value * model.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
+        let fixed = model.scene.forces.iter().filter(|force| !force.turns);
+        torque += fixed.map(|force| model.power(force.node, force.value, v)).sum::<f64>();
         let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
+        let mut weight = constant - torque;
         let (mut drive, mut unbalance) = (0.0, 0.0);
         let mut unbent = std::mem::take(&mut self.scratch);
         self.subtract_bow(elapsed, q, &mut unbent);
@@ -108,7 +119,16 @@ impl<'m> EquationOfMotion<'m> {
             let skew = (k[0][1] - k[1][0]) / 2.0;
             damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
         }
+        for force in model.scene.forces.iter().filter(|force| force.turns) {
+            torque += model.power(force.node, force.value * self.phasor(force.node.shaft, elapsed), v);
+        }
         for link in &model.links {
+            if let Some(rest) = &link.rest {
+                let spin = self.spin_at(rest.shaft, elapsed).0;
+                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
+                weight -= loaded;
+                drive += turned;
+            }
             let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
             damping += (a - b) / 2.0 * (y_rate * z - z_rate * y);
         }
@@ -134,9 +154,10 @@ impl<'m> EquationOfMotion<'m> {
                     damping += damped;
                 }
                 Connection::Spring(spring) => damping += spring.damping_power(v),
+                Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
+        Ok([torque, weight, drive, unbalance, teeth, -damping])
     }
 
     /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.

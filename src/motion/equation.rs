@@ -53,6 +53,8 @@ pub struct EquationOfMotion<'m> {
     pub(super) at_origin: Vec<Complex64>,
     /// Angle of each shaft at elapsed time zero, rad.
     angles: Vec<f64>,
+    /// Time at which elapsed time is zero, s.
+    origin: f64,
     /// Contact mode of each mesh in the step.
     pub(super) contact_modes: Vec<ContactMode>,
     /// Indices of the coordinates of meshes with several contact modes.
@@ -129,6 +131,7 @@ impl<'m> EquationOfMotion<'m> {
             speed,
             variable_speed: rotation.variable_speed(),
             angles,
+            origin: rotation.origin,
             at_origin,
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
@@ -152,11 +155,16 @@ impl<'m> EquationOfMotion<'m> {
         self.model.connections_with(|mesh| self.sigma[mesh])
     }
 
-    /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh.
+    /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh, the
+    /// shaft of a load, and the time.
     #[inline(always)]
-    pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
-        let phases = mesh.map_or_else(Default::default, |mesh| self.phases(mesh, elapsed));
-        Instant { phases, contact_mode: *self.contact_mode(mesh) }
+    pub fn instant(&self, mesh: Option<usize>, shaft: Option<usize>, elapsed: f64) -> Instant {
+        let phases = match (mesh, shaft) {
+            (Some(mesh), _) => self.phases(mesh, elapsed),
+            (None, Some(shaft)) => [self.phase(shaft, elapsed), ShaftPhase::default()],
+            (None, None) => Default::default(),
+        };
+        Instant { time: self.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh) }
     }
 
     /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
@@ -317,10 +325,19 @@ impl<'m> EquationOfMotion<'m> {
     /// Angles and spins of the two shafts of a mesh.
     #[inline(always)]
     pub fn phases(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
-        self.model.meshes[mesh].shafts.map(|shaft| {
-            let (angle, spin) = self.angle_and_spin(shaft, elapsed);
-            ShaftPhase { angle: self.angles[shaft] + angle, spin }
-        })
+        self.model.meshes[mesh].shafts.map(|shaft| self.phase(shaft, elapsed))
+    }
+
+    /// Angle and spin of a shaft.
+    #[inline(always)]
+    fn phase(&self, shaft: usize, elapsed: f64) -> ShaftPhase {
+        let (angle, spin) = self.angle_and_spin(shaft, elapsed);
+        ShaftPhase { angle: self.angles[shaft] + angle, spin }
+    }
+
+    /// Speed of the reference shaft at which connections are linearised, rad/s: the largest one of the run.
+    pub fn linear_speed(&self) -> f64 {
+        self.speed
     }
 
     /// Pose of a mesh.

@@ -61,6 +61,7 @@ impl EquationOfMotion<'_> {
                     }
                 }
                 Connection::Spring(spring) => spring.apply(q, v, force),
+                Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
             }
             Ok(())
         })?;

@@ -5,7 +5,7 @@
 use super::description::{self, Base, SceneDescription};
 use super::place::Names;
 use super::speed_table::checked;
-use super::{EntryPath, Gear, Matrix2, Mesh, SceneError, Shaft, nearest};
+use super::{Coupling, EntryPath, Gear, Matrix2, Mesh, Node, SceneError, Shaft, nearest};
 
 /// A rigid body on springs and dampers, on which bearings stand.
 #[derive(Clone, Debug)]
@@ -104,10 +104,10 @@ pub(super) fn attachments(
     system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
-    (gears, meshes): (&[Gear], &[Mesh]),
+    train: (&[Gear], &[Mesh], &[Coupling]),
     housings: &[Housing],
 ) -> Result<Vec<Option<Attachment>>, SceneError> {
-    let origins = origins(shafts, gears, meshes);
+    let origins = origins(shafts, train);
     let mut own = system.supports.len() + system.housings.len();
     let attachment = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
@@ -137,14 +137,12 @@ pub(super) fn attachments(
     system.bearings.iter().enumerate().map(attachment).collect()
 }
 
-/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes give the positions of the shafts
-/// relative to each other; a shaft without a mesh begins at the origin too.
-fn origins(shafts: &[Shaft], gears: &[Gear], meshes: &[Mesh]) -> Vec<[f64; 3]> {
+/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes and couplings give the positions of
+/// the shafts relative to each other; a shaft without them begins at the origin too.
+fn origins(shafts: &[Shaft], (gears, meshes, couplings): (&[Gear], &[Mesh], &[Coupling])) -> Vec<[f64; 3]> {
     let mut origins: Vec<Option<[f64; 3]>> = vec![None; shafts.len()];
-    let position = |gear: usize| {
-        let node = gears[gear].body.node;
-        shafts[node.shaft].nodes[node.node]
-    };
+    let place = |node: Node| shafts[node.shaft].nodes[node.node];
+    let position = |gear: usize| place(gears[gear].body.node);
     while let Some(next) = origins.iter().position(Option::is_none) {
         origins[next] = Some([0.0; 3]);
         let mut found = true;
@@ -159,6 +157,14 @@ fn origins(shafts: &[Shaft], gears: &[Gear], meshes: &[Mesh]) -> Vec<[f64; 3]> {
                         let distance = sign * mesh.centre_distance;
                         let x = x + position(from) - position(to);
                         origins[wanted] = Some([x, y + distance * cosine, z + distance * sine]);
+                        found = true;
+                    }
+                }
+            }
+            for Coupling { hubs: [a, b], .. } in couplings {
+                for (known, wanted) in [(*a, *b), (*b, *a)] {
+                    if let (Some([x, y, z]), None) = (origins[known.shaft], origins[wanted.shaft]) {
+                        origins[wanted.shaft] = Some([x + place(known) - place(wanted), y, z]);
                         found = true;
                     }
                 }

@@ -6,10 +6,12 @@
 
 mod bow;
 mod contact;
+mod curve;
 pub mod description;
 mod error;
 mod gear;
 mod housing;
+mod loads;
 mod material;
 mod mesh;
 mod place;
@@ -24,10 +26,12 @@ use num_complex::Complex64;
 
 pub use bow::Bow;
 pub(crate) use contact::path_of_contact;
+pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
 pub use housing::{Attachment, Housing};
+pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, MAX_DEGREE, Shaft};
@@ -105,6 +109,14 @@ pub struct Scene {
     pub bearings: Vec<Bearing>,
     /// Supports and housings, on which bearings stand.
     pub housings: Vec<Housing>,
+    /// Couplings.
+    pub couplings: Vec<Coupling>,
+    /// Drives.
+    pub drives: Vec<Drive>,
+    /// Forces that are constant or turn with their shaft.
+    pub forces: Vec<Force>,
+    /// Forces and torques that depend on time, angle or speed.
+    pub varying_loads: Vec<VaryingLoad>,
     /// Torques, in the order of the description, with the value of the balancing torque.
     pub torques: Vec<Torque>,
     /// Signed speed of each shaft relative to the reference shaft.
@@ -138,14 +150,20 @@ impl Scene {
         let mut warnings = Vec::new();
         let gears = gear::gears(system, &names, &shafts)?;
         let meshes = mesh::meshes(system, &shafts, &gears, &mut warnings)?;
-        let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
-        let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
+        let couplings = loads::couplings(system, &names, &shafts)?;
+        let train = (&gears[..], &meshes[..], &couplings[..]);
+        let speed_ratios = train::speed_ratios(system, &names, train)?;
+        let torques = train::torques(system, &names, &shafts, train)?;
         let housings = housing::housings(system)?;
-        let attachments = housing::attachments(system, &names, &shafts, (&gears, &meshes), &housings)?;
+        let attachments = housing::attachments(system, &names, &shafts, train, &housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
             bearings: bearings(system, &names, &shafts, &attachments)?,
             housings,
+            drives: loads::drives(system, &names, &shafts)?,
+            forces: loads::forces(system, &names, &shafts)?,
+            varying_loads: loads::varying(system, &names, &shafts)?,
+            couplings,
             modal_damping: modal_damping(system)?,
             rayleigh: rayleigh(system)?,
             gravity: gravity(system)?,
@@ -254,26 +272,32 @@ impl Scene {
 
     /// Whether nodes have lateral coordinates and twist: `(lateral, torsion)`.
     ///
-    /// By default, bearings, bow, unbalance and gravity need lateral coordinates; meshes and torques need twist.
+    /// By default, bearings, bow, unbalance, gravity and forces need lateral coordinates; meshes, torques, drives and
+    /// couplings need twist.
     fn required_motion(&self, requested: Option<MotionKind>) -> Result<(bool, bool), SceneError> {
-        let twisted = !self.meshes.is_empty() || !self.torques.is_empty();
+        let varying = |torque: bool| self.varying_loads.iter().any(|load| load.law.is_torque() == torque);
+        let driven = !self.drives.is_empty() || varying(true);
+        let twisted = !self.meshes.is_empty() || !self.torques.is_empty() || driven;
         let bent = self.shafts.iter().any(|shaft| shaft.bow.is_some())
             || self.bodies().any(|body| body.unbalance.norm() > 0.0)
-            || self.gravity != [0.0; 2];
+            || self.gravity != [0.0; 2]
+            || !self.forces.is_empty()
+            || varying(false);
+        let coupled = !self.couplings.is_empty();
         let supported = !self.bearings.is_empty();
         let motion = EntryPath::root("motion");
         match requested {
             Some(MotionKind::Lateral) if twisted => {
-                Err(motion.error("\"lateral\" has no twist, on which meshes and torques act; use \"coupled\""))
+                Err(motion.error("\"lateral\" has no twist, on which meshes, torques and drives act; use \"coupled\""))
             }
             Some(MotionKind::Torsion) if bent => {
                 Err(motion
-                    .error("\"torsion\" has no bending, on which bow, unbalance and gravity act; use \"coupled\""))
+                    .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\""))
             }
             Some(MotionKind::Lateral) => Ok((true, false)),
             Some(MotionKind::Torsion) => Ok((false, true)),
             Some(MotionKind::Coupled) => Ok((true, true)),
-            None if supported || bent => Ok((true, twisted)),
+            None if supported || bent => Ok((true, twisted || coupled)),
             None => Ok((!twisted, true)),
         }
     }

@@ -66,17 +66,19 @@ impl<'a> Names<'a> {
         Ok(Node { shaft, node })
     }
 
-    /// The node at a gear, a disk or a position of a shaft.
+    /// The node at a gear, a disk or a position of a shaft, which the entry `at` contains.
     pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &EntryPath) -> Result<Node, SceneError> {
         let (shaft, position) = self.shaft_and_position(place, at)?;
-        self.node(shafts, shaft, position, at)
+        let shaft = self.shaft(shaft, at)?;
+        let node = shafts[shaft].node_at(position).ok_or_else(|| at.error(format!("there is no node at {position} m")))?;
+        Ok(Node { shaft, node })
     }
 
     fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &EntryPath) -> Result<(&'b str, f64), SceneError> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
             Place::Body(name) => self.bodies.get(name.as_str()).copied().ok_or_else(|| {
-                at.field("at").error(format!(
+                at.error(format!(
                     "no gear or disk is called \"{name}\"{}",
                     nearest(name, self.bodies.keys().copied())
                 ))
@@ -100,11 +102,23 @@ impl<'a> Names<'a> {
             let shaft = self.shaft(shaft, &at.field("shaft"))?;
             stations[shaft].push((position, at.field("position")));
         }
-        for (index, torque) in system.torques.iter().enumerate() {
-            let at = EntryPath::entry("torques", index);
-            let (shaft, position) = self.shaft_and_position(&torque.at, &at)?;
-            stations[self.shaft(shaft, &at.field("at"))?].push((position, at.field("at")));
+        for (place, at) in places(system) {
+            let (shaft, position) = self.shaft_and_position(place, &at)?;
+            stations[self.shaft(shaft, &at)?].push((position, at));
         }
         Ok(stations)
     }
+}
+
+/// Places of torques, drives, forces and couplings, with their paths.
+fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, EntryPath)> {
+    let entry = |list: &'static str, field: &'static str| {
+        move |(index, place): (usize, _)| (place, EntryPath::entry(list, index).field(field))
+    };
+    let torques = system.torques.iter().map(|torque| &torque.at).enumerate().map(entry("torques", "at"));
+    let drives = system.drives.iter().map(|drive| &drive.at).enumerate().map(entry("drives", "at"));
+    let forces = system.forces.iter().map(|force| &force.at).enumerate().map(entry("forces", "at"));
+    let a = system.couplings.iter().map(|coupling| &coupling.a).enumerate().map(entry("couplings", "a"));
+    let b = system.couplings.iter().map(|coupling| &coupling.b).enumerate().map(entry("couplings", "b"));
+    torques.chain(drives).chain(forces).chain(a).chain(b)
 }

@@ -178,7 +178,11 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 let (shaft, length) = on(first);
                 Bearing { shaft, position: at * length, stiffness, damping }
             };
-            let torque = |at: Place, value: Option<f64>| Torque { at, value, balance: value.is_none() };
+            let torque = |at: Place, value: Option<f64>| Torque {
+                at,
+                value: value.map(TorqueValue::Constant),
+                balance: value.is_none(),
+            };
             SceneDescription {
                 resolution: None,
                 reference: named.then(|| "two".to_owned()),

@@ -4,6 +4,7 @@
 //! SI units and radians.
 
 mod housing;
+mod loads;
 mod reading;
 mod shaft;
 mod speed_table;
@@ -13,6 +14,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 pub use housing::{Base, Housing, Support};
+pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
 pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
 pub use teeth::{
@@ -68,6 +70,15 @@ pub struct SceneDescription {
     /// Housings, which carry several bearings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub housings: Vec<Housing>,
+    /// Couplings between shafts of one speed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub couplings: Vec<Coupling>,
+    /// Drives, which hold the rotation.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<Drive>,
+    /// Lateral forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<Force>,
 }
 
 /// Degrees of freedom of a node.
@@ -284,9 +295,9 @@ pub enum Place {
 pub struct Torque {
     /// Place where the torque acts.
     pub at: Place,
-    /// Torque, N m.
+    /// Torque, N m, constant or over time or speed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub value: Option<f64>,
+    pub value: Option<TorqueValue>,
     /// Whether this torque balances all others.
     #[serde(default, skip_serializing_if = "is_false")]
     pub balance: bool,
