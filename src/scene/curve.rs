@@ -1,4 +1,5 @@
-//! A real function through given points: monotone cubic interpolation, with the end values outside.
+//! A real function through given points: cubic interpolation, monotone unless slopes are given, with the end values
+//! outside.
 
 use super::speed_table::slopes_of_entry;
 use super::{EntryPath, SceneError};
@@ -16,6 +17,11 @@ impl Curve {
     /// The function through the points (x, y), of which there are at least two, in ascending order of x.
     pub(super) fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
         Self { slopes: slopes_of_entry(&x, &y), x, y }
+    }
+
+    /// The same with given derivatives at the points.
+    pub(super) fn with_slopes(self, slopes: Vec<f64>) -> Self {
+        Self { slopes, ..self }
     }
 
     /// The value and its derivative.
@@ -45,7 +51,7 @@ impl Curve {
         (last - first) / (self.x.len() - 1) as f64
     }
 
-    /// Bound of |dy/dx|: a monotone cubic is nowhere steeper than three times its secant.
+    /// Bound of |dy/dx| without given slopes: a monotone cubic is nowhere steeper than three times its secant.
     pub fn steepest(&self) -> f64 {
         let secants = self.x.windows(2).zip(self.y.windows(2)).map(|(x, y)| ((y[1] - y[0]) / (x[1] - x[0])).abs());
         3.0 * secants.fold(0.0, f64::max)

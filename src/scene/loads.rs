@@ -203,7 +203,18 @@ pub(super) fn varying(
 fn series_parts(series: &TimeSeries, at: &EntryPath) -> Result<[Curve; 2], SceneError> {
     let values: Vec<Complex64> = series.values.iter().map(|value| Complex64::from(*value)).collect();
     check_points(at, ["times", "values"], &series.times, &values)?;
-    let part = |part: fn(&Complex64) -> f64| Curve::new(series.times.clone(), values.iter().map(part).collect());
+    let slopes = series.slopes.as_ref().map(|slopes| slopes.iter().map(|slope| Complex64::from(*slope)).collect());
+    let slopes: Option<Vec<Complex64>> = slopes;
+    if let Some(slopes) = &slopes {
+        check_points(at, ["times", "slopes"], &series.times, slopes)?;
+    }
+    let part = |part: fn(&Complex64) -> f64| {
+        let curve = Curve::new(series.times.clone(), values.iter().map(part).collect());
+        match &slopes {
+            Some(slopes) => curve.with_slopes(slopes.iter().map(part).collect()),
+            None => curve,
+        }
+    };
     Ok([part(|value| value.re), part(|value| value.im)])
 }
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array
+from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import Bearing
 from gearbow.description.shafts import Shaft
@@ -121,11 +123,12 @@ def layout(
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
     bearings: Sequence[Bearing],
+    couplings: Sequence[Coupling] = (),
 ) -> Layout:
     """Find the geometry of a train at rest.
 
-    The first shaft begins at the origin. Meshes give the positions of the shafts relative to each
-    other; a shaft without a mesh begins at the origin too.
+    The first shaft begins at the origin. Meshes and couplings give the positions of the shafts
+    relative to each other; a shaft without them begins at the origin too.
 
     Parameters
     ----------
@@ -139,6 +142,8 @@ def layout(
         The meshes.
     bearings : sequence of Bearing
         The bearings.
+    couplings : sequence of Coupling
+        The couplings.
 
     Returns
     -------
@@ -147,7 +152,13 @@ def layout(
     """
     by_name = {gear.name: gear for gear in gears}
     origins = {shafts[0].name: np.zeros(3)}
-    while found := next(_next_origin(meshes, by_name, origins), None):
+    places: dict[str, tuple[str, float]] = {
+        body.name: (body.shaft, body.position) for body in (*gears, *disks)
+    }
+    while found := next(
+        chain(_next_origin(meshes, by_name, origins), _next_coupled(couplings, places, origins)),
+        None,
+    ):
         origins[found[0]] = found[1]
     outlines = tuple(
         ShaftOutline(shaft.name, origins.get(shaft.name, np.zeros(3)), _steps(shaft))
@@ -158,8 +169,8 @@ def layout(
         BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
         for body in given
     )
-    places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(outlines, bodies, places)
+    bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
+    return Layout(outlines, bodies, bearing_places)
 
 
 def reference_radius(body: Gear | Disk) -> float:
@@ -201,6 +212,17 @@ def _next_origin(
         for known, new, sign in ((driver, driven, 1.0), (driven, driver, -1.0)):
             if known.shaft in origins and new.shaft not in origins:
                 yield new.shaft, origins[known.shaft] + sign * offset
+
+
+def _next_coupled(
+    couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts that a coupling joins to a shaft whose origin is known."""
+    for coupling in couplings:
+        a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
+        for (known, x), (new, position) in ((a, b), (b, a)):
+            if known in origins and new not in origins:
+                yield new, origins[known] + np.array([x - position, 0.0, 0.0])
 
 
 def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:

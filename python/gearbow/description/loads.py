@@ -1,16 +1,19 @@
 """Bearings and torques."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from gearbow._convert import real
 from gearbow._types import At, Plain
+from gearbow.description.couplings import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.speed_table import SpeedTable
 from gearbow.description.supports import Support
+from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
 
@@ -60,14 +63,17 @@ class Bearing(Part):
 
 @dataclass(frozen=True)
 class Torque(Part):
-    """A constant torque on a shaft, positive about +x.
+    """A torque on a shaft, positive about +x.
 
     Parameters
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    value : float or "balance"
-        The torque [N m]; "balance" is explained in `Torque.balance`.
+    value : float, TimeSeries, SpeedTable, callable or "balance"
+        The torque [N m]: constant; over time; over the magnitude of the actual speed Ω_s + θ̇ of the
+        shaft [rad/s], with the end values beyond the table; or a function of the time [s], which
+        `simulate` samples over the run. Static, modal and synchronous analyses do not contain a
+        torque over time. "balance" is explained in `Torque.balance`.
 
     Examples
     --------
@@ -76,11 +82,13 @@ class Torque(Part):
     """
 
     at: At
-    value: float | str
+    value: float | str | SpeedTable | TimeSeries | Callable[[Any], Any]
 
     @classmethod
     def balance(cls, at: At) -> "Torque":
         """Apply the torque that balances all other torques on the train.
+
+        Torques over time or speed cannot be balanced; hold the rotation with `gearbow.Drive`.
 
         Parameters
         ----------
@@ -98,10 +106,21 @@ class Torque(Part):
         at = place(self.at, f"{path}.at")
         if isinstance(self.value, str) and self.value == "balance":
             return {"at": at, "balance": True}
-        return {"at": at, "value": real(self.value, f"{path}.value", 'a number [N m] or "balance"')}
+
+        def number(value: object, path: str) -> Plain:
+            wanted = 'a number [N m], a TimeSeries, a SpeedTable, a function of time or "balance"'
+            return real(value, path, wanted)
+
+        return {"at": at, "value": described_value(self.value, f"{path}.value", number)}
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Torque":
         at = description["at"]
         at = at if isinstance(at, str) else (at[0], at[1])
-        return cls.balance(at) if description.get("balance") else cls(at, description["value"])
+        if description.get("balance"):
+            return cls.balance(at)
+        value = description["value"]
+        if isinstance(value, Mapping):
+            kind: type[Part] = SpeedTable if "speeds" in value else TimeSeries
+            value = kind._from_description(value)
+        return cls(at, value)

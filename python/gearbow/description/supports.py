@@ -51,11 +51,10 @@ class Support(Part):
 class Housing(Part):
     """A rigid body on springs and dampers that carries several bearings.
 
-    `Bearing(support=name)` puts a bearing on it. A housing adds two coordinates, its displacements v
-    and w, and with `inertia` three more, its rotations B, G about y, z and its roll "twist" about x.
-    The lever arms of the bearings follow from the positions of the shafts at rest, as
-    `RotorSystem.plot` draws them: the first shaft begins at the origin, meshes give the positions of
-    the others.
+    `Bearing(support=name)` puts a bearing on it. A housing adds two coordinates, its displacements
+    v and w, and with `inertia` three more: its rotations B, G about y, z and its roll "twist" about
+    x. The lever arms of the bearings follow from the positions of the shafts at rest: the first
+    shaft begins at the origin, meshes and couplings give the positions of the others.
 
     Parameters
     ----------

@@ -13,6 +13,7 @@ from gearbow._files import replacing
 from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
+from gearbow.description.couplings import Coupling, Drive, Force, over_time
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
@@ -37,6 +38,9 @@ _PARTS: dict[str, type[Part]] = {
     "disks": Disk,
     "supports": Support,
     "housings": Housing,
+    "couplings": Coupling,
+    "drives": Drive,
+    "forces": Force,
 }
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
@@ -65,6 +69,9 @@ class SystemDescription:
     disks: tuple[Disk, ...]
     supports: tuple[Support, ...]
     housings: tuple[Housing, ...]
+    couplings: tuple[Coupling, ...]
+    drives: tuple[Drive, ...]
+    forces: tuple[Force, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
@@ -83,6 +90,9 @@ class SystemDescription:
         disks: Sequence[Disk] = (),
         supports: Sequence[Support] = (),
         housings: Sequence[Housing] = (),
+        couplings: Sequence[Coupling] = (),
+        drives: Sequence[Drive] = (),
+        forces: Sequence[Force] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
@@ -98,6 +108,9 @@ class SystemDescription:
         self.disks = parts(disks, Disk, "disks")
         self.supports = parts(supports, Support, "supports")
         self.housings = parts(housings, Housing, "housings")
+        self.couplings = parts(couplings, Coupling, "couplings")
+        self.drives = parts(drives, Drive, "drives")
+        self.forces = parts(forces, Force, "forces")
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -266,6 +279,7 @@ class SystemDescription:
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
+        self._refuse_functions()
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())
@@ -278,8 +292,35 @@ class SystemDescription:
         -------
         dict
             The keys are the names of the parameters. Options that were not given are absent.
+
+        Raises
+        ------
+        SceneError
+            If a force or torque is a function of time, which has no plain form.
         """
+        self._refuse_functions()
         return self._model.description()
+
+    def _refuse_functions(self) -> None:
+        """Refuse loads that have no plain form."""
+        torques = [(f"torques[{i}]", load.value) for i, load in enumerate(self.torques)]
+        forces = [(f"forces[{i}]", load.value) for i, load in enumerate(self.forces)]
+        for path, value in (*torques, *forces):
+            if callable(value):
+                raise SceneError(
+                    f"{path}.value: a function of time has no plain form; give "
+                    "gb.TimeSeries.function(f, duration)"
+                )
+
+    def _over_time(self, begin: float, duration: float) -> "Self":
+        """Replace functions of time by their samples over a run."""
+        values: list[object] = [load.value for load in self.torques]
+        if not any(callable(value) for value in (*values, *(load.value for load in self.forces))):
+            return self
+        return self.replace(
+            torques=over_time(self.torques, begin, duration, "torques"),
+            forces=over_time(self.forces, begin, duration, "forces"),
+        )
 
     @property
     def discretisation(self) -> Discretisation:
@@ -326,7 +367,9 @@ class SystemDescription:
             First those of the nodes: shaft, position [m] and "v", "w" (translation along y, z),
             "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
             1: shaft, positions of the two ends of the element [m], and the direction with the
-            degree of the shape function, for example "v2".
+            degree of the shape function, for example "v2". Last come supports and housings: name,
+            position x of the centre of mass [m], and "v", "w" and, if they rotate, "B", "G",
+            "twist".
         """
         return tuple(self._model.dofs)
 
@@ -339,7 +382,10 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        return Coordinates.of(self.dofs, self.gears, self.disks)
+        own = [bearing.support for bearing in self.bearings]
+        names = [part.name for part in (*self.supports, *own) if isinstance(part, Support)]
+        bases = [*(name for name in names if name is not None), *(h.name for h in self.housings)]
+        return Coordinates.of(self.dofs, self.gears, self.disks, bases)
 
     def default_output_step(self, duration: float, speed: SpeedLike) -> float:
         """Give the default time between recorded instants.

@@ -64,7 +64,9 @@ class LinearAnalyses(SystemDescription):
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
-        parts = layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings)
+        parts = layout(
+            self.shafts, self.gears, self.disks, self.meshes, self.bearings, self.couplings
+        )
         return Modes.from_data(data, speed, self.dofs, parts)
 
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:

@@ -58,7 +58,7 @@ pub struct Force {
     pub order: Option<f64>,
 }
 
-/// Values over time; between them a monotone cubic, outside the first or the last value.
+/// Values over time; between them a cubic, outside the first or the last value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSeries {
@@ -66,6 +66,9 @@ pub struct TimeSeries {
     pub times: Vec<f64>,
     /// Value at each time.
     pub values: Vec<Complex>,
+    /// Derivative at each time; that of a monotone cubic by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<Vec<Complex>>,
 }
 
 /// A torque over the magnitude of the speed of its shaft.
@@ -155,6 +158,7 @@ impl<'de> Deserialize<'de> for TorqueValue {
             times: Option<Vec<f64>>,
             speeds: Option<Vec<f64>>,
             values: Vec<Complex>,
+            slopes: Option<Vec<Complex>>,
             #[serde(default)]
             outside: Outside,
         }
@@ -181,9 +185,9 @@ impl<'de> Deserialize<'de> for TorqueValue {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TorqueValue, A::Error> {
-                let Either { times, speeds, values, outside } = Either::deserialize(MapAccessDeserializer::new(map))?;
+                let Either { times, speeds, values, slopes, outside } = Either::deserialize(MapAccessDeserializer::new(map))?;
                 match (times, speeds) {
-                    (Some(times), None) => Ok(TorqueValue::Series(TimeSeries { times, values })),
+                    (Some(times), None) => Ok(TorqueValue::Series(TimeSeries { times, values, slopes })),
                     (None, Some(speeds)) => {
                         let real = |value: &Complex| match value {
                             Complex::Real(value) => Ok(*value),
