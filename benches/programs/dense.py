@@ -127,7 +127,7 @@ class Dense:
         for torque in system.torques:
             gear = gears[str(torque.at)]
             ratio = float(system.speed_ratios[names.index(gear.shaft)])
-            value = -power / ratio if isinstance(torque.value, str) else torque.value
+            value = torque.value if isinstance(torque.value, float) else -power / ratio
             force[self.index[gear.shaft, gear.position, "twist"]] += value
             power += value * ratio
         return force

@@ -123,6 +123,7 @@ def layout(
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
     bearings: Sequence[Bearing],
+    *,
     couplings: Sequence[Coupling] = (),
 ) -> Layout:
     """Find the geometry of a train at rest.
@@ -152,9 +153,8 @@ def layout(
     """
     by_name = {gear.name: gear for gear in gears}
     origins = {shafts[0].name: np.zeros(3)}
-    places: dict[str, tuple[str, float]] = {
-        body.name: (body.shaft, body.position) for body in (*gears, *disks)
-    }
+    given: list[Gear | Disk] = [*gears, *disks]
+    places = {body.name: (body.shaft, body.position) for body in given}
     while found := next(
         chain(_next_origin(meshes, by_name, origins), _next_coupled(couplings, places, origins)),
         None,
@@ -164,7 +164,6 @@ def layout(
         ShaftOutline(shaft.name, origins.get(shaft.name, np.zeros(3)), _steps(shaft))
         for shaft in shafts
     )
-    given: list[Gear | Disk] = [*gears, *disks]
     bodies = tuple(
         BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
         for body in given

@@ -65,7 +65,12 @@ class LinearAnalyses(SystemDescription):
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
         parts = layout(
-            self.shafts, self.gears, self.disks, self.meshes, self.bearings, self.couplings
+            self.shafts,
+            self.gears,
+            self.disks,
+            self.meshes,
+            self.bearings,
+            couplings=self.couplings,
         )
         return Modes.from_data(data, speed, self.dofs, parts)
 
