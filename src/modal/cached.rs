@@ -80,9 +80,10 @@ impl CachedModel {
     /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients at the speed.
+    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
         if self.model.bearings.is_empty() {
+            self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
         }
         let mut list = self.at_speeds.lock().unwrap_or_else(PoisonError::into_inner);

@@ -11,12 +11,12 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::shaft_rotation::{RotationState, ShaftRotation, VariableSpeed};
-use crate::connection::{Connection, Instant};
+use crate::connection::{AppliedLoad, Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
 use crate::model::{Link, Model, ShaftModel};
-use crate::scene::Node;
+use crate::scene::{LoadLaw, Node};
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +47,11 @@ pub struct EquationOfMotion<'m> {
     pub(super) spins: Vec<f64>,
     /// Speed of the reference shaft, rad/s, if it is constant.
     speed: f64,
+    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
+    linear_speed: f64,
+    /// Energy norm, √J, below which tolerances are absolute: a share of the response to the loads over time within one
+    /// interval of their series. Without it, no step is short enough for a load that sets a body at rest in motion.
+    pub(super) smallest_size: f64,
     /// Speed of the reference shaft, if it is variable.
     pub(super) variable_speed: Option<VariableSpeed>,
     /// Phasor e^{iϑ} of each shaft at elapsed time zero.
@@ -129,6 +134,8 @@ impl<'m> EquationOfMotion<'m> {
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
             speed,
+            linear_speed: speed,
+            smallest_size: smallest_size(model),
             variable_speed: rotation.variable_speed(),
             angles,
             origin: rotation.origin,
@@ -335,9 +342,15 @@ impl<'m> EquationOfMotion<'m> {
         ShaftPhase { angle: self.angles[shaft] + angle, spin }
     }
 
-    /// Speed of the reference shaft at which connections are linearised, rad/s: the largest one of the run.
+    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
     pub fn linear_speed(&self) -> f64 {
-        self.speed
+        self.linear_speed
+    }
+
+    /// Sets the speed of the reference shaft at which the linear motion contains the connections, rad/s; by default the
+    /// largest one of the run.
+    pub fn linearise_at(&mut self, speed: f64) {
+        self.linear_speed = speed;
     }
 
     /// Pose of a mesh.
@@ -345,4 +358,25 @@ impl<'m> EquationOfMotion<'m> {
     pub(super) fn pose<'a>(&self, mesh: usize, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], phases, q, v)
     }
+}
+
+/// Share of the impulse of a load over time within one interval of its series that counts as a motion.
+const IMPULSE_SHARE: f64 = 0.1;
+
+/// Energy norm, √J, of the velocities after an impulse of the loads over time: √(wᵀM⁻¹w)·F·Δt with the largest value F and
+/// the mean interval Δt of each; zero without such loads.
+fn smallest_size(model: &Model) -> f64 {
+    let impulse = |load: &AppliedLoad| {
+        let (size, interval) = match &load.law {
+            LoadLaw::Force([y, z]) => (y.largest().hypot(z.largest()), y.mean_spacing()),
+            LoadLaw::Torque(curve) => (curve.largest(), curve.mean_spacing()),
+            LoadLaw::Turning { .. } | LoadLaw::SpeedTorque { .. } => return 0.0,
+        };
+        let mut column = vec![0.0; model.len()];
+        load.rows[0].iter().for_each(|(index, coefficient)| column[*index] += coefficient);
+        model.solve_mass(&mut column);
+        let mobility: f64 = load.rows[0].iter().map(|(index, coefficient)| coefficient * column[*index]).sum();
+        mobility.sqrt() * size * interval
+    };
+    IMPULSE_SHARE * model.loads.iter().map(impulse).fold(0.0, f64::max)
 }

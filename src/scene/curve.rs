@@ -45,6 +45,11 @@ impl Curve {
         [self.x[0], self.x[self.x.len() - 1]]
     }
 
+    /// Largest |y| of the points.
+    pub fn largest(&self) -> f64 {
+        self.y.iter().fold(0.0, |most, y| most.max(y.abs()))
+    }
+
     /// Mean distance of the points.
     pub fn mean_spacing(&self) -> f64 {
         let [first, last] = self.range();

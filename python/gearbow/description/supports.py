@@ -1,7 +1,7 @@
 """What bearings stand on: supports and housings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 
 from numpy.typing import ArrayLike
 
@@ -114,7 +114,8 @@ class Housing(Part):
             raise SceneError(
                 f"{path}.points: must be a dict of name: (x, y, z), got {shown(self.points)}"
             )
-        given = super()._describe(path)
+        # A mapping has no annotation that `Part` knows.
+        given = super(Housing, replace(self, points=()))._describe(path)  # type: ignore[arg-type]
         given.pop("points", None)
         if tuple(self.position) == (0.0, 0.0, 0.0):
             given.pop("position", None)

@@ -31,7 +31,7 @@ pub(super) type Complete<'m> = (Arc<ModalStateSpace>, NonlinearLoads<'m>, Interf
 pub(super) fn set_up<'m>(
     cached: &'m CachedModel,
     options: &Options,
-    motion: EquationOfMotion<'m>,
+    mut motion: EquationOfMotion<'m>,
     start: &Start,
 ) -> Result<Complete<'m>, AnalysisError> {
     // Modal damping and the linear motion contain the bearings at the largest speed.
@@ -39,6 +39,7 @@ pub(super) fn set_up<'m>(
     let at_fastest = cached.at_speed(fastest)?;
     let [slowest, largest] = options.speed.magnitudes();
     let reference_speed = ((slowest + largest) / 2.0).copysign(fastest);
+    motion.linearise_at(reference_speed);
     let linear = match motion.varying_flanks_can_separate() && options.modes.is_none() {
         true => at_fastest.linear_without_meshes(reference_speed)?,
         false => None,

@@ -91,7 +91,7 @@ class Attached:
     def spring(
         self,
         rows: Array,
-        stiffness: Array,
+        stiffness: Array | float,
         damping: Array | float = 0.0,
         rest: complex = 0.0,
         turning: complex = 0.0,
@@ -100,8 +100,10 @@ class Attached:
 
         The length is rest + turning exp(i angle), as displacements along y + iz.
         """
-        scale = np.eye(len(rows))
-        stiffness, damping = scale * stiffness, scale * damping
+        stiffness, damping = (
+            np.eye(len(rows)) * given if np.ndim(given) == 0 else np.asarray(given)
+            for given in (stiffness, damping)
+        )
         self.stiffness += rows.T @ stiffness @ rows
         self.damping += rows.T @ damping @ rows
         if rest or turning:
