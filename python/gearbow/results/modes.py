@@ -215,8 +215,13 @@ class Modes(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import mode_shape, modes  # noqa: PLC0415
 
-        dofs = nodal(self.dofs)
-        shapes = self.shapes[:, : len(dofs)]
+        shafts = {shaft.name for shaft in self.layout.shafts}
+        drawn = [
+            i
+            for i, (name, x, _) in enumerate(self.dofs)
+            if name in shafts and not isinstance(x, tuple)
+        ]
+        dofs, shapes = nodal([self.dofs[i] for i in drawn]), self.shapes[:, drawn]
         if number is None:
             titles = [
                 f"{frequency:.1f} Hz: {name}"
