@@ -121,8 +121,12 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed:
         let motion = acceleration[dof.index].abs();
         if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
     });
-    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model, speed) }
-        .into())
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest {
+        unsupported(model, shaft)
+    } else {
+        unbalanced(model, speed)
+    }
+    .into())
 }
 
 /// The error for a load that moves a housing: its mount does not constrain it.

@@ -11,8 +11,7 @@ use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let (Some(index), Some(rows)) =
-            (numbering.translation(bearing.node), bearing_rows(scene, numbering, bearing))
+        let (Some(index), Some(rows)) = (numbering.translation(bearing.node), bearing_rows(scene, numbering, bearing))
         else {
             continue;
         };

@@ -342,7 +342,11 @@ impl Model {
 
     /// Index ranges, in the order of the core, of the parts that only meshes couple.
     pub fn uncoupled_parts(&self) -> Vec<Range<usize>> {
-        if self.links.is_empty() { self.numbering.uncoupled_parts().collect() } else { std::iter::once(0..self.len()).collect() }
+        if self.links.is_empty() {
+            self.numbering.uncoupled_parts().collect()
+        } else {
+            std::iter::once(0..self.len()).collect()
+        }
     }
 
     /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;

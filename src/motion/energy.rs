@@ -49,9 +49,8 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Elastic energy that the misalignment of couplings adds to that of their displacements, J.
     fn rest_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
-        let energy = |link: &Link| {
-            link.rest.as_ref().map_or(0.0, |rest| link.rest_energy(self.phasor(rest.shaft, elapsed), q))
-        };
+        let energy =
+            |link: &Link| link.rest.as_ref().map_or(0.0, |rest| link.rest_energy(self.phasor(rest.shaft, elapsed), q));
         self.model.links.iter().map(energy).sum()
     }
 

@@ -45,9 +45,8 @@ pub(super) fn housings(system: &SceneDescription) -> Result<Vec<Housing>, SceneE
     let listed = listed.map(|(index, given)| support(given, &EntryPath::entry("supports", index)));
     let rigid = system.housings.iter().enumerate();
     let rigid = rigid.map(|(index, given)| housing(given, &EntryPath::entry("housings", index)));
-    let own = own_supports(system).map(|(index, given)| {
-        support(given, &EntryPath::entry("bearings", index).field("support"))
-    });
+    let own = own_supports(system)
+        .map(|(index, given)| support(given, &EntryPath::entry("bearings", index).field("support")));
     let found = listed.chain(rigid).chain(own).collect::<Result<Vec<_>, _>>()?;
     for (index, given) in system.supports.iter().enumerate() {
         if given.name.is_none() {
@@ -56,9 +55,11 @@ pub(super) fn housings(system: &SceneDescription) -> Result<Vec<Housing>, SceneE
         }
     }
     for (list, index, name) in named_bases(system) {
-        let carries = |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base)) if base == name);
+        let carries =
+            |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base)) if base == name);
         if !system.bearings.iter().any(carries) {
-            let message = format!("no bearing stands on \"{name}\"; give gb.Bearing(..., support=\"{name}\"), or remove it");
+            let message =
+                format!("no bearing stands on \"{name}\"; give gb.Bearing(..., support=\"{name}\"), or remove it");
             return Err(EntryPath::entry(list, index).error(message));
         }
     }
@@ -84,9 +85,8 @@ fn own_supports(system: &SceneDescription) -> impl Iterator<Item = (usize, &desc
 /// Names of all supports, housings and points of housings, with the path of each.
 pub(super) fn names(system: &SceneDescription) -> impl Iterator<Item = (EntryPath, &str)> {
     let listed = system.supports.iter().enumerate();
-    let listed = listed.filter_map(|(index, given)| {
-        Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?))
-    });
+    let listed = listed
+        .filter_map(|(index, given)| Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?)));
     let own = own_supports(system).filter_map(|(index, given)| {
         Some((EntryPath::entry("bearings", index).field("support").field("name"), given.name.as_deref()?))
     });
@@ -201,7 +201,8 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         [("rotational_stiffness", given.rotational_stiffness), ("rotational_damping", given.rotational_damping)]
     {
         if values.is_some() && given.inertia.is_none() {
-            let message = "acts on rotations, which the housing does not have; give inertia=(about x, about y, about z)";
+            let message =
+                "acts on rotations, which the housing does not have; give inertia=(about x, about y, about z)";
             return Err(at.field(name).error(message));
         }
     }

@@ -290,10 +290,8 @@ impl Scene {
             Some(MotionKind::Lateral) if twisted => {
                 Err(motion.error("\"lateral\" has no twist, on which meshes, torques and drives act; use \"coupled\""))
             }
-            Some(MotionKind::Torsion) if bent => {
-                Err(motion
-                    .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\""))
-            }
+            Some(MotionKind::Torsion) if bent => Err(motion
+                .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\"")),
             Some(MotionKind::Lateral) => Ok((true, false)),
             Some(MotionKind::Torsion) => Ok((false, true)),
             Some(MotionKind::Coupled) => Ok((true, true)),

@@ -70,7 +70,8 @@ impl<'a> Names<'a> {
     pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &EntryPath) -> Result<Node, SceneError> {
         let (shaft, position) = self.shaft_and_position(place, at)?;
         let shaft = self.shaft(shaft, at)?;
-        let node = shafts[shaft].node_at(position).ok_or_else(|| at.error(format!("there is no node at {position} m")))?;
+        let node =
+            shafts[shaft].node_at(position).ok_or_else(|| at.error(format!("there is no node at {position} m")))?;
         Ok(Node { shaft, node })
     }
 
@@ -78,10 +79,7 @@ impl<'a> Names<'a> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
             Place::Body(name) => self.bodies.get(name.as_str()).copied().ok_or_else(|| {
-                at.error(format!(
-                    "no gear or disk is called \"{name}\"{}",
-                    nearest(name, self.bodies.keys().copied())
-                ))
+                at.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, self.bodies.keys().copied())))
             }),
         }
     }

@@ -2,8 +2,8 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, Gear, Gravity, Material, Mesh, Outside,
-    Place, Segment, Shaft, SpeedTable, Stiffness, Torque, TorqueValue,
+    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, Gear, Gravity,
+    Material, Mesh, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, Torque, TorqueValue,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;

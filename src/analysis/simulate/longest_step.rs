@@ -26,7 +26,9 @@ pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f
     let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
     let loads = model.loads.iter().map(|load| match &load.law {
         LoadLaw::Turning { order, .. } => (order * load.ratio * speed).abs(),
-        LoadLaw::Force([curve, _]) | LoadLaw::Torque(curve) => TAU / (STEPS_PER_CYCLE * INTERVALS * curve.mean_spacing()),
+        LoadLaw::Force([curve, _]) | LoadLaw::Torque(curve) => {
+            TAU / (STEPS_PER_CYCLE * INTERVALS * curve.mean_spacing())
+        }
         LoadLaw::SpeedTorque { .. } => 0.0,
     });
     loads.fold(turning.max(travelling).max(engaging), f64::max)

@@ -79,9 +79,9 @@ impl RecordPlan {
                         let shafts = scene.shafts.iter().map(|shaft| shaft.name.as_str());
                         let near = nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(GROUPS));
                         let groups = GROUPS.join(", ");
-                        return Err(
-                            at.error(format!("\"{name}\" is no gear, disk, shaft or housing, and none of {groups}{near}"))
-                        );
+                        return Err(at.error(format!(
+                            "\"{name}\" is no gear, disk, shaft or housing, and none of {groups}{near}"
+                        )));
                     }
                 },
             },
@@ -121,10 +121,9 @@ impl RecordPlan {
     }
 
     fn add_housing_point(&mut self, model: &Model, name: &str) {
-        if let Some((node, arm)) = model.scene.housing_point(name) {
-            if !self.points.iter().any(|point| point.names.iter().any(|known| known == name)) {
-                self.points.push(Point { node, names: vec![name.to_owned()], rows: model.point_rows(node, arm) });
-            }
+        let known = self.points.iter().any(|point| point.names.iter().any(|known| known == name));
+        if let Some((node, arm)) = model.scene.housing_point(name).filter(|_| !known) {
+            self.points.push(Point { node, names: vec![name.to_owned()], rows: model.point_rows(node, arm) });
         }
     }
 

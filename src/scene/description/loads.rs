@@ -185,7 +185,8 @@ impl<'de> Deserialize<'de> for TorqueValue {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TorqueValue, A::Error> {
-                let Either { times, speeds, values, slopes, outside } = Either::deserialize(MapAccessDeserializer::new(map))?;
+                let Either { times, speeds, values, slopes, outside } =
+                    Either::deserialize(MapAccessDeserializer::new(map))?;
                 match (times, speeds) {
                     (Some(times), None) => Ok(TorqueValue::Series(TimeSeries { times, values, slopes })),
                     (None, Some(speeds)) => {
