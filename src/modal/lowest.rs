@@ -268,18 +268,11 @@ impl<'m> Problem<'m> {
         let elastic =
             |part: &DVector<f64>| self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed));
         let mut stiffness = Complex64::from(elastic(&parts[0]) + elastic(&parts[1]));
-        for support in &self.model.supports {
-            let local = [shape[support.index], shape[support.index + 1]];
-            for (row, left) in support.skew_part().iter().zip(local) {
-                for (value, right) in row.iter().zip(local) {
-                    stiffness += left.conj() * right * *value;
-                }
-            }
-        }
-        for link in &self.model.links {
-            let parts = parts.each_ref().map(|part| link.scalars(part.as_slice()));
-            let local = [0, 1].map(|row| Complex64::new(parts[0][row], parts[1][row]));
-            for (row, left) in link.local.skew_part().iter().zip(local) {
+        let supports = self.model.supports.iter();
+        let supports = supports.map(|support| (support, [shape[support.index], shape[support.index + 1]]));
+        let links = self.model.links.iter().map(|link| (&link.local, link.complex_scalars(shape.as_slice())));
+        for (element, local) in supports.chain(links) {
+            for (row, left) in element.skew_part().iter().zip(local) {
                 for (value, right) in row.iter().zip(local) {
                     stiffness += left.conj() * right * *value;
                 }

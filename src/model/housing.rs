@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Numbering;
+use super::{Model, Numbering};
 use crate::connection::Row;
 use crate::linalg::BandOrder;
 use crate::scene::{Housing, Node, Scene};
@@ -62,6 +62,21 @@ impl HousingInertia {
     /// vᵀMv, J.
     pub fn kinetic_form(&self, v: &[f64]) -> f64 {
         v[self.coordinates()].iter().zip(&self.inertia).map(|(v, inertia)| inertia * v * v).sum()
+    }
+}
+
+impl Model {
+    /// Nodes of supports and housings.
+    pub fn housing_nodes(&self) -> impl Iterator<Item = Node> + use<> {
+        let shafts = self.scene.shafts.len();
+        (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
+    }
+
+    /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;
+    /// `None` for a node of a shaft and without bending.
+    pub fn point_rows(&self, node: Node, arm: [f64; 3]) -> Option<[Row; 2]> {
+        let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
+        Some(point_rows(housing, self.numbering.translation(node)?, arm))
     }
 }
 

@@ -3,10 +3,12 @@
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
 //! link: a bearing on a housing, the mount of a housing, a coupling, a drive. All are part of the matrices.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use super::housing::point_rows;
-use super::{Numbering, Support};
+use super::{Model, Numbering, Support};
 use crate::connection::Row;
 use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
 
@@ -100,6 +102,15 @@ impl Link {
         })
     }
 
+    /// The scalars of a complex vector of displacements.
+    pub fn complex_scalars(&self, shape: &[Complex64]) -> [Complex64; 2] {
+        let mut scalars = [Complex64::ZERO; 2];
+        for (scalar, row) in scalars.iter_mut().zip(&self.rows) {
+            *scalar = row.iter().map(|(index, coefficient)| shape[*index] * *coefficient).sum();
+        }
+        scalars
+    }
+
     /// Norm of WᵀM⁻¹W, an upper bound of the acceleration of the scalars per unit force on them; `solve_mass` gives
     /// M⁻¹x.
     pub fn mobility(&self, len: usize, solve_mass: impl Fn(&mut [f64])) -> f64 {
@@ -110,6 +121,29 @@ impl Link {
             self.scalars(&column)
         };
         self.rows.iter().map(|row| accelerated(row).iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
+    }
+}
+
+impl Model {
+    /// Coefficients of all bearings with constant coefficients and of all links.
+    pub fn local_elements(&self) -> impl Iterator<Item = &Support> {
+        self.supports.iter().chain(self.links.iter().map(|link| &link.local))
+    }
+
+    /// Coordinates on which the bearings at a node act.
+    pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
+        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
+        let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
+        rows.flatten().map(|(index, _)| *index).collect()
+    }
+
+    /// Index ranges, in the order of the core, of the parts that only meshes couple.
+    pub fn uncoupled_parts(&self) -> Vec<Range<usize>> {
+        if self.links.is_empty() {
+            self.numbering.uncoupled_parts().collect()
+        } else {
+            std::iter::once(0..self.len()).collect()
+        }
     }
 }
 

@@ -15,15 +15,13 @@ mod dynamic_stiffness;
 mod flanks;
 mod housing;
 mod link;
+mod loads;
 mod matrices;
 mod numbering;
 mod quadratic_forms;
 mod shaft;
 
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector};
-use num_complex::Complex64;
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
@@ -32,11 +30,11 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{AppliedLoad, Row, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
-use crate::scene::{Matrix2, Node, Scene, SceneError, VaryingLoad};
+use crate::scene::{Matrix2, Node, Scene, SceneError};
 
 /// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -265,113 +263,6 @@ impl Model {
             f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
         });
         orders.fold(0.0, f64::max)
-    }
-
-    /// Forces and torques that depend on time, angle or speed, on the coordinates that the scene has.
-    fn varying_loads(&self) -> Vec<AppliedLoad> {
-        let load = |given: &VaryingLoad| {
-            let rows = if given.law.is_torque() {
-                vec![vec![(self.numbering.twist(given.node)?, 1.0)]]
-            } else {
-                let index = self.numbering.translation(given.node)?;
-                vec![vec![(index, 1.0)], vec![(index + 1, 1.0)]]
-            };
-            let (path, shaft, law) = (given.path.clone(), given.node.shaft, given.law.clone());
-            Some(AppliedLoad { path, rows, shaft, ratio: self.scene.speed_ratios[shaft], law })
-        };
-        self.scene.varying_loads.iter().filter_map(load).collect()
-    }
-
-    /// Adds the forces that turn with a shaft, and those of eccentric hubs of couplings, to the excitations of the shafts.
-    fn add_turning_forces(&mut self) {
-        let force = |index: usize, bow: Complex64| Excitation { index, bow, unbalance: Complex64::ZERO };
-        for given in self.scene.forces.iter().filter(|force| force.turns) {
-            if let Some(index) = self.numbering.translation(given.node) {
-                self.shafts[given.node.shaft].excitations.push(force(index, given.value));
-            }
-        }
-        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
-            // The entries of each hub are a pair (v, w).
-            let [along_v, along_w] = [&link.rows[0], &link.rows[1]];
-            let amplitude = rest.turning * link.local.stiffness[0][0];
-            for ((index, coefficient), _) in along_v.iter().zip(along_w).filter(|_| amplitude != Complex64::ZERO) {
-                self.shafts[rest.shaft].excitations.push(force(*index, amplitude * *coefficient));
-            }
-        }
-    }
-
-    /// Power of a force y + iz, N, on a node that moves with the velocities v, W.
-    pub fn power(&self, node: Node, force: Complex64, v: &[f64]) -> f64 {
-        self.numbering.translation(node).map_or(0.0, |index| force.re * v[index] + force.im * v[index + 1])
-    }
-
-    fn assemble_constant_load(&self) -> DVector<f64> {
-        let mut load = DVector::zeros(self.len());
-        for torque in &self.scene.torques {
-            if let Some(index) = self.numbering.twist(torque.node) {
-                load[index] += torque.value;
-            }
-        }
-        for force in self.scene.forces.iter().filter(|force| !force.turns) {
-            if let Some(index) = self.numbering.translation(force.node) {
-                load[index] += force.value.re;
-                load[index + 1] += force.value.im;
-            }
-        }
-        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
-            link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
-        }
-        if self.scene.gravity != [0.0; 2] {
-            let mut acceleration = DVector::zeros(self.len());
-            for dof in self.numbering.nodal_dofs() {
-                match dof.kind {
-                    DofKind::V => acceleration[dof.index] = self.scene.gravity[0],
-                    DofKind::W => acceleration[dof.index] = self.scene.gravity[1],
-                    _ => {}
-                }
-            }
-            for node in self.housing_nodes() {
-                if let Some(v) = self.numbering.translation(node) {
-                    (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
-                }
-            }
-            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
-        }
-        load
-    }
-
-    /// Index ranges, in the order of the core, of the parts that only meshes couple.
-    pub fn uncoupled_parts(&self) -> Vec<Range<usize>> {
-        if self.links.is_empty() {
-            self.numbering.uncoupled_parts().collect()
-        } else {
-            std::iter::once(0..self.len()).collect()
-        }
-    }
-
-    /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;
-    /// `None` for a node of a shaft and without bending.
-    pub fn point_rows(&self, node: Node, arm: [f64; 3]) -> Option<[Row; 2]> {
-        let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
-        Some(point_rows(housing, self.numbering.translation(node)?, arm))
-    }
-
-    /// Coordinates on which the bearings at a node act.
-    pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
-        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
-        let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
-        rows.flatten().map(|(index, _)| *index).collect()
-    }
-
-    /// Coefficients of all bearings with constant coefficients and of all links.
-    pub fn local_elements(&self) -> impl Iterator<Item = &Support> {
-        self.supports.iter().chain(self.links.iter().map(|link| &link.local))
-    }
-
-    /// Nodes of supports and housings.
-    pub fn housing_nodes(&self) -> impl Iterator<Item = Node> + use<> {
-        let shafts = self.scene.shafts.len();
-        (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
     }
 
     /// K q of shafts, bearings and links, n entries, N or N m.

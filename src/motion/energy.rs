@@ -78,22 +78,18 @@ impl<'m> EquationOfMotion<'m> {
         Ok(sum)
     }
 
-    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of couplings and changes the stiffness of
-    /// bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
+    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of
+    /// couplings and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
     /// the cross-coupling of bearings.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn powers(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
-        let torques = model.scene.torques.iter();
-        let mut torque: f64 =
-            torques.map(|torque| torque.value * model.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
-        let fixed = model.scene.forces.iter().filter(|force| !force.turns);
-        torque += fixed.map(|force| model.power(force.node, force.value, v)).sum::<f64>();
-        let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
-        let mut weight = constant - torque;
-        let (mut drive, mut unbalance) = (0.0, 0.0);
+        let [mut torque, constant] = model.constant_powers(v);
+        let [loaded, mut drive, circulating] = self.link_powers(elapsed, q, v);
+        let weight = constant - torque - loaded;
+        let mut unbalance = 0.0;
         let mut unbent = std::mem::take(&mut self.scratch);
         self.subtract_bow(elapsed, q, &mut unbent);
         for (index, shaft) in model.shafts.iter().enumerate() {
@@ -118,19 +114,9 @@ impl<'m> EquationOfMotion<'m> {
             let skew = (k[0][1] - k[1][0]) / 2.0;
             damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
         }
-        for force in model.scene.forces.iter().filter(|force| force.turns) {
-            torque += model.power(force.node, force.value * self.phasor(force.node.shaft, elapsed), v);
-        }
-        for link in &model.links {
-            if let Some(rest) = &link.rest {
-                let spin = self.spin_at(rest.shaft, elapsed).0;
-                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
-                weight -= loaded;
-                drive += turned;
-            }
-            let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
-            damping += (a - b) / 2.0 * (y_rate * z - z_rate * y);
-        }
+        damping += circulating;
+        let turning = model.scene.forces.iter().filter(|force| force.turns);
+        torque += turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum::<f64>();
         if let Some(modal) = &self.modal_damping {
             for (column, rate) in modal.column_iter().zip(v) {
                 damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
@@ -157,6 +143,22 @@ impl<'m> EquationOfMotion<'m> {
             }
         }
         Ok([torque, weight, drive, unbalance, teeth, -damping])
+    }
+
+    /// Powers of links, W: that of the constant forces of misaligned couplings, that which turns their eccentric hubs, and
+    /// that which the cross-coupling takes.
+    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut powers = [0.0; 3];
+        for link in &self.model.links {
+            if let Some(rest) = &link.rest {
+                let spin = self.spin_at(rest.shaft, elapsed).0;
+                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
+                (powers[0], powers[1]) = (powers[0] + loaded, powers[1] + turned);
+            }
+            let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
+            powers[2] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
+        }
+        powers
     }
 
     /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.

@@ -37,6 +37,20 @@ pub(super) struct RotatingForces {
     pub forces: Vec<RotatingForce>,
 }
 
+/// Numbers that a run does not change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RunConstants {
+    /// Speed of the reference shaft, rad/s, if it is constant.
+    pub speed: f64,
+    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
+    pub linear_speed: f64,
+    /// Time at which elapsed time is zero, s.
+    pub origin: f64,
+    /// Energy norm, √J, below which tolerances are absolute: a share of the response to the loads over time within one
+    /// interval of their series. Without it, no step is short enough for a load that sets a body at rest in motion.
+    pub smallest_size: f64,
+}
+
 /// The equation of motion of a model at a given speed.
 #[derive(Clone, Debug)]
 pub struct EquationOfMotion<'m> {
@@ -45,21 +59,13 @@ pub struct EquationOfMotion<'m> {
     pub(super) sigma: Vec<f64>,
     /// Signed spin of each shaft, rad/s, if the speed is constant.
     pub(super) spins: Vec<f64>,
-    /// Speed of the reference shaft, rad/s, if it is constant.
-    speed: f64,
-    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
-    linear_speed: f64,
-    /// Energy norm, √J, below which tolerances are absolute: a share of the response to the loads over time within one
-    /// interval of their series. Without it, no step is short enough for a load that sets a body at rest in motion.
-    pub(super) smallest_size: f64,
+    pub(super) constants: RunConstants,
     /// Speed of the reference shaft, if it is variable.
     pub(super) variable_speed: Option<VariableSpeed>,
     /// Phasor e^{iϑ} of each shaft at elapsed time zero.
     pub(super) at_origin: Vec<Complex64>,
     /// Angle of each shaft at elapsed time zero, rad.
     angles: Vec<f64>,
-    /// Time at which elapsed time is zero, s.
-    origin: f64,
     /// Contact mode of each mesh in the step.
     pub(super) contact_modes: Vec<ContactMode>,
     /// Indices of the coordinates of meshes with several contact modes.
@@ -133,12 +139,14 @@ impl<'m> EquationOfMotion<'m> {
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
-            speed,
-            linear_speed: speed,
-            smallest_size: smallest_size(model),
+            constants: RunConstants {
+                speed,
+                linear_speed: speed,
+                origin: rotation.origin,
+                smallest_size: smallest_size(model),
+            },
             variable_speed: rotation.variable_speed(),
             angles,
-            origin: rotation.origin,
             at_origin,
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
@@ -171,7 +179,7 @@ impl<'m> EquationOfMotion<'m> {
             (None, Some(shaft)) => [self.phase(shaft, elapsed), ShaftPhase::default()],
             (None, None) => Default::default(),
         };
-        Instant { time: self.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh) }
+        Instant { time: self.constants.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh) }
     }
 
     /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
@@ -189,7 +197,7 @@ impl<'m> EquationOfMotion<'m> {
     #[inline]
     pub(super) fn reference_speed(&self, elapsed: f64) -> (f64, f64) {
         match &self.variable_speed {
-            None => (self.speed, 0.0),
+            None => (self.constants.speed, 0.0),
             Some(variable_speed) => {
                 let now = variable_speed.at(elapsed);
                 (now.speed, now.acceleration)
@@ -344,13 +352,13 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
     pub fn linear_speed(&self) -> f64 {
-        self.linear_speed
+        self.constants.linear_speed
     }
 
     /// Sets the speed of the reference shaft at which the linear motion contains the connections, rad/s; by default the
     /// largest one of the run.
     pub fn linearise_at(&mut self, speed: f64) {
-        self.linear_speed = speed;
+        self.constants.linear_speed = speed;
     }
 
     /// Pose of a mesh.

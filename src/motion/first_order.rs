@@ -175,6 +175,6 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
         }
         let square = self.elastic_form(&deviation) + self.model.kinetic_form(v);
         self.scratch = deviation;
-        square.max(0.0).sqrt().max(self.smallest_size)
+        square.max(0.0).sqrt().max(self.constants.smallest_size)
     }
 }

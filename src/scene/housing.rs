@@ -3,7 +3,7 @@
 //! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
 
 use super::description::{self, Base, SceneDescription};
-use super::place::Names;
+use super::place::{Names, own_supports};
 use super::speed_table::checked;
 use super::{Coupling, EntryPath, Gear, Matrix2, Mesh, Node, SceneError, Shaft, nearest};
 
@@ -72,31 +72,6 @@ fn named_bases(system: &SceneDescription) -> impl Iterator<Item = (&'static str,
     let supports = supports.map(|(index, given)| ("supports", index, given.name.as_deref().unwrap_or_default()));
     let housings = system.housings.iter().enumerate();
     supports.chain(housings.map(|(index, given)| ("housings", index, given.name.as_str())))
-}
-
-/// The supports of single bearings, with the index of the bearing.
-fn own_supports(system: &SceneDescription) -> impl Iterator<Item = (usize, &description::Support)> {
-    system.bearings.iter().enumerate().filter_map(|(index, bearing)| match &bearing.support {
-        Some(Base::Own(support)) => Some((index, support)),
-        _ => None,
-    })
-}
-
-/// Names of all supports, housings and points of housings, with the path of each.
-pub(super) fn names(system: &SceneDescription) -> impl Iterator<Item = (EntryPath, &str)> {
-    let listed = system.supports.iter().enumerate();
-    let listed = listed
-        .filter_map(|(index, given)| Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?)));
-    let own = own_supports(system).filter_map(|(index, given)| {
-        Some((EntryPath::entry("bearings", index).field("support").field("name"), given.name.as_deref()?))
-    });
-    let rigid = system.housings.iter().enumerate().flat_map(|(index, given)| {
-        let at = EntryPath::entry("housings", index);
-        let points = at.field("points");
-        let points = given.points.keys().map(move |name| (points.field(name), name.as_str()));
-        std::iter::once((at.field("name"), given.name.as_str())).chain(points)
-    });
-    listed.chain(rigid).chain(own)
 }
 
 /// Place of each bearing on its housing; `None` for a bearing on the ground.

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::description::{Place, SceneDescription};
-use super::{EntryPath, Node, SceneError, Shaft, housing, nearest};
+use super::description::{Base, Place, SceneDescription, Support};
+use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
 /// The names of a description. Each name is unique.
 pub(super) struct Names<'a> {
@@ -25,7 +25,7 @@ impl<'a> Names<'a> {
             let at = EntryPath::entry(list, index);
             (at.field("name"), at, name)
         });
-        let lists = lists.chain(housing::names(system).map(|(at, name)| (at.clone(), at, name)));
+        let lists = lists.chain(housing_names(system).map(|(at, name)| (at.clone(), at, name)));
         let mut used: HashMap<&str, EntryPath> = HashMap::new();
         for (field, at, name) in lists {
             if name.is_empty() {
@@ -119,4 +119,29 @@ fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, EntryPath)
     let a = system.couplings.iter().map(|coupling| &coupling.a).enumerate().map(entry("couplings", "a"));
     let b = system.couplings.iter().map(|coupling| &coupling.b).enumerate().map(entry("couplings", "b"));
     torques.chain(drives).chain(forces).chain(a).chain(b)
+}
+
+/// The supports of single bearings, with the index of the bearing.
+pub(super) fn own_supports(system: &SceneDescription) -> impl Iterator<Item = (usize, &Support)> {
+    system.bearings.iter().enumerate().filter_map(|(index, bearing)| match &bearing.support {
+        Some(Base::Own(support)) => Some((index, support)),
+        _ => None,
+    })
+}
+
+/// Names of all supports, housings and points of housings, with the path of each.
+fn housing_names(system: &SceneDescription) -> impl Iterator<Item = (EntryPath, &str)> {
+    let listed = system.supports.iter().enumerate();
+    let listed = listed
+        .filter_map(|(index, given)| Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?)));
+    let own = own_supports(system).filter_map(|(index, given)| {
+        Some((EntryPath::entry("bearings", index).field("support").field("name"), given.name.as_deref()?))
+    });
+    let rigid = system.housings.iter().enumerate().flat_map(|(index, given)| {
+        let at = EntryPath::entry("housings", index);
+        let points = at.field("points");
+        let points = given.points.keys().map(move |name| (points.field(name), name.as_str()));
+        std::iter::once((at.field("name"), given.name.as_str())).chain(points)
+    });
+    listed.chain(rigid).chain(own)
 }

@@ -9,6 +9,7 @@ from gearbow._types import At, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.places import place
 from gearbow.description.time_series import TimeSeries
+from gearbow.errors import SceneError
 
 __all__ = ["Coupling", "Drive", "Force"]
 
@@ -168,6 +169,25 @@ def described_value(value: object, path: str, read: Callable[[object, str], Plai
     if callable(value):
         return {"times": [0.0, 1.0], "values": [0.0, 0.0]}
     return read(value, path)
+
+
+def functions(**lists: Sequence[Part]) -> list[str]:
+    """Give the paths of the values that are functions of time, in named lists of loads."""
+    return [
+        f"{key}[{i}].value"
+        for key, loads in lists.items()
+        for i, load in enumerate(loads)
+        if callable(getattr(load, "value", None))
+    ]
+
+
+def refuse_functions(**lists: Sequence[Part]) -> None:
+    """Refuse functions of time, which have no plain form, in named lists of loads."""
+    for path in functions(**lists):
+        raise SceneError(
+            f"{path}: a function of time has no plain form; give "
+            "gb.TimeSeries.function(f, duration)"
+        )
 
 
 def over_time(loads: Sequence[P], begin: float, duration: float, path: str) -> tuple[P, ...]:

@@ -13,9 +13,16 @@ from gearbow._files import replacing
 from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.couplings import Coupling, Drive, Force, over_time
+from gearbow.description.couplings import (
+    Coupling,
+    Drive,
+    Force,
+    functions,
+    over_time,
+    refuse_functions,
+)
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.loads import Bearing, Torque
+from gearbow.description.loads import Bearing, Torque, names_of_bases
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
@@ -100,17 +107,10 @@ class SystemDescription:
         motion: str | None = None,
         resolution: str = "engineering",
     ) -> None:
-        self.shafts = parts(shafts, Shaft, "shafts")
-        self.gears = parts(gears, Gear, "gears")
-        self.meshes = parts(meshes, Mesh, "meshes")
-        self.bearings = parts(bearings, Bearing, "bearings")
-        self.torques = parts(torques, Torque, "torques")
-        self.disks = parts(disks, Disk, "disks")
-        self.supports = parts(supports, Support, "supports")
-        self.housings = parts(housings, Housing, "housings")
-        self.couplings = parts(couplings, Coupling, "couplings")
-        self.drives = parts(drives, Drive, "drives")
-        self.forces = parts(forces, Force, "forces")
+        lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
+        lists = (*lists, supports, housings, couplings, drives, forces)
+        for (key, kind), given in zip(_PARTS.items(), lists, strict=True):
+            setattr(self, key, parts(given, kind, key))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -279,7 +279,7 @@ class SystemDescription:
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
-        self._refuse_functions()
+        refuse_functions(torques=self.torques, forces=self.forces)
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())
@@ -298,24 +298,12 @@ class SystemDescription:
         SceneError
             If a force or torque is a function of time, which has no plain form.
         """
-        self._refuse_functions()
+        refuse_functions(torques=self.torques, forces=self.forces)
         return self._model.description()
-
-    def _refuse_functions(self) -> None:
-        """Refuse loads that have no plain form."""
-        torques = [(f"torques[{i}]", load.value) for i, load in enumerate(self.torques)]
-        forces = [(f"forces[{i}]", load.value) for i, load in enumerate(self.forces)]
-        for path, value in (*torques, *forces):
-            if callable(value):
-                raise SceneError(
-                    f"{path}.value: a function of time has no plain form; give "
-                    "gb.TimeSeries.function(f, duration)"
-                )
 
     def _over_time(self, begin: float, duration: float) -> "Self":
         """Replace functions of time by their samples over a run."""
-        values: list[object] = [load.value for load in self.torques]
-        if not any(callable(value) for value in (*values, *(load.value for load in self.forces))):
+        if not functions(torques=self.torques, forces=self.forces):
             return self
         return self.replace(
             torques=over_time(self.torques, begin, duration, "torques"),
@@ -382,9 +370,7 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        own = [bearing.support for bearing in self.bearings]
-        names = [part.name for part in (*self.supports, *own) if isinstance(part, Support)]
-        bases = [*(name for name in names if name is not None), *(h.name for h in self.housings)]
+        bases = names_of_bases(self.bearings, self.supports, self.housings)
         return Coordinates.of(self.dofs, self.gears, self.disks, bases)
 
     def default_output_step(self, duration: float, speed: SpeedLike) -> float:
