@@ -2,18 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 from gearbow._convert import complex_number
 from gearbow._types import At, Plain
+from gearbow.description.load_values import described_value
 from gearbow.description.part import Part, freeze
 from gearbow.description.places import place
 from gearbow.description.time_series import TimeSeries
-from gearbow.errors import SceneError
 
 __all__ = ["Coupling", "Drive", "Force"]
-
-P = TypeVar("P", bound=Part)
 
 
 @dataclass(frozen=True)
@@ -156,51 +154,6 @@ class Force(Part):
         elif isinstance(value, (list, tuple)):
             value = complex(*value)
         return cls(_place(description["at"]), value, description.get("order"))
-
-
-def described_value(value: object, path: str, read: Callable[[object, str], Plain]) -> Plain:
-    """Convert the value of a load to plain data.
-
-    A function of time has no plain form: a run replaces it by its samples. Zero stands for it in
-    every other analysis.
-    """
-    if isinstance(value, Part):
-        return value._describe(path)
-    if callable(value):
-        return {"times": [0.0, 1.0], "values": [0.0, 0.0]}
-    return read(value, path)
-
-
-def functions(**lists: Sequence[Part]) -> list[str]:
-    """Give the paths of the values that are functions of time, in named lists of loads."""
-    return [
-        f"{key}[{i}].value"
-        for key, loads in lists.items()
-        for i, load in enumerate(loads)
-        if callable(getattr(load, "value", None))
-    ]
-
-
-def refuse_functions(**lists: Sequence[Part]) -> None:
-    """Refuse functions of time, which have no plain form, in named lists of loads."""
-    for path in functions(**lists):
-        raise SceneError(
-            f"{path}: a function of time has no plain form; give "
-            "gb.TimeSeries.function(f, duration)"
-        )
-
-
-def over_time(loads: Sequence[P], begin: float, duration: float, path: str) -> tuple[P, ...]:
-    """Replace functions of time in the values of loads by their samples over a run."""
-
-    def load(i: int, given: P) -> P:
-        value = getattr(given, "value", None)
-        if not callable(value):
-            return given
-        series = TimeSeries.function(value, duration, begin=begin, path=f"{path}[{i}].value")
-        return replace(given, value=series)  # type: ignore[type-var]  # every load is a dataclass
-
-    return tuple(load(i, given) for i, given in enumerate(loads))
 
 
 def _place(at: Plain) -> At:

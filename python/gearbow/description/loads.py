@@ -1,6 +1,6 @@
 """Bearings and torques."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import real
 from gearbow._types import At, Plain
-from gearbow.description.couplings import described_value
+from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.speed_table import SpeedTable
-from gearbow.description.supports import Housing, Support
+from gearbow.description.supports import Support
 from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
@@ -124,12 +124,3 @@ class Torque(Part):
             kind: type[Part] = SpeedTable if "speeds" in value else TimeSeries
             value = kind._from_description(value)
         return cls(at, value)
-
-
-def names_of_bases(
-    bearings: Sequence[Bearing], supports: Sequence[Support], housings: Sequence[Housing]
-) -> list[str]:
-    """Give the names of what bearings stand on: supports, their own ones, and housings."""
-    own = [bearing.support for bearing in bearings]
-    names = [part.name for part in (*supports, *own) if isinstance(part, Support)]
-    return [*(name for name in names if name is not None), *(part.name for part in housings)]

@@ -86,11 +86,10 @@ class TimeSeries(Part):
         if not duration > 0.0:
             raise SceneError(f"{path}.duration: must be positive, got {duration!r}")
         first = np.linspace(begin, begin + duration, 33)
-
-        def of(part: Callable[[Any], Any]) -> tuple[Array, Array]:
-            return sampled(lambda t: part(f(t)), first, path)
-
-        pieces = [of(np.real), of(np.imag)]
+        pieces = [
+            sampled(lambda t: np.real(f(t)), first, path),
+            sampled(lambda t: np.imag(f(t)), first, path),
+        ]
         times = np.unique(np.concatenate([*(left for left, _ in pieces), first[-1:]]))
         parts = [_hermite(left, cubic, times) for left, cubic in pieces]
         values, slopes = (parts[0][i] + 1j * parts[1][i] for i in (0, 1))

@@ -13,17 +13,12 @@ from gearbow._files import replacing
 from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.couplings import (
-    Coupling,
-    Drive,
-    Force,
-    functions,
-    over_time,
-    refuse_functions,
-)
+from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.loads import Bearing, Torque, names_of_bases
+from gearbow.description.load_values import functions, over_time, refuse_functions
+from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
+from gearbow.description.places import names_of_bases
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
 from gearbow.description.supports import Housing, Support
@@ -303,12 +298,10 @@ class SystemDescription:
 
     def _over_time(self, begin: float, duration: float) -> "Self":
         """Replace functions of time by their samples over a run."""
-        if not functions(torques=self.torques, forces=self.forces):
+        lists = {"torques": self.torques, "forces": self.forces}
+        if not functions(**lists):
             return self
-        return self.replace(
-            torques=over_time(self.torques, begin, duration, "torques"),
-            forces=over_time(self.forces, begin, duration, "forces"),
-        )
+        return self.replace(**{k: over_time(v, begin, duration, k) for k, v in lists.items()})
 
     @property
     def discretisation(self) -> Discretisation:
@@ -356,8 +349,7 @@ class SystemDescription:
             "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
             1: shaft, positions of the two ends of the element [m], and the direction with the
             degree of the shape function, for example "v2". Last come supports and housings: name,
-            position x of the centre of mass [m], and "v", "w" and, if they rotate, "B", "G",
-            "twist".
+            x of the centre of mass [m] and "v", "w", with "B", "G", "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 
@@ -370,7 +362,8 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        bases = names_of_bases(self.bearings, self.supports, self.housings)
+        own = (bearing.support for bearing in self.bearings)
+        bases = names_of_bases(own, *self.supports, *self.housings)
         return Coordinates.of(self.dofs, self.gears, self.disks, bases)
 
     def default_output_step(self, duration: float, speed: SpeedLike) -> float:
