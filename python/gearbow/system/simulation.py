@@ -99,9 +99,10 @@ class Simulation(LinearAnalyses):
         times : array_like, shape (k,), optional
             Recorded times [s] instead, absolute and in any order.
         record : sequence of str or tuple
-            Recorded items: names of gears, disks or shafts (all their nodes), (shaft, position),
-            (driver, driven), ("bearing", shaft, position), and the groups "gears", "disks",
-            "meshes", "bearings", "nodes", "energy".
+            Recorded items: names of gears, disks or shafts (all their nodes), of supports, housings
+            and points of housings, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), and the groups "gears", "disks", "meshes", "bearings", "housings", "nodes",
+            "energy".
         geometry : {"live", "frozen"}
             "live": line of action and tooth engagement follow the moving centres. "frozen": they
             are those of the centres at rest.
