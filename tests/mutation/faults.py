@@ -330,7 +330,7 @@ FAULTS: list[Fault] = [
         "results/modes.py",
         "elements",
         ('direction.rstrip("0123456789")', "direction[:1]"),
-        ("self.shapes[:, : len(dofs)]", "self.shapes[:, -len(dofs) :]"),
+        ("self.shapes[:, drawn]", "self.shapes[:, -len(drawn) :]"),
     ),
     *_faults(
         "_lookup.py",
