@@ -62,7 +62,7 @@ from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.discretisation import Discretisation
-from gearbow.results.matrices import Matrices
+from gearbow.results.matrices import Matrices, SparseMatrices
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
 from gearbow.results.response import Response
@@ -113,6 +113,7 @@ __all__ = [
     "SceneWarning",
     "Segment",
     "Shaft",
+    "SparseMatrices",
     "Spectrum",
     "SpeedProfile",
     "SpeedTable",

@@ -133,6 +133,13 @@ def text(value: object, path: str) -> str:
     return str(value)
 
 
+def truth(value: object, path: str) -> bool:
+    """Convert a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+    return bool(value)
+
+
 def _is_real(value: object) -> bool:
     if isinstance(value, (bool, np.bool_, str, bytes, bytearray, np.ma.MaskedArray)):
         return False

@@ -1,21 +1,23 @@
 //! Static equilibrium under torques, gravity and mesh forces, by Newton's method with the exact mesh tangent.
 //!
-//! The solution contains no null motion (motion without elastic force, for example the rigid-body rotation), in the
-//! inner product of the mass matrix. A load that drives a null motion has no equilibrium.
+//! Each step solves one system with the band matrices of the shafts, in time proportional to n. The solution contains no
+//! null motion (motion without elastic force, for example the rigid-body rotation), in the inner product of the mass
+//! matrix. A load that drives a null motion has no equilibrium.
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 use super::AnalysisError;
 use crate::connection::{Connection, Row};
-use crate::linalg::LuFactors;
+use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
 use crate::mesh::{Flank, Geometry};
-use crate::modal::CachedModel;
-use crate::model::{Dof, DofKind, Model};
+use crate::modal::{CachedModel, Pins, null_motions};
+use crate::model::{Dof, DofKind, Model, Weights};
 use crate::scene::SceneError;
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-9;
-/// Largest fraction of the load that the artificial stiffness of the null motions may carry, as round-off.
+/// Largest fraction of the load that the springs on the null motions may carry, as round-off.
 const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
 /// Component of a null motion, relative to its largest one, below which it is round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -37,59 +39,67 @@ const MAX_ITERATIONS: usize = 60;
 pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     let model = &cached.model;
-    let real = cached.real_modes(speed)?;
     let load = &model.constant_load;
     model.check_speed(speed)?;
-    let null = real.vectors.columns(0, real.null).into_owned();
-    check_balance(model, &null, &(load + model.speed_torques(speed)), speed)?;
-    // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
-    let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    let weighted = model.mass_times(&null) * lowest;
-    let mut linear = model.shaft_stiffness_matrix();
-    linear += model.support_stiffness_matrix();
-    linear.gemm(1.0, &weighted, &weighted.transpose(), 1.0);
+    let with_torques = load + model.speed_torques(speed);
+    let null = null_motions(model, speed)?;
+    check_balance(model, &null, &with_torques, speed)?;
+    let pins = Pins::new(model, &null);
+    let mut linear = model.shaft_stiffness(&Weights::stiffness());
+    pins.add_to(model, &mut linear);
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
+    // Sum of the forces of the springs on the null motions.
+    let mut carried = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
-    let mut factors: Option<LuFactors> = None;
+    let mut factors: Option<CoupledFactors> = None;
     for _ in 0..MAX_ITERATIONS {
         let (force, tangent) = connection_forces(model, geometry, speed, &flanks, &q)?;
         // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
         let residual = load - model.static_force(&q) - force;
-        let known = factors.get_or_insert_with(|| {
-            let mut matrix = linear.clone();
-            for (row, column, value) in &tangent {
-                matrix[(*row, *column)] += value;
-            }
-            LuFactors::new(&matrix)
-        });
-        let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
-        let step = step.column(0);
+        let known = match factors.take() {
+            Some(known) => known,
+            None => tangent_factors(model, linear.clone(), &tangent).map_err(DecompositionError::from)?,
+        };
+        let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
+        let mut step = DVector::from_vec(step);
+        let of_pins = pins.carried(&step);
+        pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
-        let scale = (load.dot(&q) + model.speed_torques(speed).dot(&q)).abs().max(energy);
+        let scale = with_torques.dot(&q).abs().max(energy);
         let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
         let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
         // An old tangent is used as long as the steps decrease fast.
-        if energy > TANGENT_REUSE_RATIO * previous {
-            factors = None;
+        if energy <= TANGENT_REUSE_RATIO * previous {
+            factors = Some(known);
         }
         previous = energy;
-        let fraction = admissible(model, geometry, speed, &q, &step.into_owned())?;
+        let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
+        carried.axpy(fraction, &of_pins, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
+                check_constraints(&carried, &with_torques)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);
         }
     }
+    check_constraints(&carried, &with_torques)?;
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
+}
+
+/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections.
+fn tangent_factors(model: &Model, mut sum: CoupledBands, tangent: &[Entry]) -> Result<CoupledFactors, Singular> {
+    for (row, column, value) in tangent {
+        model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
+    }
+    sum.factor(1.0)
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
@@ -167,8 +177,8 @@ fn unbalanced(model: &Model, speed: f64) -> SceneError {
     )
 }
 
-/// Refuses a load that the artificial stiffness of the null motions carries. This occurs with bearings whose stiffness is
-/// singular and not symmetric: its left and right null vectors differ.
+/// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
+/// stiffness is singular and not symmetric: its left and right null vectors differ.
 fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
     if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
         return Ok(());

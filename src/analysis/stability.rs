@@ -30,7 +30,7 @@ impl Spectrum {
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, AnalysisError> {
         let (model, reference) = (&cached.model, cached.at_speed(speed)?);
         let additional = stiffening(cached, speed) + skew_part(&reference);
-        let omega_max = (reference.real_modes(speed)?.highest().powi(2) + additional).sqrt();
+        let omega_max = (reference.spectral_range(speed)?.fastest.powi(2) + additional).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);

@@ -19,7 +19,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use crate::connection::Connection;
-use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::model::{DofKind, Link, Model};
 use crate::scene::Node;
 
@@ -104,6 +104,15 @@ impl RealModes {
         self.frequencies.max()
     }
 
+    /// ΦᵀAΦ for a sparse n × n matrix A.
+    pub(super) fn project_sparse(&self, matrix: &Sparse) -> DMatrix<f64> {
+        if matrix.is_zero() {
+            let size = self.vectors.ncols();
+            return DMatrix::zeros(size, size);
+        }
+        self.vectors.transpose() * times(matrix, &self.vectors)
+    }
+
     /// ΦᵀAΦ for an n × n matrix A.
     pub(super) fn project(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         self.vectors.transpose() * (matrix * &self.vectors)
@@ -128,6 +137,16 @@ impl RealModes {
 pub fn null_motions(model: &Model, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
     let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
     rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)
+}
+
+/// Product of a sparse matrix and the columns of a dense one.
+pub(super) fn times(matrix: &Sparse, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
+    let rows = columns.nrows().max(1);
+    for (column, out) in columns.as_slice().chunks_exact(rows).zip(product.as_mut_slice().chunks_exact_mut(rows)) {
+        matrix.multiply_add(1.0, column, out);
+    }
+    product
 }
 
 /// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible.

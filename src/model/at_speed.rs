@@ -4,8 +4,8 @@ use nalgebra::DVector;
 
 use super::link::links;
 use super::{Model, Numbering, Support, bearing_rows};
-use crate::connection::{Connection, SpeedDependentBearing};
-use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
+use crate::connection::{AppliedLoad, Connection, SpeedDependentBearing};
+use crate::scene::{BearingCoefficient, LoadLaw, Node, Scene, SceneError};
 
 /// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
@@ -75,6 +75,12 @@ impl Model {
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
         Ok(model)
+    }
+
+    /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.
+    pub fn depends_on_speed(&self) -> bool {
+        let is_over_speed = |load: &AppliedLoad| matches!(load.law, LoadLaw::SpeedTorque { .. });
+        !self.bearings.is_empty() || self.loads.iter().any(is_over_speed)
     }
 
     /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.

@@ -9,7 +9,7 @@
 use num_complex::Complex64;
 
 use super::Model;
-use crate::linalg::{BandOrder, CoupledBands};
+use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Singular};
 
 /// The coordinates of one chain of a shaft.
 struct Part {
@@ -106,5 +106,16 @@ impl Model {
             }
         }
         out
+    }
+
+    /// Solution of a real system in the order of the core.
+    ///
+    /// # Errors
+    /// [`Singular`] if round-off leaves no accurate solution.
+    pub fn solve_real(&self, factors: &CoupledFactors, right: &[f64]) -> Result<Vec<f64>, Singular> {
+        let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
+        let mut x = self.to_circular(&right);
+        factors.solve(&mut x)?;
+        Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
     }
 }

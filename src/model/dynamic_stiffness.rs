@@ -107,7 +107,8 @@ impl Model {
         sum
     }
 
-    /// Diagonal entries of the stiffness matrix of the shafts, n entries in the order of the core.
+    /// Diagonal entries of the stiffness matrix of the shafts, and of the links at supports and housings (one where these
+    /// have none), n entries in the order of the core.
     pub fn chain_stiffness(&self) -> Vec<f64> {
         let mut diagonal = vec![0.0; self.len()];
         for shaft in &self.shafts {
@@ -126,6 +127,15 @@ impl Model {
                 });
             }
         }
+        let housings = self.housings.coordinates();
+        for Link { rows, local, .. } in &self.links {
+            for (i, row) in rows.iter().enumerate() {
+                for (index, coefficient) in row.iter().filter(|(index, _)| housings.contains(index)) {
+                    diagonal[*index] += local.symmetric_part[i][i] * coefficient * coefficient;
+                }
+            }
+        }
+        diagonal[housings].iter_mut().filter(|value| **value == 0.0).for_each(|value| *value = 1.0);
         diagonal
     }
 

@@ -25,7 +25,8 @@ impl Model {
 
     /// Adds the forces that turn with a shaft, and those of eccentric hubs of couplings, to the excitations of the shafts.
     pub(super) fn add_turning_forces(&mut self) {
-        let force = |index: usize, bow: Complex64| Excitation { index, bow, unbalance: Complex64::ZERO };
+        let none = Complex64::ZERO;
+        let force = |index: usize, force: Complex64| Excitation { index, bow: none, force, unbalance: none };
         for given in self.scene.forces.iter().filter(|force| force.turns) {
             if let Some(index) = self.numbering.translation(given.node) {
                 self.shafts[given.node.shaft].excitations.push(force(index, given.value));

@@ -205,6 +205,14 @@ impl Model {
         self.len() == 0
     }
 
+    /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
+    /// depend on the loads of a scene.
+    pub fn has_coordinates_of(&self, other: &Self) -> bool {
+        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion);
+        let nodes = |model: &Self| model.scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
+        kinds(self) == kinds(other) && nodes(self) == nodes(other) && self.sigma_standing == other.sigma_standing
+    }
+
     /// The same model with springs between its coordinates.
     pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
         self.springs = springs;
@@ -301,6 +309,14 @@ impl Model {
             shaft.solve_mass(x);
         }
         self.housings.solve_mass(x);
+    }
+
+    /// Coordinates on which bearings, links and connections act, with repetitions; `speed` of the reference shaft, rad/s.
+    pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
+        let rows = self.connections(speed).flat_map(|connection| connection.rows());
+        let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
+        let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
+        rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()
     }
 
     /// M X for a matrix X with n rows.

@@ -2,6 +2,9 @@
 //!
 //! q, m and rad, and v, m/s and rad/s, have n entries in the order of the core.
 
+use nalgebra::DVector;
+use num_complex::Complex64;
+
 use super::{Model, Support};
 
 impl Model {
@@ -17,6 +20,12 @@ impl Model {
             }
         }
         if self.housings.inertia.is_empty() { sum } else { sum + self.housings.kinetic_form(v) }
+    }
+
+    /// φᴴMφ of a complex vector.
+    pub fn complex_kinetic_form(&self, shape: &DVector<Complex64>) -> f64 {
+        let part = |part: fn(&Complex64) -> f64| self.kinetic_form(shape.map(|value| part(&value)).as_slice());
+        part(|value| value.re) + part(|value| value.im)
     }
 
     /// vᵀCv, the dissipated power of shafts and bearings without modal damping, W.

@@ -72,8 +72,7 @@ pub struct EquationOfMotion<'m> {
     pub(super) switching: Vec<usize>,
     /// Rotating forces of the shafts with bow or unbalance; empty if the speed is variable.
     pub(super) rotating_forces: Vec<RotatingForces>,
-    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping. Runs at a constant speed do not use
-    /// it, because they use modal coordinates.
+    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping, or if nothing needs it.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
     /// must be constant during a run.
@@ -93,16 +92,29 @@ impl<'m> EquationOfMotion<'m> {
         origin: f64,
         equilibrium: DVector<f64>,
     ) -> Result<Self, DecompositionError> {
-        Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
+        Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium).with_modal_damping(cached)
     }
 
-    /// Creates the motion with the `rotation` of the reference shaft.
+    /// Adds the matrix of modal damping, which forces and powers in displacements need; modal coordinates do not. It needs
+    /// all undamped modes.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes cannot be computed.
+    pub fn with_modal_damping(self, cached: &CachedModel) -> Result<Self, DecompositionError> {
+        if self.model.scene.modal_damping == 0.0 {
+            return Ok(self);
+        }
+        let cached = cached.at_speed(self.constants.speed).map_err(|_| DecompositionError::SpeedDependent)?;
+        Ok(Self { modal_damping: cached.modal_damping_matrix(self.constants.speed)?, ..self })
+    }
+
+    /// Creates the motion with the `rotation` of the reference shaft, without modal damping.
     pub fn along(
         cached: &'m CachedModel,
         geometry: Geometry,
         rotation: &ShaftRotation,
         equilibrium: DVector<f64>,
-    ) -> Result<Self, DecompositionError> {
+    ) -> Self {
         let (model, speed) = (&cached.model, rotation.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
         let at_origin: Vec<_> = model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
@@ -122,19 +134,12 @@ impl<'m> EquationOfMotion<'m> {
         let excited = model.shafts.iter().enumerate().map(excited);
         let rotating_forces: Vec<_> =
             excited.filter(|excited| rotation.is_constant() && !excited.forces.is_empty()).collect();
-        let modal_damping = match model.scene.modal_damping {
-            0.0 => None,
-            _ => {
-                let cached = cached.at_speed(speed).map_err(|_| DecompositionError::SpeedDependent)?;
-                cached.modal_damping_matrix(speed)?
-            }
-        };
         let norm_bearings = model.bearings.iter().map(|bearing| {
             let [stiffness, damping] = bearing.at(speed);
             Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
         });
         let angles: Vec<f64> = at_origin.iter().map(|phasor| phasor.arg()).collect();
-        Ok(Self {
+        Self {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
@@ -151,11 +156,11 @@ impl<'m> EquationOfMotion<'m> {
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             rotating_forces,
-            modal_damping,
+            modal_damping: None,
             norm_bearings: norm_bearings.collect(),
             equilibrium,
             scratch: vec![0.0; model.len()],
-        })
+        }
     }
 
     /// Quadratic form qᵀKq, with each mesh linearised at rest.

@@ -46,6 +46,14 @@ impl PyModel {
         &self.cached.model
     }
 
+    /// Uses the modes and state-space models of another system, if the two differ in loads only.
+    pub fn share_linear_part(&self, other: &Self) {
+        let plain = |model: &Self| model.resolved.description.without_loads();
+        if self.model().has_coordinates_of(other.model()) && plain(self) == plain(other) {
+            self.cached.share(&other.cached);
+        }
+    }
+
     /// Runs an analysis that Ctrl-C can stop. Refuses it if its dense matrices do not fit into memory.
     pub fn run<T, E>(
         &self,

@@ -120,7 +120,7 @@ class Response(Recording):
                     "errors: this response does not know its system; take the errors of a response "
                     "that simulate returned or that save wrote"
                 )
-            self._errors = estimate_errors(self.request)
+            self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
     def spectrum(

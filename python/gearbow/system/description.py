@@ -188,6 +188,9 @@ class SystemDescription:
     def replace(self, **changes: Any) -> "Self":
         """Make a system with other parts or options. All others stay the same.
 
+        The new system shares the modes of this one if they differ only in torques, gravity, bows
+        and unbalances.
+
         Parameters
         ----------
         **changes
@@ -227,7 +230,9 @@ class SystemDescription:
                 raise SceneError(
                     f"replace: {key!r} is not a parameter of a system{nearest(key, names)}"
                 )
-        return type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
+        system = type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
+        system._model.share(self._model)
+        return system
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Self":

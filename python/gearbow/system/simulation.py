@@ -211,10 +211,10 @@ class Simulation(LinearAnalyses):
         """
         level = find_level(accuracy, given)
         coarse = None if level is None else level.coarse(self._model)
-        if accuracy is not None and coarse is not None:
+        if accuracy is not None and level is not None and coarse is not None:
             message = (
-                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out the "
-                f"numbers of elements, and give resolution={accuracy!r} to RotorSystem"
+                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; "
+                f"{level.finer(self._model)}"
             )
             warnings.warn(message, AccuracyWarning, stacklevel=3)
         return level, coarse

@@ -3,6 +3,7 @@
 use crate::connection::Row;
 use crate::exponential::Selection;
 use crate::model::Model;
+use crate::motion::PowerCoordinates;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
@@ -176,6 +177,7 @@ impl RecordPlan {
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
         Selection {
             velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
+            powers: self.energy.then(|| PowerCoordinates::new(model)),
             displacements,
         }
     }

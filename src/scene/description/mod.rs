@@ -81,6 +81,21 @@ pub struct SceneDescription {
     pub forces: Vec<Force>,
 }
 
+impl SceneDescription {
+    /// The description without the entries that only determine loads: torques, forces, gravity, bows and unbalances. A torque
+    /// over the speed stays, because its slope is a damping.
+    pub fn without_loads(&self) -> Self {
+        let mut plain = self.clone();
+        plain.torques.retain(|torque| matches!(torque.value, Some(TorqueValue::Table(_))));
+        plain.forces.clear();
+        plain.gravity = None;
+        plain.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
+        plain.gears.iter_mut().for_each(|gear| gear.unbalance = None);
+        plain.disks.iter_mut().for_each(|disk| disk.unbalance = None);
+        plain
+    }
+}
+
 /// Degrees of freedom of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -51,6 +51,16 @@ impl Pins {
         }
     }
 
+    /// Forces of the springs at the displacements `x`, distributed like inertia forces that do the same work on the null
+    /// motions: a spring at one coordinate would exaggerate round-off.
+    pub fn carried(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut work = DVector::zeros(self.null.ncols());
+        for (coordinate, stiffness) in &self.springs {
+            work.axpy(stiffness * x[*coordinate], &self.null.row(*coordinate).transpose(), 1.0);
+        }
+        &self.weighted * work
+    }
+
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
     pub fn remove_null_motions<T: ComplexField<RealField = f64>>(&self, x: &mut DVector<T>) {
         for (null, weighted) in self.null.column_iter().zip(self.weighted.column_iter()) {
