@@ -74,7 +74,7 @@ def of_ross(call: Callable[[Any], Any]) -> Program:
         from programs.ross_rotor import Ross  # noqa: PLC0415  # slow import
 
         model = Ross(system, SPEED)
-        model.frequencies(SPEED, 1)  # ROSS compiles functions in the first call
+        model.campbell(DIAGRAM[:2], 2)  # ROSS compiles its functions in the first call
 
         def fresh() -> Run[Any]:
             model.forget()

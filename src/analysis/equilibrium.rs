@@ -50,7 +50,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
-    // Sum of the forces of the springs on the null motions.
+    // Part of the residual that only the springs on the null motions balance.
     let mut carried = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
     let mut factors: Option<CoupledFactors> = None;
@@ -58,13 +58,13 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         let (force, tangent) = connection_forces(model, geometry, speed, &flanks, &q)?;
         // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
         let residual = load - model.static_force(&q) - force;
+        carried = pins.carried(&residual);
         let known = match factors.take() {
             Some(known) => known,
             None => tangent_factors(model, linear.clone(), &tangent).map_err(DecompositionError::from)?,
         };
         let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
         let mut step = DVector::from_vec(step);
-        let of_pins = pins.carried(&step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
         let scale = with_torques.dot(&q).abs().max(energy);
@@ -77,7 +77,6 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         previous = energy;
         let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
-        carried.axpy(fraction, &of_pins, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
         }

@@ -26,6 +26,8 @@ const RECOGNISED: f64 = 1e-7;
 const GAP: f64 = 1e-4;
 /// Relative distance of approximations of one eigenvalue from two spaces.
 const SAME: f64 = 1e-6;
+/// An imaginary part below this fraction of an eigenvalue is round-off.
+const REAL: f64 = 1e-11;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
 /// Number of times that the spaces are extended for missing eigenvalues.
@@ -214,7 +216,7 @@ impl Search<'_, '_> {
     fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<Vec<Found>, DecompositionError> {
         let is_elastic = |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
         let found = |pair: RitzPair| Found {
-            value: space.operator().eigenvalue(pair.value),
+            value: without_round_off(space.operator().eigenvalue(pair.value)),
             residual: pair.residual,
             vector: Vector::Base(pair),
         };
@@ -288,6 +290,12 @@ impl Search<'_, '_> {
         all.truncate(self.count);
         all
     }
+}
+
+/// A real eigenvalue for one whose imaginary part is round-off: it splits two equal real eigenvalues into a conjugate pair,
+/// of which both count.
+fn without_round_off(value: Complex64) -> Complex64 {
+    if value.im.abs() <= REAL * value.norm() { Complex64::from(value.re) } else { value }
 }
 
 /// Number of eigenvalues: two of each conjugate pair.

@@ -51,14 +51,10 @@ impl Pins {
         }
     }
 
-    /// Forces of the springs at the displacements `x`, distributed like inertia forces that do the same work on the null
-    /// motions: a spring at one coordinate would exaggerate round-off.
-    pub fn carried(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut work = DVector::zeros(self.null.ncols());
-        for (coordinate, stiffness) in &self.springs {
-            work.axpy(stiffness * x[*coordinate], &self.null.row(*coordinate).transpose(), 1.0);
-        }
-        &self.weighted * work
+    /// Part of a residual force that the springs carry, distributed like inertia forces that do the same work on the null
+    /// motions. Connections do no work on them, so that the round-off of their forces has no part in it.
+    pub fn carried(&self, residual: &DVector<f64>) -> DVector<f64> {
+        &self.weighted * self.null.tr_mul(residual)
     }
 
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.

@@ -100,8 +100,11 @@ def test_published_rotors_with_more_elements_have_the_modes_of_dense_matrices(pa
         system = gb.RotorSystem.load(path)
     shafts = []
     for shaft in system.shafts:
-        segments = [replace(segment, elements=4 * segment.elements) for segment in shaft.segments]
-        shafts.append(replace(shaft, segments=segments))
+        if shaft.segments is None:
+            shafts.append(replace(shaft, elements=25))
+        else:
+            parts = [replace(segment, elements=4 * segment.elements) for segment in shaft.segments]
+            shafts.append(replace(shaft, segments=parts))
     finer = system.replace(shafts=shafts)
     for speed in (0.0, 300.0):
         assert_lowest_modes(finer, speed, count=6)
@@ -159,7 +162,7 @@ def test_the_campbell_diagram_is_that_of_dense_matrices(scene: Drawn):
     highest = 2 * np.pi * system.modes().frequencies_hz.max()
     size = np.abs(wanted.eigenvalues)
     assert np.all(np.abs(found.eigenvalues - wanted.eigenvalues) <= round_off(highest, size) * size)
-    assert found.whirl[-1] == wanted.whirl[-1]
+    assert np.array_equal(found.whirl[-1], wanted.whirl[-1])
     assert len(found.intersections) == len(wanted.intersections)
     for one, other in zip(found.intersections, wanted.intersections, strict=True):
         assert (one.mode, one.line) == (other.mode, other.line)
@@ -172,7 +175,9 @@ def test_sparse_matrices_are_the_dense_ones(scene: Drawn):
     sparse, dense = system.matrices(scene.speed, sparse=True), system.matrices(scene.speed)
     assert sparse.dofs == dense.dofs
     for name in ("mass", "stiffness", "damping", "gyroscopic"):
-        assert np.array_equal(getattr(sparse, name).toarray(), getattr(dense, name))
+        one, other = getattr(sparse, name).toarray(), getattr(dense, name)
+        # the terms of an entry are added in another order
+        assert one == pytest.approx(other, rel=1e-14, abs=1e-15 * np.abs(other).max())
 
 
 def test_sparse_matrices_are_refused_with_modal_damping():

@@ -79,7 +79,9 @@ fn derivative_uses_the_current_spin_angle_and_angular_acceleration() {
     let speed = Speed::Changing(pieces.clone());
     let origin = 0.1;
     let mut motion =
-        EquationOfMotion::along(&cached, Geometry::Frozen, &shaft_rotation(pieces, origin, 2.0), DVector::zeros(n));
+        EquationOfMotion::along(&cached, Geometry::Frozen, &shaft_rotation(pieces, origin, 2.0), DVector::zeros(n))
+            .with_modal_damping(&cached)
+            .unwrap();
     let mut noise = Noise::new(4);
     for time in [0.1, 0.2, 0.6, 1.5_f64] {
         let y = [noise.vector(n, 1e-4), noise.vector(n, 0.1)].concat();
