@@ -26,7 +26,8 @@ type Key = (f64, bool);
 /// and signals as entries (index, coefficient).
 type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
 
-/// What follows from the linear part of a model alone, computed on first use: loads have no effect on it.
+/// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
+/// effect on it, their damping.
 #[derive(Debug, Default)]
 struct LinearPart {
     /// Undamped modes for each [`crate::model::Rotation`].

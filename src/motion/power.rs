@@ -91,7 +91,7 @@ impl EquationOfMotion<'_> {
         let mut bows = q[model.len()..].chunks_exact(2);
         for (index, shaft) in model.shafts.iter().enumerate() {
             let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            if let (true, Some(bow)) = (is_bowed(shaft), bows.next()) {
+            if let Some(bow) = is_bowed(shaft).then(|| bows.next()).flatten() {
                 // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
                 drive -= spin * (bow[1] * phasor.re - bow[0] * phasor.im);
             }

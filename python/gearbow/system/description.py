@@ -188,8 +188,8 @@ class SystemDescription:
     def replace(self, **changes: Any) -> "Self":
         """Make a system with other parts or options. All others stay the same.
 
-        The new system shares the modes of this one if they differ only in torques, gravity, bows
-        and unbalances.
+        The new system shares the modes of this one if they differ only in forces, torques (except
+        over the speed), gravity, bows and unbalances.
 
         Parameters
         ----------
