@@ -125,7 +125,7 @@ class Ross:
             # driving torque acts with the rotation, the balancing torque against it.
             teeth = gears[self.system.meshes[0].driver].teeth
             known = self.system.torques[0].value
-            if isinstance(known, str):
+            if not isinstance(known, float):
                 raise TypeError
             value = known if torque.value == known else -known * gear.teeth / teeth
             at = self.offset[gear.shaft] + DOFS * self.node(gear.position) + PLACE["twist"]

@@ -30,6 +30,7 @@ The compiled core `gearbow._core` computes everything except the following:
 from gearbow._core import __version__
 from gearbow.analysis.balance import Balance
 from gearbow.description.bow import Bow
+from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.kinematics import Order
 from gearbow.description.loads import Bearing, Torque
@@ -37,7 +38,9 @@ from gearbow.description.shafts import STEEL, Material, Segment, Shaft
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.speed_table import SpeedTable
 from gearbow.description.stiffness import Stiffness
+from gearbow.description.supports import Housing, Support
 from gearbow.description.teeth import TipRelief, TransmissionError
+from gearbow.description.time_series import TimeSeries
 from gearbow.errors import (
     AccuracyWarning,
     ChannelError,
@@ -80,14 +83,18 @@ __all__ = [
     "CheckpointWarning",
     "ContactError",
     "ConvergenceError",
+    "Coupling",
     "CriticalSpeedMap",
     "Discretisation",
     "Disk",
+    "Drive",
     "EnergyBalance",
     "Event",
     "ExcitationLine",
+    "Force",
     "Gear",
     "GearbowError",
+    "Housing",
     "Intersection",
     "Material",
     "Matrices",
@@ -113,7 +120,9 @@ __all__ = [
     "StabilityError",
     "Static",
     "Stiffness",
+    "Support",
     "Synchronous",
+    "TimeSeries",
     "TipRelief",
     "Torque",
     "Tradeoff",

@@ -19,7 +19,7 @@ from gearbow.errors import SceneError
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
 #: Keys whose values may be complex.
-_COMPLEX = ("unbalance", "run_out")
+_COMPLEX = ("unbalance", "run_out", "offset", "angle", "runout")
 #: Longest representation of a value in an error message.
 _LONGEST = 100
 

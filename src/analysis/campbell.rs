@@ -306,7 +306,7 @@ impl<'a> Tracker<'a> {
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let (speed, eigenvalue, whirl) = if self.cached.model.bearings.is_empty() {
+                let (speed, eigenvalue, whirl) = if !self.cached.model.depends_on_speed() {
                     let met = self.intersection(order, ends, 0)?;
                     let whirl = modal::whirl(&self.cached.model, met.speed, met.eigenvalue, &met.shape);
                     (met.speed, met.eigenvalue, whirl)

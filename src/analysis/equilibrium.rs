@@ -12,7 +12,7 @@ use crate::connection::{Connection, Row};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
 use crate::mesh::{Flank, Geometry};
 use crate::modal::{CachedModel, Pins, null_motions};
-use crate::model::{Model, Weights};
+use crate::model::{Dof, DofKind, Model, Weights};
 use crate::scene::SceneError;
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
@@ -40,8 +40,10 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     let cached = cached.at_speed(speed)?;
     let model = &cached.model;
     let load = &model.constant_load;
+    model.check_speed(speed)?;
+    let with_torques = load + model.speed_torques(speed);
     let null = null_motions(model, speed)?;
-    check_balance(model, &null, load)?;
+    check_balance(model, &null, &with_torques, speed)?;
     let pins = Pins::new(model, &null);
     let mut linear = model.shaft_stiffness(&Weights::stiffness());
     pins.add_to(model, &mut linear);
@@ -65,7 +67,7 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         let mut step = DVector::from_vec(step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
-        let scale = load.dot(&q).abs().max(energy);
+        let scale = with_torques.dot(&q).abs().max(energy);
         let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
         let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
         // An old tangent is used as long as the steps decrease fast.
@@ -81,13 +83,13 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(&carried, load)?;
+                check_constraints(&carried, &with_torques)?;
                 return Ok(q);
             }
             (flanks, previous, factors) = (pressed, f64::INFINITY, None);
         }
     }
-    check_constraints(&carried, load)?;
+    check_constraints(&carried, &with_torques)?;
     Err(AnalysisError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
 }
 
@@ -100,7 +102,7 @@ fn tangent_factors(model: &Model, mut sum: CoupledBands, tangent: &[Entry]) -> R
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
-fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), AnalysisError> {
+fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed: f64) -> Result<(), AnalysisError> {
     // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
     // depend on the combination.
     let mut acceleration = DVector::zeros(model.len());
@@ -117,13 +119,32 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
     if largest == 0.0 {
         return Ok(());
     }
+    for (index, housing) in model.housing_nodes().zip(&model.scene.housings) {
+        let moves = |dof: &&Dof| dof.node == index && acceleration[dof.index].abs() > UNSUPPORTED_TOLERANCE * largest;
+        if let Some(dof) = model.numbering.dofs().iter().find(moves) {
+            return Err(unmounted(&housing.name, dof.kind).into());
+        }
+    }
     let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
     let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
         let motion = acceleration[dof.index].abs();
         if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
     });
-    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
-        .into())
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest {
+        unsupported(model, shaft)
+    } else {
+        unbalanced(model, speed)
+    }
+    .into())
+}
+
+/// The error for a load that moves a housing: its mount does not constrain it.
+fn unmounted(name: &str, motion: DofKind) -> SceneError {
+    let entry = match motion {
+        DofKind::V | DofKind::W => "stiffness along y and z",
+        DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
+    };
+    SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
 }
 
 /// The error for a load that moves a shaft laterally: its bearings do not constrain it.
@@ -143,13 +164,14 @@ fn unsupported(model: &Model, shaft: usize) -> SceneError {
 }
 
 /// The error for torques that do not balance.
-fn unbalanced(model: &Model) -> SceneError {
+fn unbalanced(model: &Model, speed: f64) -> SceneError {
     let scene = &model.scene;
     let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
+    let net = model.loads.iter().fold(net, |net, load| net + load.constant(speed) * load.ratio);
     SceneError::new(
         "torques",
         format!(
-            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts"
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...)"
         ),
     )
 }
@@ -194,7 +216,12 @@ fn connection_forces(
             }
             Connection::Bearing(bearing) => {
                 let known = bearing.static_tangent(speed, q.as_slice());
-                add_over_scalars(&bearing.rows(), &known, &mut force, &mut tangent);
+                add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
+            }
+            Connection::Load(load) => {
+                for (row, factor) in &load.rows[0] {
+                    force[*row] -= factor * load.constant(speed);
+                }
             }
             Connection::Spring(spring) => {
                 add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);

@@ -143,7 +143,7 @@ fn rotating_force(model: &Model, spin: f64, source: usize, part: ExcitationPart)
     let shaft = &model.shafts[source];
     let acting = |excitation: &Excitation| match part {
         ExcitationPart::Both => excitation.amplitude(spin, 0.0),
-        ExcitationPart::Bow => excitation.bow,
+        ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {

@@ -5,6 +5,7 @@
 //! linear part that the motion contains.
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::load::LoadInterface;
 use super::mesh::MeshInterface;
 use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
@@ -17,6 +18,8 @@ pub enum Interface {
     Mesh(Box<MeshInterface>),
     /// A spring with a cubic term.
     Spring(SpringInterface),
+    /// A load that depends on time, angle or speed.
+    Load(LoadInterface),
 }
 
 impl Interface {
@@ -32,6 +35,7 @@ impl Interface {
             // A run in modal coordinates has a constant speed.
             Connection::Bearing(_) => Ok(None),
             Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
+            Connection::Load(load) => Ok(Some(Self::Load(LoadInterface::new(load, options)))),
         }
     }
 
@@ -40,7 +44,16 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) => None,
+            Self::Spring(_) | Self::Load(_) => None,
+        }
+    }
+
+    /// Index of the shaft on whose angle and speed it depends, if it is a load.
+    #[inline(always)]
+    pub fn shaft(&self) -> Option<usize> {
+        match self {
+            Self::Mesh(_) | Self::Spring(_) => None,
+            Self::Load(interface) => Some(interface.load.shaft),
         }
     }
 
@@ -50,6 +63,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.scalars(),
             Self::Spring(interface) => interface.spring.rows.len(),
+            Self::Load(interface) => interface.load.rows.len(),
         }
     }
 
@@ -58,6 +72,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
             Self::Spring(interface) => interface.has_rates(),
+            Self::Load(interface) => interface.has_rates(),
         }
     }
 
@@ -66,6 +81,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
             Self::Spring(interface) => interface.is_affine(),
+            Self::Load(interface) => interface.is_affine(),
         }
     }
 
@@ -75,6 +91,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.rows(),
             Self::Spring(interface) => interface.spring.rows.clone(),
+            Self::Load(interface) => interface.load.rows.clone(),
         }
     }
 
@@ -83,6 +100,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
             Self::Spring(interface) => &interface.reference_force,
+            Self::Load(interface) => &interface.reference_force,
         }
     }
 
@@ -91,7 +109,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) => self.scalars(),
+            Self::Spring(_) | Self::Load(_) => self.scalars(),
         }
     }
 
@@ -101,6 +119,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
             Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
+            Self::Load(interface) => Direction::of_scalars(&interface.load.linear(0.0).stiffness),
         }
     }
 
@@ -117,6 +136,10 @@ impl Interface {
                 interface.load(u, rates, load);
                 Ok(Contact::default())
             }
+            Self::Load(interface) => {
+                interface.load(instant, rates, load);
+                Ok(Contact::default())
+            }
         }
     }
 
@@ -127,7 +150,7 @@ impl Interface {
     pub fn residual_tangent(
         &self,
         instant: &Instant,
-        (u, _rates): (&[f64], &[f64]),
+        (u, rates): (&[f64], &[f64]),
         contact: &Contact,
         [stiffness, damping]: [&mut [f64]; 2],
     ) {
@@ -138,6 +161,11 @@ impl Interface {
                 damping.fill(c);
             }
             Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
+            Self::Load(interface) => {
+                stiffness.fill(0.0);
+                damping.fill(0.0);
+                interface.residual_tangent(instant, rates, damping);
+            }
         }
     }
 
@@ -145,7 +173,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
+            Self::Spring(_) | Self::Load(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
         }
     }
 
@@ -154,7 +182,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) => [f64::INFINITY; 2],
+            Self::Spring(_) | Self::Load(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -172,7 +200,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) => Ok(None),
+            Self::Spring(_) | Self::Load(_) => Ok(None),
         }
     }
 
@@ -184,7 +212,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) => Ok(()),
+            Self::Spring(_) | Self::Load(_) => Ok(()),
         }
     }
 }

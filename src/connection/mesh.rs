@@ -63,7 +63,7 @@ impl MeshInterface {
         sigma: f64,
         options: InterfaceOptions<'_>,
     ) -> Result<Self, Overlap> {
-        let InterfaceOptions { geometry, reference, contained, highest_frequency, mobility } = options;
+        let InterfaceOptions { geometry, reference, contained, highest_frequency, mobility, .. } = options;
         let follows_twist = gear_mesh.phase == Phase::Twist && !gear_mesh.teeth.is_constant();
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();

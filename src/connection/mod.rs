@@ -22,6 +22,7 @@ mod bearing;
 mod channel;
 mod instant;
 mod interface;
+mod load;
 mod mesh;
 mod spring;
 
@@ -31,6 +32,7 @@ pub use bearing::SpeedDependentBearing;
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions};
 pub use interface::Interface;
+pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
 pub use spring::{Spring, SpringInterface};
 
@@ -48,6 +50,8 @@ pub enum Connection<'m> {
     Bearing(&'m SpeedDependentBearing),
     /// A spring with a cubic term.
     Spring(&'m Spring),
+    /// A load that depends on time, angle or speed.
+    Load(&'m AppliedLoad),
 }
 
 /// Stiffness and damping over the scalars of a connection.
@@ -108,9 +112,15 @@ impl Connection<'_> {
                 mesh.gradient(*sigma, mesh.normal_at_rest(*sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
-            Self::Bearing(bearing) => bearing.rows(),
+            Self::Bearing(bearing) => bearing.rows.to_vec(),
             Self::Spring(spring) => spring.rows.clone(),
+            Self::Load(load) => load.rows.clone(),
         }
+    }
+
+    /// Whether it has stiffness, so that a rigid-body mode cannot move its scalars.
+    pub fn is_elastic(&self) -> bool {
+        !matches!(self, Self::Load(_))
     }
 
     /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.
@@ -119,6 +129,7 @@ impl Connection<'_> {
             Self::Mesh(_, mesh, _) => Coefficients::isotropic(1, mesh.stiffness, mesh.damping),
             Self::Bearing(bearing) => bearing.linear(speed),
             Self::Spring(spring) => spring.linear(),
+            Self::Load(load) => load.linear(speed),
         }
     }
 
@@ -131,6 +142,7 @@ impl Connection<'_> {
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Spring(spring) => spring.bounds(),
+            Self::Load(load) => load.bounds(),
         }
     }
 
@@ -139,17 +151,17 @@ impl Connection<'_> {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
             Self::Bearing(_) => &BEARING_CHANNELS,
-            // A scene cannot contain a spring.
-            Self::Spring(_) => &[],
+            // A scene cannot contain a spring, and a run knows its loads.
+            Self::Spring(_) | Self::Load(_) => &[],
         }
     }
 
     /// Name of the connection in messages, with its stiffness; none for a bearing, whose stiffness depends on the
-    /// speed.
+    /// speed, and for a load, which has none.
     pub fn described(&self) -> Option<String> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
-            Self::Bearing(_) => None,
+            Self::Bearing(_) | Self::Load(_) => None,
             Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }
     }

@@ -26,7 +26,8 @@ type Key = (f64, bool);
 /// and signals as entries (index, coefficient).
 type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
 
-/// What follows from the linear part of a model alone, computed on first use: loads have no effect on it.
+/// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
+/// effect on it, their damping.
 #[derive(Debug, Default)]
 struct LinearPart {
     /// Undamped modes for each [`crate::model::Rotation`].
@@ -93,9 +94,10 @@ impl CachedModel {
     /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`].
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients at the speed.
+    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
         if self.model.bearings.is_empty() {
+            self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
         }
         if let Some(known) = self.at_speeds.get(&speed) {

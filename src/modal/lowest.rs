@@ -278,7 +278,7 @@ impl Search<'_, '_> {
                 let shape = shape(found);
                 let size = problem.model.complex_kinetic_form(&shape).sqrt();
                 let shape = shape.unscale(size);
-                let value = problem.rayleigh(found.value, &shape);
+                let value = without_round_off(problem.rayleigh(found.value, &shape));
                 // A real eigenvalue has no sign of zero, which would count in the order.
                 (Complex64::new(value.re, value.im.abs()), shape)
             };

@@ -52,13 +52,12 @@ impl Quadratic {
     /// [`DecompositionError`] if the undamped modes cannot be computed.
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
         let real = cached.real_modes(speed)?;
-        let supports = cached.model.support_stiffness_matrix();
         Ok(Self {
             frequencies: real.frequencies.clone(),
             null: real.null,
             shapes: real.vectors.clone(),
             momenta: cached.model.mass_times(&real.vectors),
-            skew: real.project(&((&supports - supports.transpose()) / 2.0)),
+            skew: real.project(&cached.model.skew_part_matrix()),
             damping: real.project(&cached.damping_matrix(speed)?),
             gyroscopic: real.project(&cached.model.gyroscopic_matrix()),
         })

@@ -18,8 +18,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
+use crate::connection::Connection;
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
-use crate::model::{DofKind, Model};
+use crate::model::{DofKind, Link, Model};
 use crate::scene::Node;
 
 /// A rigid motion is a rigid-body mode if its eigenvalue with springs of unit stiffness is below this. Round-off leaves
@@ -51,8 +52,8 @@ impl RealModes {
         Ok(Self::of_shapes(model, speed, vectors, null.ncols()))
     }
 
-    /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft. Mode shapes are zero
-    /// outside their part.
+    /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft, or everything if links
+    /// couple the shafts. Mode shapes are zero outside their part.
     pub(super) fn without_meshes(model: &Model) -> Result<Vec<Self>, DecompositionError> {
         let mass = model.mass_matrix();
         let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
@@ -69,7 +70,7 @@ impl RealModes {
             vectors.rows_range_mut(part).copy_from(&shapes);
             Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.elastic_form_without_meshes(shape)))
         };
-        model.numbering.uncoupled_parts().map(modes_of_part).collect()
+        model.uncoupled_parts().into_iter().map(modes_of_part).collect()
     }
 
     /// Modes from their shapes, which are orthonormal in M; the first `null` ones are rigid-body modes.
@@ -220,17 +221,17 @@ pub(super) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f
             rows.push(row);
         }
     }
-    for connection in speed.iter().flat_map(|speed| model.connections(*speed)) {
-        for entries in connection.rows() {
-            let mut row = RowDVector::zeros(model.len());
-            entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
-            rows.push(row);
-        }
+    let connections = speed.iter().flat_map(|speed| model.connections(*speed)).filter(Connection::is_elastic);
+    let connections = connections.flat_map(|connection| connection.rows());
+    for entries in model.links.iter().flat_map(Link::directions).chain(connections) {
+        let mut row = RowDVector::zeros(model.len());
+        entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
+        rows.push(row);
     }
     if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
 }
 
-/// Rigid motions of every single shaft, one per column, n rows.
+/// Rigid motions of every single shaft and of every housing, one per column, n rows.
 pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
     let mut columns = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
@@ -255,6 +256,11 @@ pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
         if let Some(start) = model.numbering.torsion(shaft) {
             push(&|node, _, column| column[start + node] = 1.0);
         }
+    }
+    for index in model.housings.coordinates() {
+        let mut column = DVector::zeros(model.len());
+        column[index] = 1.0;
+        columns.push(column);
     }
     DMatrix::from_columns(&columns)
 }

@@ -50,7 +50,7 @@ impl<'m> Problem<'m> {
     pub fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
         let rate = model.sparse_rate(speed);
         let circulates =
-            model.supports.iter().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
+            model.local_elements().any(|element| element.skew_part().as_flattened().iter().any(|k| *k != 0.0));
         let null = null_motions(model, speed)?;
         // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
         let inertia = model.sparse_mass().diagonal();
@@ -94,6 +94,8 @@ impl<'m> Problem<'m> {
         for support in self.model.supports.iter().filter(|support| support.damping != [[0.0; 2]; 2]) {
             rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
         }
+        let links = self.model.links.iter().filter(|link| link.local.damping != [[0.0; 2]; 2]);
+        rows.extend(links.flat_map(|link| link.rows.iter().cloned()));
         for connection in self.model.connections(self.speed) {
             if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
                 rows.extend(connection.rows());
@@ -146,9 +148,11 @@ impl<'m> Problem<'m> {
         let elastic =
             |part: &DVector<f64>| self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed));
         let mut stiffness = Complex64::from(elastic(&parts[0]) + elastic(&parts[1]));
-        for support in &self.model.supports {
-            let local = [shape[support.index], shape[support.index + 1]];
-            for (row, left) in support.skew_part().iter().zip(local) {
+        let supports = self.model.supports.iter();
+        let supports = supports.map(|support| (support, [shape[support.index], shape[support.index + 1]]));
+        let links = self.model.links.iter().map(|link| (&link.local, link.complex_scalars(shape.as_slice())));
+        for (element, local) in supports.chain(links) {
+            for (row, left) in element.skew_part().iter().zip(local) {
                 for (value, right) in row.iter().zip(local) {
                     stiffness += left.conj() * right * *value;
                 }
@@ -283,12 +287,14 @@ impl Bound {
         let mobility = |row: &[(usize, f64)]| {
             let mut column = vec![0.0; model.len()];
             row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
-            model.shafts.iter().for_each(|shaft| shaft.solve_mass(&mut column));
+            model.solve_mass(&mut column);
             row.iter().map(|(index, coefficient)| coefficient * column[*index]).sum::<f64>()
         };
-        for support in &model.supports {
+        let supports = model.supports.iter().map(|support| (2.0 * mobility(&[(support.index, 1.0)]), support));
+        let links = model.links.iter();
+        let links = links.map(|link| (link.rows.iter().map(|row| mobility(row)).sum::<f64>(), &link.local));
+        for (mobility, support) in supports.chain(links) {
             let [[a, b], [c, d]] = support.damping;
-            let mobility = 2.0 * mobility(&[(support.index, 1.0)]);
             bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
             bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
             bound.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
@@ -297,7 +303,7 @@ impl Bound {
             let damping = connection.linear(speed).damping;
             let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
             bound.damping += mobility * damping.norm();
-            bound.stable &= damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
+            bound.stable &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
         }
         bound.stable &= bound.circulatory == 0.0;
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.

@@ -143,7 +143,7 @@ impl Operator for MassInverse<'_> {
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
         let mut image = vec![0.0; x.len()];
         self.stiffness.multiply_add(1.0, x, &mut image);
-        self.model.shafts.iter().for_each(|shaft| shaft.solve_mass(&mut image));
+        self.model.solve_mass(&mut image);
         Ok(image)
     }
 

@@ -1,21 +1,27 @@
 //! Connections of the model, and the model at a constant speed.
 
-use super::{Model, Numbering, Support};
-use crate::connection::{Connection, SpeedDependentBearing};
-use crate::scene::{BearingCoefficient, Node, Scene, SceneError};
+use nalgebra::DVector;
 
-/// Bearings with constant coefficients, and bearings that depend on the speed.
+use super::link::links;
+use super::{Model, Numbering, Support, bearing_rows};
+use crate::connection::{AppliedLoad, Connection, SpeedDependentBearing};
+use crate::scene::{BearingCoefficient, LoadLaw, Node, Scene, SceneError};
+
+/// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let Some(index) = numbering.translation(bearing.node) else {
+        let (Some(index), Some(rows)) = (numbering.translation(bearing.node), bearing_rows(scene, numbering, bearing))
+        else {
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
+            // A bearing on a housing is a link.
+            (Some(_), Some(_)) if bearing.attachment.is_some() => {}
             (Some(stiffness), Some(damping)) => supports.push(Support::new(index, stiffness, damping)),
             _ => {
                 let ratio = scene.speed_ratios[bearing.node.shaft];
-                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), index, ratio });
+                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio });
             }
         }
     }
@@ -36,14 +42,16 @@ impl Model {
     ) -> impl Iterator<Item = Connection<'a>> + 'a {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
-        meshes.chain(self.bearings.iter().map(Connection::Bearing)).chain(self.springs.iter().map(Connection::Spring))
+        let others = self.bearings.iter().map(Connection::Bearing).chain(self.springs.iter().map(Connection::Spring));
+        meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
 
-    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
+    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients or a torque no value.
     ///
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
+        self.loads.iter().try_for_each(|load| load.check(speed))?;
         self.bearings.iter().try_for_each(|bearing| {
             let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
             bearing.check(speed, &shaft.name)
@@ -65,7 +73,23 @@ impl Model {
             given.damping = BearingCoefficient::Constant(damping);
         }
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
+        model.links = links(&model.scene, &model.numbering);
         Ok(model)
+    }
+
+    /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.
+    pub fn depends_on_speed(&self) -> bool {
+        let is_over_speed = |load: &AppliedLoad| matches!(load.law, LoadLaw::SpeedTorque { .. });
+        !self.bearings.is_empty() || self.loads.iter().any(is_over_speed)
+    }
+
+    /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.
+    pub fn speed_torques(&self, speed: f64) -> DVector<f64> {
+        let mut torques = DVector::zeros(self.len());
+        for load in &self.loads {
+            load.rows[0].iter().for_each(|(index, factor)| torques[*index] += factor * load.constant(speed));
+        }
+        torques
     }
 
     /// The bearings at a node whose coefficients depend on the speed.

@@ -190,6 +190,9 @@ impl Model {
             visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.mass), add);
             visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.mass), add);
         }
+        for (index, inertia) in self.housings.coordinates().zip(&self.housings.inertia) {
+            add(index, index, *inertia);
+        }
     }
 
     fn visit_shaft_stiffness(&self, add: Add<'_>) {
@@ -219,12 +222,25 @@ impl Model {
         }
     }
 
-    /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients.
+    /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients, and that over the
+    /// scalars of every link.
     fn visit_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], add: Add<'_>) {
         for support in &self.supports {
             for (i, row) in select(support).iter().enumerate() {
                 for (j, value) in row.iter().enumerate() {
                     add(support.index + i, support.index + j, *value);
+                }
+            }
+        }
+        for link in &self.links {
+            let coefficient = select(&link.local);
+            for (i, left) in link.rows.iter().enumerate() {
+                for (j, right) in link.rows.iter().enumerate() {
+                    for (row, left) in left {
+                        for (column, right) in right {
+                            add(*row, *column, coefficient[i][j] * left * right);
+                        }
+                    }
                 }
             }
         }

@@ -19,7 +19,7 @@ impl Model {
                 sum += chain.mass.quadratic_form::<1>(&v[chain.start..]);
             }
         }
-        sum
+        if self.housings.inertia.is_empty() { sum } else { sum + self.housings.kinetic_form(v) }
     }
 
     /// φᴴMφ of a complex vector.
@@ -74,13 +74,15 @@ impl Model {
         sum
     }
 
-    /// qᵀKq of the bearings, J.
+    /// qᵀKq of bearings and links, J.
     pub fn support_form(&self, q: &[f64]) -> f64 {
         self.sum_over_supports(q, |support| &support.stiffness)
     }
 
     fn sum_over_supports(&self, q: &[f64], coefficient: impl Fn(&Support) -> &[[f64; 2]; 2]) -> f64 {
-        self.supports.iter().map(|support| form(coefficient(support), [q[support.index], q[support.index + 1]])).sum()
+        let supports = self.supports.iter();
+        let sum = supports.map(|support| form(coefficient(support), [q[support.index], q[support.index + 1]])).sum();
+        self.links.iter().fold(sum, |sum, link| sum + form(coefficient(&link.local), link.scalars(q)))
     }
 }
 

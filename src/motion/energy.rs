@@ -3,7 +3,7 @@
 use super::EquationOfMotion;
 use crate::connection::Connection;
 use crate::mesh::{MeshState, Overlap};
-use crate::model::Model;
+use crate::model::{Link, Model};
 
 /// Energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,15 +39,22 @@ impl<'m> EquationOfMotion<'m> {
         Ok(Energies {
             kinetic: self.model.kinetic_form(v) / 2.0,
             shafts,
-            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q),
+            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q),
             meshes,
         })
+    }
+
+    /// Elastic energy that the misalignment of couplings adds to that of their displacements, J.
+    fn rest_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
+        let energy =
+            |link: &Link| link.rest.as_ref().map_or(0.0, |rest| link.rest_energy(self.phasor(rest.shaft, elapsed), q));
+        self.model.links.iter().map(energy).sum()
     }
 
     /// Elastic energy of all connections except meshes, J.
     fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
-            Connection::Mesh(..) => 0.0,
+            Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Spring(spring) => spring.energy(q),
         };

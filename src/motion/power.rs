@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::EquationOfMotion;
 use crate::connection::Connection;
 use crate::mesh::Overlap;
-use crate::model::{Excitation, Model, ShaftModel};
+use crate::model::{Excitation, Model, ShaftModel, Support};
 
 /// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
@@ -29,12 +29,21 @@ impl PowerCoordinates {
         let of_meshes = model.meshes.iter().flat_map(|mesh| mesh.indices());
         let of_springs = model.springs.iter().flat_map(|spring| spring.rows.iter().flatten().map(|(index, _)| *index));
         displacements.extend(of_meshes.chain(of_springs));
-        displacements.extend(model.bearings.iter().flat_map(|bearing| lateral(bearing.index)));
+        displacements.extend(model.bearings.iter().flat_map(|bearing| bearing.rows.iter().flatten().map(|(i, _)| *i)));
         velocities.extend(&displacements);
-        let crossed = model.supports.iter().filter(|support| support.stiffness[0][1] != support.stiffness[1][0]);
+        let is_crossed = |support: &Support| support.stiffness[0][1] != support.stiffness[1][0];
+        let crossed = model.supports.iter().filter(|support| is_crossed(support));
         displacements.extend(crossed.flat_map(|support| lateral(support.index)));
         velocities.extend(model.supports.iter().flat_map(|support| lateral(support.index)));
+        for link in &model.links {
+            let of_link = || link.rows.iter().flatten().map(|(index, _)| *index);
+            displacements.extend(of_link().filter(|_| link.rest.is_some() || is_crossed(&link.local)));
+            velocities.extend(of_link());
+        }
         velocities.extend((0..model.len()).filter(|index| model.constant_load[*index] != 0.0));
+        velocities.extend(model.loads.iter().flat_map(|load| load.rows.iter().flatten().map(|(index, _)| *index)));
+        let forces = model.scene.forces.iter().filter_map(|force| model.numbering.translation(force.node));
+        velocities.extend(forces.flat_map(lateral));
         let excitations = model.shafts.iter().flat_map(|shaft| &shaft.excitations);
         let unbalances = excitations.filter(|excitation| excitation.unbalance != Complex64::ZERO);
         velocities.extend(unbalances.flat_map(|excitation| lateral(excitation.index)));
@@ -66,24 +75,23 @@ fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
 }
 
 impl EquationOfMotion<'_> {
-    /// Power of the [`SOURCES`], W: torque; gravity; the drive, which turns bowed shafts and changes the stiffness of
-    /// bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
-    /// the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
+    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of
+    /// couplings and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
+    /// run-out, stiffness); damping, with the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
     /// combinations.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
-        let torques = model.scene.torques.iter();
-        let torque: f64 =
-            torques.map(|torque| torque.value * model.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
-        let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
-        let (mut drive, mut unbalance) = (0.0, 0.0);
+        let [mut torque, constant] = model.constant_powers(v);
+        let [loaded, mut drive, circulating] = self.link_powers(elapsed, q, v);
+        let weight = constant - torque - loaded;
+        let mut unbalance = 0.0;
         let mut bows = q[model.len()..].chunks_exact(2);
         for (index, shaft) in model.shafts.iter().enumerate() {
             let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            if let (true, Some(bow)) = (is_bowed(shaft), bows.next()) {
+            if let Some(bow) = is_bowed(shaft).then(|| bows.next()).flatten() {
                 // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
                 drive -= spin * (bow[1] * phasor.re - bow[0] * phasor.im);
             }
@@ -98,6 +106,9 @@ impl EquationOfMotion<'_> {
             let skew = (k[0][1] - k[1][0]) / 2.0;
             damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
         }
+        damping += circulating;
+        let turning = model.scene.forces.iter().filter(|force| force.turns);
+        torque += turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum::<f64>();
         if let Some(modal) = &self.modal_damping {
             for (column, rate) in modal.column_iter().zip(v) {
                 damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
@@ -120,8 +131,25 @@ impl EquationOfMotion<'_> {
                     damping += damped;
                 }
                 Connection::Spring(spring) => damping += spring.damping_power(v),
+                Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
+        Ok([torque, weight, drive, unbalance, teeth, -damping])
+    }
+
+    /// Powers of links, W: that of the constant forces of misaligned couplings, that which turns their eccentric hubs, and
+    /// that which the cross-coupling takes.
+    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut powers = [0.0; 3];
+        for link in &self.model.links {
+            if let Some(rest) = &link.rest {
+                let spin = self.spin_at(rest.shaft, elapsed).0;
+                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
+                (powers[0], powers[1]) = (powers[0] + loaded, powers[1] + turned);
+            }
+            let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
+            powers[2] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
+        }
+        powers
     }
 }

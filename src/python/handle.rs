@@ -82,14 +82,14 @@ impl PyModel {
         }
     }
 
-    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one that the speed tables of bearings contain.
+    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one that the speed tables of bearings and torques contain.
     pub fn representative_speed(&self, fastest: f64) -> f64 {
-        if self.model().bearings.is_empty() { 0.0 } else { fastest }
+        let model = self.model();
+        if model.bearings.is_empty() && model.loads.is_empty() { 0.0 } else { fastest }
     }
 
-    /// Name of the shaft and position, m, of a node.
+    /// Name of the shaft or housing and position x, m, of a node.
     pub fn place(&self, node: Node) -> (&str, f64) {
-        let shaft = &self.model().scene.shafts[node.shaft];
-        (&shaft.name, shaft.nodes[node.node])
+        self.model().scene.place(node)
     }
 }

@@ -142,10 +142,13 @@ impl PyModel {
         let model = self.model();
         let place = EntryPath::root("at");
         let node = match &at {
-            At::Body(name) => model.scene.body(name).map(|body| body.node).ok_or_else(|| {
-                let names = model.scene.bodies().map(|body| body.name.as_str());
-                place.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, names)))
-            })?,
+            At::Body(name) => {
+                let of_housing = || model.scene.housing_point(name).map(|(node, _)| node);
+                model.scene.body(name).map(|body| body.node).or_else(of_housing).ok_or_else(|| {
+                    let names = model.scene.bodies().map(|body| body.name.as_str()).chain(model.scene.housing_names());
+                    place.error(format!("no gear, disk or housing is called \"{name}\"{}", nearest(name, names)))
+                })?
+            }
             At::Position(shaft, position) => {
                 let index = model.scene.known_shaft(shaft, &place)?;
                 let node = model.scene.shafts[index].node_at(*position);

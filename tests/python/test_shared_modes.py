@@ -72,3 +72,45 @@ def test_results_of_a_table_over_the_speed_do_not_depend_on_the_system_that_was_
     fresh = gb.RotorSystem.from_dict(replaced.description)
     for one, other in zip(results(replaced), results(fresh), strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+ATTACHED = SYSTEM.replace(
+    bearings=[replace(bearing, support="box") for bearing in BEARINGS],
+    housings=[
+        gb.Housing(
+            "box",
+            mass=30.0,
+            stiffness=5e7,
+            inertia=(0.5, 0.9, 0.9),
+            position=(0.25, 0.0, 0.1),
+            rotational_stiffness=(1e6, 5e6, 5e6),
+        )
+    ],
+    drives=[gb.Drive(("input", 0.0), stiffness=1e5, damping=5.0)],
+    torques=[gb.Torque("g2", gb.SpeedTable([0.0, 150.0, 300.0], [-300.0, -200.0, -150.0]))],
+    forces=[gb.Force("g1", 100.0, order=1.0)],
+)
+SERIES = gb.TimeSeries([0.0, 1e-3, 2e-3], [0.0, -200.0, -100.0])
+ATTACHED_CHANGES: dict[str, dict[str, Any]] = {
+    "force": {"forces": [gb.Force(("input", 0.3), -50j)]},
+    "turning force": {"forces": [gb.Force("g1", 300.0, order=0.5)]},
+    "no force": {"forces": []},
+    "further torque over time": {"torques": [*ATTACHED.torques, gb.Torque("g1", SERIES)]},
+    # these change the linear part: the slope of a torque over the speed is a damping
+    "torque over the speed": {
+        "torques": [gb.Torque("g2", gb.SpeedTable([0.0, 300.0], [-900.0, -100.0]))]
+    },
+    "constant torque": {"torques": [gb.Torque("g2", -200.0)]},
+    "torque over time": {"torques": [gb.Torque("g2", SERIES)]},
+    "drive": {"drives": [gb.Drive(("input", 0.0), stiffness=1e5, damping=50.0)]},
+    "housing": {"housings": [replace(ATTACHED.housings[0], mass=10.0)]},
+}
+
+
+@pytest.mark.parametrize("name", ATTACHED_CHANGES)
+def test_results_with_housings_drives_and_loads_do_not_depend_on_the_replaced_system(name: str):
+    results(ATTACHED)
+    replaced = ATTACHED.replace(**ATTACHED_CHANGES[name])
+    fresh = gb.RotorSystem.from_dict(replaced.description)
+    for one, other in zip(results(replaced), results(fresh), strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -34,6 +34,7 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
         geometry: Geometry::Frozen,
         reference: reference.as_slice(),
         contained: true,
+        speed: 100.0,
         highest_frequency: motion.highest_mesh_frequency(),
         mobility: motion.mobility(0),
     };

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array
+from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import Bearing
 from gearbow.description.shafts import Segment, Shaft
@@ -145,11 +147,13 @@ def layout(
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
     bearings: Sequence[Bearing],
+    *,
+    couplings: Sequence[Coupling] = (),
 ) -> Layout:
     """Find the geometry of a train at rest.
 
-    The first shaft begins at the origin. Meshes give the positions of the shafts relative to each
-    other; a shaft without a mesh begins at the origin too.
+    The first shaft begins at the origin. Meshes and couplings give the positions of the shafts
+    relative to each other; a shaft without them begins at the origin too.
 
     Parameters
     ----------
@@ -163,6 +167,8 @@ def layout(
         The meshes.
     bearings : sequence of Bearing
         The bearings.
+    couplings : sequence of Coupling
+        The couplings.
 
     Returns
     -------
@@ -171,7 +177,12 @@ def layout(
     """
     by_name = {gear.name: gear for gear in gears}
     origins = {shafts[0].name: np.zeros(3)}
-    while found := next(_next_origin(meshes, by_name, origins), None):
+    given: list[Gear | Disk] = [*gears, *disks]
+    places = {body.name: (body.shaft, body.position) for body in given}
+    while found := next(
+        chain(_next_origin(meshes, by_name, origins), _next_coupled(couplings, places, origins)),
+        None,
+    ):
         origins[found[0]] = found[1]
     outlines = tuple(
         ShaftOutline(
@@ -182,13 +193,12 @@ def layout(
         )
         for shaft in shafts
     )
-    given: list[Gear | Disk] = [*gears, *disks]
     bodies = tuple(
         BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
         for body in given
     )
-    places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(outlines, bodies, places)
+    bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
+    return Layout(outlines, bodies, bearing_places)
 
 
 def reference_radius(body: Gear | Disk) -> float:
@@ -237,6 +247,17 @@ def _segments(shaft: Shaft) -> Sequence[Segment]:
     if shaft.segments is not None:
         return shaft.segments
     return (Segment(shaft.length or 0.0, shaft.outer_diameter or 0.0, shaft.inner_diameter),)
+
+
+def _next_coupled(
+    couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts that a coupling joins to a shaft whose origin is known."""
+    for coupling in couplings:
+        a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
+        for (known, x), (new, position) in ((a, b), (b, a)):
+            if known in origins and new not in origins:
+                yield new, origins[known] + np.array([x - position, 0.0, 0.0])
 
 
 def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:

@@ -268,7 +268,8 @@ class Synchronous(ReadOnly):
         indices = self.coordinates.lateral(name)
         shaft = self.coordinates.shaft(name) if source is None else source
         if shaft not in self.shafts:
-            raise GearbowError(f"no shaft is called {shaft!r}; there are {list(self.shafts)}")
+            wanted = "name one with source=" if source is None else "see `shafts`"
+            raise GearbowError(f"no shaft is called {shaft!r}; {wanted}: {list(self.shafts)}")
         span = operating_range(operating)
         found = self._model().peaks(
             np.unique(self.speeds),

@@ -13,11 +13,15 @@ from gearbow._files import replacing
 from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
+from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.load_values import functions, over_time, refuse_functions
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
+from gearbow.description.places import names_of_bases
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
+from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
 from gearbow.system.run import SpeedLike, given_speed
@@ -34,6 +38,11 @@ _PARTS: dict[str, type[Part]] = {
     "bearings": Bearing,
     "torques": Torque,
     "disks": Disk,
+    "supports": Support,
+    "housings": Housing,
+    "couplings": Coupling,
+    "drives": Drive,
+    "forces": Force,
 }
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
@@ -60,6 +69,11 @@ class SystemDescription:
     bearings: tuple[Bearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    supports: tuple[Support, ...]
+    housings: tuple[Housing, ...]
+    couplings: tuple[Coupling, ...]
+    drives: tuple[Drive, ...]
+    forces: tuple[Force, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
@@ -76,6 +90,11 @@ class SystemDescription:
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),
+        supports: Sequence[Support] = (),
+        housings: Sequence[Housing] = (),
+        couplings: Sequence[Coupling] = (),
+        drives: Sequence[Drive] = (),
+        forces: Sequence[Force] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
@@ -83,12 +102,10 @@ class SystemDescription:
         motion: str | None = None,
         resolution: str = "engineering",
     ) -> None:
-        self.shafts = parts(shafts, Shaft, "shafts")
-        self.gears = parts(gears, Gear, "gears")
-        self.meshes = parts(meshes, Mesh, "meshes")
-        self.bearings = parts(bearings, Bearing, "bearings")
-        self.torques = parts(torques, Torque, "torques")
-        self.disks = parts(disks, Disk, "disks")
+        lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
+        lists = (*lists, supports, housings, couplings, drives, forces)
+        for (key, kind), given in zip(_PARTS.items(), lists, strict=True):
+            setattr(self, key, parts(given, kind, key))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -171,8 +188,8 @@ class SystemDescription:
     def replace(self, **changes: Any) -> "Self":
         """Make a system with other parts or options. All others stay the same.
 
-        The new system shares the modes of this one if they differ only in torques, gravity, bows
-        and unbalances.
+        The new system shares the modes of this one if they differ only in forces, torques (except
+        over the speed), gravity, bows and unbalances.
 
         Parameters
         ----------
@@ -262,6 +279,7 @@ class SystemDescription:
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
+        refuse_functions(torques=self.torques, forces=self.forces)
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())
@@ -274,8 +292,21 @@ class SystemDescription:
         -------
         dict
             The keys are the names of the parameters. Options that were not given are absent.
+
+        Raises
+        ------
+        SceneError
+            If a force or torque is a function of time, which has no plain form.
         """
+        refuse_functions(torques=self.torques, forces=self.forces)
         return self._model.description()
+
+    def _over_time(self, begin: float, duration: float) -> "Self":
+        """Replace functions of time by their samples over a run."""
+        lists = {"torques": self.torques, "forces": self.forces}
+        if not functions(**lists):
+            return self
+        return self.replace(**{k: over_time(v, begin, duration, k) for k, v in lists.items()})
 
     @property
     def discretisation(self) -> Discretisation:
@@ -322,7 +353,8 @@ class SystemDescription:
             First those of the nodes: shaft, position [m] and "v", "w" (translation along y, z),
             "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
             1: shaft, positions of the two ends of the element [m], and the direction with the
-            degree of the shape function, for example "v2".
+            degree of the shape function, for example "v2". Last come supports and housings: name,
+            x of the centre of mass [m] and "v", "w", with "B", "G", "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 
@@ -335,7 +367,9 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        return Coordinates.of(self.dofs, self.gears, self.disks)
+        own = (bearing.support for bearing in self.bearings)
+        bases = names_of_bases(own, *self.supports, *self.housings)
+        return Coordinates.of(self.dofs, self.gears, self.disks, bases)
 
     def default_output_step(self, duration: float, speed: SpeedLike) -> float:
         """Give the default time between recorded instants.

@@ -85,7 +85,14 @@ class LinearAnalyses(SystemDescription):
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
-        parts = layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings)
+        parts = layout(
+            self.shafts,
+            self.gears,
+            self.disks,
+            self.meshes,
+            self.bearings,
+            couplings=self.couplings,
+        )
         return Modes.from_data(data, speed, self.dofs, parts)
 
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:

@@ -99,9 +99,10 @@ class Simulation(LinearAnalyses):
         times : array_like, shape (k,), optional
             Recorded times [s] instead, absolute and in any order.
         record : sequence of str or tuple
-            Recorded items: names of gears, disks or shafts (all their nodes), (shaft, position),
-            (driver, driven), ("bearing", shaft, position), and the groups "gears", "disks",
-            "meshes", "bearings", "nodes", "energy".
+            Recorded items: names of gears, disks or shafts (all their nodes), of supports, housings
+            and points of housings, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), and the groups "gears", "disks", "meshes", "bearings", "housings", "nodes",
+            "energy".
         geometry : {"live", "frozen"}
             "live": line of action and tooth engagement follow the moving centres. "frozen": they
             are those of the centres at rest.
@@ -164,10 +165,11 @@ class Simulation(LinearAnalyses):
         duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         profile = given_speed(speed, begin, duration)
+        system = self._over_time(begin, duration)
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
             given |= {"stages": stages}
-        level, coarse = self._level(accuracy, given)
+        level, coarse = system._level(accuracy, given)
         rtol = rtol if level is None else level.rtol
         if method is None:
             method = "exponential"
@@ -185,12 +187,12 @@ class Simulation(LinearAnalyses):
             "start": begin,
         }
         arguments["reduction"] = None if level is None else level.reduction
-        wanted, rows = self._times(arguments, output_step, times)
+        wanted, rows = system._times(arguments, output_step, times)
         identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
-        with self._checkpoint(checkpoint, checkpoint_interval, identity) as file:
+        with system._checkpoint(checkpoint, checkpoint_interval, identity) as file:
             if file is not None and file.complete is not None:
                 return Response.from_record(file.complete)
-            response = self._run(arguments, profile, (wanted, rows), progress, file)
+            response = system._run(arguments, profile, (wanted, rows), progress, file)
             if level is not None and stages is None and modes is None:
                 response.accuracy = level.explanation(response.events, coarse)
             if modes is not None:

@@ -145,7 +145,7 @@ fn add_release(
 fn released_loads(model: &Model) -> Vec<Vec<f64>> {
     let (mut bow, mut unbalance) = (vec![0.0; model.len()], vec![0.0; model.len()]);
     for excitation in model.shafts.iter().flat_map(|shaft| &shaft.excitations) {
-        for (load, amplitude) in [(&mut bow, excitation.bow), (&mut unbalance, excitation.unbalance)] {
+        for (load, amplitude) in [(&mut bow, excitation.steady_amplitude()), (&mut unbalance, excitation.unbalance)] {
             load[excitation.index] += amplitude.re;
             load[excitation.index + 1] += amplitude.im;
         }

@@ -33,13 +33,14 @@ impl<'m> ModalSetup<'m> {
     pub fn new(
         cached: &'m CachedModel,
         options: &Options,
-        motion: EquationOfMotion<'m>,
+        mut motion: EquationOfMotion<'m>,
         start: &Start,
         selection: Selection,
         subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let (speed, changes) = (ramp::reference_speed(options), matches!(options.speed, Speed::Changing(_)));
-        // The linear motion contains the bearings at the largest speed.
+        // The linear motion contains the bearings at the largest speed, and the slopes of torques at its own.
+        motion.linearise_at(speed);
         let at_fastest = cached.at_speed(options.fastest())?;
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.

@@ -58,6 +58,9 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
             ports.rows.push(vec![linear.row(&[(twist, 1.0)], false)]);
         }
     }
+    for index in model.housings.coordinates().filter(|index| recorded(*index)) {
+        ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
+    }
     let rest = vec![0.0; model.len()];
     ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
     for source in 0..nonlinear_loads.source_count() {

@@ -3,7 +3,7 @@
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
-use crate::connection::{MESH_CHANNELS, mesh_values};
+use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::motion::{Energies, EquationOfMotion};
 
@@ -163,7 +163,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         for point in &self.plan.points {
             let translation = model.numbering.translation(point.node);
-            self.record.displacement.extend(translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]));
+            let own = translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]);
+            let of_row = |row: &Row| row.iter().map(|(index, factor)| factor * q[*index]).sum();
+            self.record.displacement.extend(point.rows.as_ref().map_or(own, |rows| rows.each_ref().map(of_row)));
             self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
         }
         for node in &self.plan.bearings {
