@@ -38,7 +38,7 @@ TABLE = gb.SpeedTable([0.0, 100.0, 300.0, 600.0], [-260.0, -250.0, -210.0, -120.
 
 def train(
     *,
-    elements: int = 14,
+    elements: int = 9,
     damping: float = 300.0,
     stiffness: Any = ((1e8, 1.01e7), (0.99e7, 8e7)),
     housing: gb.Housing = HOUSING,
@@ -113,7 +113,7 @@ def test_the_lowest_modes_are_those_of_dense_matrices(name: str):
 @pytest.mark.parametrize("name", ["damped", "torque over the speed", "bearing over the speed"])
 def test_the_campbell_diagram_is_that_of_dense_matrices(name: str):
     system = SYSTEMS[name]()
-    speeds = np.linspace(0.0, 450.0, 4)
+    speeds = np.linspace(0.0, 450.0, 3)
     found = system.campbell(speeds, count=6)
     wanted = through_dense_matrices(system).campbell(speeds, count=6)
     highest = np.abs(system.modes(0.0).eigenvalues).max()
@@ -122,10 +122,10 @@ def test_the_campbell_diagram_is_that_of_dense_matrices(name: str):
     assert len(found.intersections) == len(wanted.intersections) > 2
     for one, other in zip(found.intersections, wanted.intersections, strict=True):
         assert (one.mode, one.line) == (other.mode, other.line)
-        # where matrices depend on the speed, the search ends at a relative change of 1e-7
-        assert one.speed == pytest.approx(other.speed, rel=1e-8 if name == "damped" else 1e-6)
-        modes = system.modes(one.speed).eigenvalues
-        assert np.abs(modes.imag - one.line.order * one.speed).min() < 1e-6 * highest
+        assert one.speed == pytest.approx(other.speed, rel=1e-8)
+        # A mode has the frequency of the line at the speed of the intersection.
+        modes = system.modes(one.speed, count=10).eigenvalues
+        assert np.abs(modes.imag - one.line.order * one.speed).min() < 1e-8 * one.speed
 
 
 def test_the_critical_speeds_are_those_of_dense_matrices():
