@@ -8,7 +8,8 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
 FIGURE := examples/output/bowed_train.png
 # Modules without public names: their docstrings need no sections.
-INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/part.py description/places.py \
+INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/load_values.py description/part.py \
+	description/places.py \
 	recording/container.py recording/recording.py recording/schema.py recording/tables.py system/run.py)
 
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
@@ -35,7 +36,7 @@ help:
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
 	@echo "make bench-accept  store the instructions as they are now"
-	@echo "make compare       gearbow beside SciPy and ROSS: the same scenes to the same error"
+	@echo "make compare       gearbow beside SciPy and ROSS: the same work, with the error of each"
 	@echo "make fmt           format Rust and Python"
 	@echo "make wheel         build the wheel into dist/"
 	@echo "make readme        print the tables of the documents anew"
@@ -59,11 +60,12 @@ test-python: $(VENV)/.dev
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
-	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_examples.py
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_random_run_up.py \
+		tests/python/test_structured_solver.py tests/python/test_examples.py
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
-	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py tests/python/test_random_run_up.py -k "every"
 
 # Takes minutes; tests/mutation/faults.py lists the faults.
 faults: $(VENV)/.dev
@@ -109,12 +111,13 @@ study: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --studied
 	$(MAKE) measure
 
-measure: $(VENV)/.dev
+measure: $(VENV)/.dev $(VENV)/.compare
 	$(BIN)/python docs/printed.py --measured
 
-# Takes an hour: the references have elements of high degree.
+# The references have elements of high degree: this takes most of an hour on two cores.
 accuracy: $(VENV)/.dev
 	$(BIN)/python benches/accuracy/measure.py
+	$(BIN)/python docs/printed.py
 
 bench:
 	cargo bench --locked --bench engine
@@ -151,6 +154,12 @@ $(VENV)/.wheel: $(SOURCES) | $(BIN)/python
 	rm -f dist/gearbow-*.whl
 	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out dist
 	$(PIP) install --force-reinstall --no-deps dist/gearbow-*.whl
+	touch $@
+
+# ROSS is optional: where it cannot be installed, the tables say so.
+$(VENV)/.compare: $(VENV)/.wheel
+	$(PIP) install "$$(echo dist/gearbow-*.whl)[compare]" \
+	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo dist/gearbow-*.whl)[test]"; }
 	touch $@
 
 # The wheel with one of its extras, plot or dev.

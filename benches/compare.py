@@ -1,228 +1,290 @@
-"""Compare gearbow with SciPy and ROSS: same scenes, same required error, one core each.
+"""Compare gearbow with SciPy and ROSS: the same work, the error beside the cost, one core each.
 
-Every method simulates a scene from rest. The settings of a method range from cheap to expensive;
-the result is the first setting whose error is small enough. The error is the RMS of the difference
-from a reference divided by the RMS of the motion about its mean, for the worst gear. The reference
-is gearbow's "rk45" with a tight tolerance, and SciPy's DOP853 checks it over a part of the
-duration. Slow methods simulate only this part of the duration. Their error refers to this shorter
-time, which is an advantage for them.
+``python benches/compare.py`` prints Markdown tables of four kinds; arguments choose some of them.
 
-A cost is the CPU time per simulated second, measured in a separate process for each method. It
-excludes the set-up, the time before the first step. After the search the methods are timed in turn
-over several rounds, so that a change of the processor speed affects all methods. Costs are medians
-over the rounds. Ratios are medians of the ratios to gearbow's cheapest method within each round.
-``python benches/compare.py`` prints a Markdown table for each scene.
+- A **scene** is simulated from rest. The settings of a method range from cheap to expensive; the
+  result is the first setting whose error is small enough. The error is the RMS of the difference
+  from a reference divided by the RMS of the motion about its mean, for the worst gear. The
+  reference is gearbow's "rk45" with a tight tolerance, and SciPy's DOP853 checks it over a part of
+  the duration. Slow methods simulate only this part. Their error refers to this shorter time,
+  which is an advantage for them. A cost is the CPU time per simulated second, without the set-up.
+- An **analysis** is carried out on systems of increasing size, each time on a system that has kept
+  nothing of earlier analyses.
+- ``calls`` are further calls on one system, compared with each other, and ``memory`` is the peak
+  memory of processes that analyse 9,000 elements.
+
+Times are CPU times of all threads. All programs are timed in turn over several rounds, so that a
+change of the processor speed affects all of them. Costs are medians over the rounds, and ratios
+are medians of the ratios within each round.
 """
 
 import argparse
-import importlib.util
-import json
+import contextlib
+import functools
+import gc
+import importlib
+import math
 import os
 import statistics
-import subprocess
 import sys
-import tempfile
-import time
-from pathlib import Path
-from typing import Any
+import warnings
 
-import numpy as np
+import gearbow as gb
+from programs.analyses import ANALYSES, SUBJECTS, Analysis, Subject
+from programs.calls import CALLS
+from programs.memory import WORKS, peak
+from programs.methods import METHODS, Method, offered
+from programs.scenes import SCENES, Scene
+from programs.search import PATIENCE, Found, check, measure, reference, search
+from programs.timing import ROUNDS, Outcome, in_rounds, median_ratio, once, timed
 
-from programs.methods import CHECK, METHODS, REFERENCE, Method, Prepare, Run, TooSlow, offered
-from programs.scenes import SCENES, Array, Scene
-
-ROUNDS = 5
-PATIENCE = 25.0  # limit of the CPU time of a run, s
-SLOW = 5.0  # runs that take longer are timed only once, s
-LEAST = 0.2  # shortest CPU time that is measured; shorter runs are repeated, s
-QUICK = ("shaft", "square")  # scenes of a quick comparison
+SLOW = 1.0  # work that takes longer is timed only once, s
+LIMIT = 15.0  # limit of the CPU time of an analysis, s
+QUICK = ("shaft", "square", "modes", "calls")  # tables of a quick comparison
+TABLES = (*SCENES, *ANALYSES, "calls", "memory")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
-def error_of(found: Array, exact: Array) -> float:
-    """Return the error over the times of `found`, which may end earlier than those of `exact`."""
-    exact = exact[:, : found.shape[1]]
-    motion = np.sqrt(np.mean((exact - exact.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2)))
-    return float(np.max(np.sqrt(np.mean((found - exact) ** 2, axis=(1, 2))) / motion))
+def row(*cells: object) -> None:
+    """Print a row of a table."""
+    print("|", " | ".join(str(cell) for cell in cells), "|", flush=True)
 
 
-def timed(run: Run) -> tuple[Array, float]:
-    """Return the result and the CPU time of a run; a short run is repeated and averaged."""
-    begin, count = time.process_time(), 0
-    while True:
-        found = run()
-        count += 1
-        spent = time.process_time() - begin
-        if spent > LEAST:
-            return found, spent / count
+def header(*cells: str) -> None:
+    """Print the head of a table."""
+    row(*cells)
+    print("|" + "---|" * len(cells))
 
 
-def cost_of(
-    prepare: Prepare, scene: Scene, method: Method, setting: dict[str, float]
-) -> tuple[float, float]:
-    """Return the CPU time per simulated second, and that of the set-up before the first step."""
-    duration = scene.stretch if method.short else scene.duration
-    first = prepare(2 * every(scene, setting) * scene.sample, setting, np.inf)
-    timed(first)  # first call: compilation and imports are not measured
-    start = timed(first)[1]
-    _, cost = timed(prepare(duration, setting, np.inf))
-    if cost <= 3.0 * start:
-        # A run that takes hardly longer than its set-up is timed over a longer duration.
-        duration *= 10.0
-        _, cost = timed(prepare(duration, setting, np.inf))
-    return (cost - start) / duration, start
+@functools.cache
+def without_ross() -> str:
+    """Return why ROSS cannot be used; empty if it can."""
+    try:
+        importlib.import_module("programs.ross_rotor")
+    except ModuleNotFoundError as error:
+        return "not installed" if error.name == "ross" else f"cannot be imported: {error}"
+    except Exception as error:  # noqa: BLE001  # ROSS fails with some versions of its dependencies
+        return f"cannot be imported: {type(error).__name__}"
+    return ""
 
 
-def every(scene: Scene, setting: dict[str, float]) -> int:
-    """Return the number of samples per step, at least one."""
-    return max(1, round(setting.get("step", 0.0) / scene.sample))
-
-
-def search(scene: Scene, method: Method, exact: Array, *, quick: bool) -> dict[str, Any]:
-    """Find the cheapest setting that meets the required error, and a first measure of its cost."""
-    patience = 1.5 if quick else PATIENCE
-    duration = scene.stretch if method.short else scene.duration
-    prepare = method.prepare(scene)
-    row: dict[str, Any] = {"setting": None, "error": None, "cost": None, "start": None}
-    row["duration"] = duration
-    for setting in method.settings:
-        begun = time.process_time()
-        try:
-            found = prepare(duration, setting, patience)()
-        except TooSlow as slow:
-            if row["error"] is None:
-                return row | {"setting": setting, "cost": (time.process_time() - begun) / slow.done}
-            return row
-        spent = time.process_time() - begun
-        error = error_of(found, exact[:, :: every(scene, setting)])
-        if row["error"] is None or error < row["error"]:
-            row |= {"setting": setting, "error": error, "cost": spent / duration}
-        if error <= scene.error or 2.0 * spent > patience:
-            return row
-    return row
-
-
-def work(arguments: argparse.Namespace, scene: Scene, folder: Path) -> None:
-    """Carry out the task of one child process."""
-    file = folder / f"{arguments.scene}.npy"
-    if arguments.part in {"reference", "check"}:
-        method = REFERENCE if arguments.part == "reference" else CHECK
-        duration = scene.stretch / 2 if method.short else scene.duration
-        found = method.prepare(scene)(duration, method.settings[0], np.inf)()
-        if method is REFERENCE:
-            np.save(file, found)
-        else:
-            print(json.dumps({"error": error_of(found, np.load(file))}))
-    else:
-        method = next(method for method in METHODS if method.title == arguments.part)
-        if arguments.setting:
-            setting = json.loads(arguments.setting)
-            print(json.dumps(cost_of(method.prepare(scene), scene, method, setting)))
-        else:
-            print(json.dumps(search(scene, method, np.load(file), quick=arguments.quick)))
-
-
-def apart(part: str, name: str, folder: Path, *, quick: bool, setting: str = "") -> Any:
-    """Run a task in a child process on one core and return its result."""
-    print(f"{name}: {part}", setting, file=sys.stderr)
-    command = [sys.executable, __file__, "--part", part, "--scene", name, "--folder", str(folder)]
-    command += ["--setting", setting]
-    done = subprocess.run(
-        [*command, *(["--quick"] if quick else [])],
-        env={**os.environ, **dict.fromkeys(THREADS, "1")},
-        check=True,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    # Libraries may print before the result.
-    return json.loads(done.stdout.splitlines()[-1]) if done.stdout else None
-
-
-def installed(method: Method) -> bool:
-    """Return whether the program of a method is installed."""
+def unavailable(method: Method) -> str:
+    """Return why a method cannot be used; empty if it can."""
     if method.program == "gearbow":
-        return offered(method.name)
-    return method.program != "ROSS" or importlib.util.find_spec("ross") is not None
+        return "" if offered(method.name) else "not in this version"
+    return without_ross() if method.program == "ROSS" else ""
 
 
-def table(name: str, methods: list[Method], folder: Path, *, quick: bool) -> None:
-    """Compare all methods in a scene and print its table."""
-    scene = SCENES[name]
-    apart("reference", name, folder, quick=quick)
-    within = ""
+def scene_table(name: str, *, quick: bool) -> None:
+    """Compare all methods in a scene."""
+    scene = SCENES[name].shortened() if quick else SCENES[name]
+    exact, within = reference(scene), ""
     if not scene.own:
-        check = apart("check", name, folder, quick=quick)["error"]
-        within = f", error of the reference {check:.0e} (checked with SciPy)"
-    rows = []
-    for method in methods:
+        within = f", error of the reference {check(scene, exact):.0e} (checked with SciPy)"
+    print(f"\n{scene.title}.\nRequired error {scene.error:g}{within}.\n")
+    rows, missing = [], []
+    for method in METHODS:
         offers = (scene.ross or not method.ross) and method.only in {"", name}
         if offers and (not scene.own or method.program == "gearbow" or method.only == name):
-            rows.append((method, apart(method.title, name, folder, quick=quick)))
-    again = [
-        (method, row)
-        for method, row in rows
-        if row["error"] is not None and row["cost"] * row["duration"] < SLOW
+            reason = unavailable(method)
+            if reason:
+                missing.append((method, reason))
+            else:
+                rows.append(search(scene, method, exact, 1.5 if quick else PATIENCE))
+    again = {r.method.title: r for r in rows if r.error is not None and r.cost * r.duration < SLOW}
+    measured: dict[str, list[Found]] = {title: [] for title in again}
+
+    def work(title: str) -> float:
+        measured[title].append(measure(scene, again[title]))
+        return measured[title][-1].cost
+
+    works = {title: lambda title=title: work(title) for title in again}
+    costs = in_rounds(works, 1 if quick else ROUNDS)
+    print_scene(scene, rows, costs, {title: found[-1].start for title, found in measured.items()})
+    for method, reason in missing:
+        row(method.program, method.name, reason, "", "", "", "", "")
+
+
+def print_scene(
+    scene: Scene,
+    rows: list[Found],
+    costs: dict[str, list[float]],
+    starts: dict[str, float | None],
+) -> None:
+    """Print the table of a scene."""
+    medians = {title: statistics.median(values) for title, values in costs.items()}
+    meeting = [
+        r.method.title
+        for r in rows
+        if r.method.program == "gearbow" and r.method.title in costs and met(r, scene)
     ]
-    rounds: list[dict[str, float]] = []
-    for _ in range(1 if quick else ROUNDS):
-        costs = {}
-        for method, row in again:
-            setting = json.dumps(row["setting"])
-            costs[method.title], row["start"] = apart(
-                method.title, name, folder, quick=quick, setting=setting
-            )
-        rounds.append(costs)
-    for method, row in again:
-        row["cost"] = statistics.median(costs[method.title] for costs in rounds)
-    met = {
-        method.title: row["cost"]
-        for method, row in again
-        if method.program == "gearbow" and row["error"] <= scene.error
-    }
-    cheapest = min(met, key=met.__getitem__) if met else None
-    print(f"\n{scene.title}.\nRequired error {scene.error:g}{within}.\n")
-    print(
-        "| program | method | setting | error | CPU s per simulated s | cost ratio | set-up [s] "
-        "| simulated [s] |"
+    cheapest = min(meeting, key=medians.__getitem__) if meeting else None
+    header(
+        *("program", "method", "setting", "error", "CPU s per simulated s", "cost ratio"),
+        *("set-up [s]", "simulated [s]"),
     )
-    print("|---|---|---|---|---|---|---|---|")
-    for method, row in rows:
-        setting = ", ".join(f"{key} {value:g}" for key, value in row["setting"].items())
-        error = "time limit" if row["error"] is None else f"{row['error']:.1e}"
-        sign = "≥ " if row["error"] is None or row["error"] > scene.error else ""
-        start = "" if row["start"] is None else f"{row['start']:.2g}"
+    for r in rows:
+        title, sign = r.method.title, "" if met(r, scene) else "≥ "
+        cost = medians.get(title, r.cost)
         ratio = ""
         if cheapest:
-            ratios = [costs.get(method.title, row["cost"]) / costs[cheapest] for costs in rounds]
-            ratio = f"{sign}{statistics.median(ratios):.3g}"
-        print(
-            f"| {method.program} | {method.name} | {setting} | {error} | {sign}{row['cost']:.3g}"
-            f" | {ratio} | {start} | {row['duration']:g} |",
-            flush=True,
+            units = costs[cheapest]
+            ratio = f"{sign}{median_ratio(costs.get(title, [r.cost] * len(units)), units):.3g}"
+        start = starts.get(title)
+        row(
+            r.method.program,
+            r.method.name,
+            ", ".join(f"{key} {value:g}" for key, value in r.setting.items()),
+            "time limit" if r.error is None else f"{r.error:.1e}",
+            f"{sign}{cost:.3g}",
+            ratio,
+            "" if start is None else f"{start:.2g}",
+            f"{r.duration:g}",
         )
 
 
+def met(found: Found, scene: Scene) -> bool:
+    """Return whether a setting meets the required error."""
+    return found.error is not None and found.error <= scene.error
+
+
+class AnalysisTable:
+    """Costs and errors of every program for an analysis of systems of increasing size."""
+
+    def __init__(self, analysis: Analysis, *, quick: bool) -> None:
+        self.analysis, self.rounds = analysis, 1 if quick else ROUNDS
+        self.cells: dict[str, list[str]] = {name: [] for name in analysis.programs}
+        self.ratios: dict[str, list[str]] = {name: [] for name in analysis.programs}
+        self.trains: dict[str, dict[int, float]] = {name: {} for name in analysis.programs}
+        self.stopped: dict[str, str] = {}  # reason why a program does not analyse larger trains
+        self.heads: list[str] = []
+
+    def measure(self, subject: Subject) -> None:
+        """Measure all programs on one system."""
+        system = subject.build()
+        size = len(system.dofs)
+        self.heads.append(f"{subject.title}, n = {size}")
+        outcomes = {name: self.probe(name, subject, system) for name in self.analysis.programs}
+        completed = any(outcome.value is not None for outcome in outcomes.values())
+        exact = self.analysis.exact(system) if completed else None
+        errors, costs, works = {}, {}, {}
+        for name, program in self.analysis.programs.items():
+            outcome = outcomes[name]
+            if outcome.value is None:
+                self.cells[name].append(outcome.reason)
+                continue
+            errors[name] = self.analysis.error(outcome.value, exact)
+            costs[name] = [outcome.cost] * self.rounds
+            if outcome.cost < SLOW:
+                prepared = program(system)
+                works[name] = lambda prepared=prepared: timed(prepared)[1]
+        costs |= in_rounds(works, self.rounds)
+        for name, values in costs.items():
+            cost = statistics.median(values)
+            self.cells[name].append(f"{readable(cost)}, {errors[name]:.0e}")
+            if not subject.ross:
+                self.trains[name][size] = cost
+        for name in self.cells:
+            both = name in costs and "gearbow" in costs
+            ratio = f"{median_ratio(costs[name], costs['gearbow']):.3g}" if both else ""
+            self.ratios[name].append(ratio)
+        gc.collect()
+
+    def probe(self, name: str, subject: Subject, system: gb.RotorSystem) -> Outcome[object]:
+        """Run once in a process of its own, which ends at the time limit."""
+        if name == "ROSS" and (without_ross() or not subject.ross):
+            return Outcome(None, 0.0, without_ross() or "no model")
+        if name in self.stopped and not subject.ross:
+            return Outcome(None, 0.0, self.stopped[name])
+        prepared = self.analysis.programs[name](system)
+        outcome = once(prepared, LIMIT)
+        if outcome.value is None:
+            self.stopped[name] = outcome.reason
+        return outcome
+
+    def print(self) -> None:
+        """Print the table, and the exponents of the growth."""
+        print(f"\n{self.analysis.title}.\n")
+        header("program", *self.heads, "growth")
+        for name, cells in self.cells.items():
+            row(name, *cells, growth(self.trains[name]))
+            if name != "gearbow" and any(self.ratios[name]):
+                row(f"{name} / gearbow", *self.ratios[name], "")
+
+
+def readable(seconds: float) -> str:
+    """Return a time with its unit."""
+    return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{1e3 * seconds:.3g} ms"
+
+
+def growth(costs: dict[int, float]) -> str:
+    """Return the exponent of the cost between the smallest and the largest train."""
+    if len(costs) < 2:
+        return ""
+    small, large = min(costs), max(costs)
+    exponent = math.log(costs[large] / costs[small]) / math.log(large / small)
+    return f"n^{exponent:.1f} to n = {large}"
+
+
+def analysis_table(name: str, *, quick: bool) -> None:
+    """Compare all programs in an analysis."""
+    table = AnalysisTable(ANALYSES[name], quick=quick)
+    for subject in (SUBJECTS[name] for name in ANALYSES[name].subjects or SUBJECTS):
+        if not (quick and subject.large):
+            table.measure(subject)
+    table.print()
+
+
+def calls_table(*, quick: bool) -> None:
+    """Measure further calls on one system."""
+    prepared = {call.title: call.prepare() for call in CALLS}
+    works = {title: work for title, (work, _) in prepared.items()}
+    for work in works.values():
+        work()  # the first call fills caches
+    values = in_rounds(works, 1 if quick else ROUNDS)
+    print("\nCalls on one system.\n")
+    header("call", "cost", "error")
+    for call in CALLS:
+        error = prepared[call.title][1]
+        cost = f"{statistics.median(values[call.title]):.3g} {call.unit}".rstrip()
+        row(call.title, cost, "" if error is None else f"{error:.1e}")
+
+
+def memory_table() -> None:
+    """Measure the peak memory of processes that analyse a large system."""
+    print("\nThree shafts with 3,000 elements each.\n")
+    header("analysis", "peak memory [MB]", "CPU time [s]")
+    for title in WORKS:
+        row(title, *peak(title))
+
+
 def main() -> None:
-    """Compare all methods, or carry out the task of one child process."""
+    """Print the chosen tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--quick", action="store_true", help="fewer scenes, shorter runs")
-    parser.add_argument("--scene", choices=SCENES, help="compare only this scene")
-    parser.add_argument("--part", help=argparse.SUPPRESS)
-    parser.add_argument("--setting", help=argparse.SUPPRESS)
-    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    names = [arguments.scene] if arguments.scene else QUICK if arguments.quick else list(SCENES)
-    if arguments.part:
-        scene = SCENES[arguments.scene]
-        work(arguments, scene.shortened() if arguments.quick else scene, arguments.folder)
-        return
-    methods = [method for method in METHODS if installed(method)]
-    for method in METHODS:
-        if method not in methods:
-            print(f"Skipped: {method.title} is not installed.")
-    with tempfile.TemporaryDirectory() as folder:
-        for name in names:
-            table(name, methods, Path(folder), quick=arguments.quick)
+    parser.add_argument("--quick", action="store_true", help="fewer tables, shorter runs")
+    parser.add_argument("tables", nargs="*", choices=[*TABLES, []], help="all if none is given")
+    given = parser.parse_args()
+    if any(os.environ.get(name) != "1" for name in THREADS):
+        # Libraries read these variables when they are loaded.
+        os.environ.update(dict.fromkeys(THREADS, "1"))
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+    # Libraries that print write to the standard error instead.
+    tables = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    warnings.simplefilter("ignore", gb.RunTimeWarning)
+    warnings.simplefilter("ignore", gb.AccuracyWarning)
+    quick: bool = given.quick
+    with contextlib.redirect_stdout(tables):
+        for name in given.tables or (QUICK if quick else TABLES):
+            print(f"{name} ...", file=sys.stderr, flush=True)
+            if name in SCENES:
+                scene_table(name, quick=quick)
+            elif name in ANALYSES:
+                analysis_table(name, quick=quick)
+            elif name == "calls":
+                calls_table(quick=quick)
+            else:
+                memory_table()
 
 
 if __name__ == "__main__":

@@ -8,6 +8,8 @@ fails if a block differs from the output. There are two more kinds of block:
   which differ between machines. ``--measured`` updates only these blocks.
 - ``studied by``: the runs take minutes unless stored runs exist. ``--studied`` updates only these
   blocks.
+
+Arguments choose documents: ``python docs/printed.py --measured docs/comparison.md README.md``.
 """
 
 import argparse
@@ -18,8 +20,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parent.parent
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+ROOT = Path(__file__).resolve().parent.parent
+# The README last: its summary of the comparison reads docs/comparison.md.
+DOCUMENTS = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md"]
 BLOCK = r"(<!-- {} by: (.+?) -->\n).*?(<!-- end -->)"
 
 
@@ -43,12 +46,16 @@ def main() -> None:
     parser.add_argument("--check", action="store_true", help="fail if a block differs")
     parser.add_argument("--measured", action="store_true", help="update the measured blocks")
     parser.add_argument("--studied", action="store_true", help="update the blocks of the bow study")
+    parser.add_argument("documents", nargs="*", type=Path, help="documents; all if none is given")
     given = parser.parse_args()
     check: bool = given.check
     kind = "measured" if given.measured else "studied" if given.studied else "printed"
     block = re.compile(BLOCK.format(kind), re.DOTALL)
     stale = []
+    chosen = {path.resolve() for path in given.documents}
     for document in DOCUMENTS:
+        if chosen and document not in chosen:
+            continue
         old = document.read_text(encoding="utf-8")
         new = block.sub(lambda found: f"{found[1]}{printed(found[2])}{found[3]}", old)
         if new != old:

@@ -33,7 +33,6 @@ def train(bow: float) -> gb.RotorSystem:
             name,
             length=LENGTH,
             outer_diameter=2.0 * RADIUS,
-            elements=8,
             bow=gb.Bow.half_sine(bow) if bow else None,
         )
         for name in ("input", "middle", "output")

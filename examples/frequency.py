@@ -17,14 +17,8 @@ def train() -> gb.RotorSystem:
     return gb.RotorSystem(
         disks=[gb.Disk("flywheel", "output", 0.7, 15.0, 0.15, 0.3)],
         shafts=[
-            gb.Shaft(
-                "input",
-                length=0.5,
-                outer_diameter=0.04,
-                elements=6,
-                bow=gb.Bow.half_sine(1e-4),
-            ),
-            gb.Shaft("output", length=0.7, outer_diameter=0.05, elements=8),
+            gb.Shaft("input", length=0.5, outer_diameter=0.04, bow=gb.Bow.half_sine(1e-4)),
+            gb.Shaft("output", length=0.7, outer_diameter=0.05),
         ],
         gears=[
             gb.Gear("pinion", "input", 0.2, teeth=25, module=3e-3, face_width=0.03),
@@ -42,11 +36,7 @@ def train() -> gb.RotorSystem:
 def rotor() -> gb.RotorSystem:
     """Return a bowed rotor with two disks."""
     return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(
-                "rotor", length=1.0, outer_diameter=0.05, elements=8, bow=gb.Bow.half_sine(1e-4)
-            )
-        ],
+        shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))],
         disks=[
             gb.Disk("left", "rotor", 0.3, 20.0, 0.1, 0.2, unbalance=1e-3j),
             gb.Disk("right", "rotor", 0.7, 30.0, 0.2, 0.4),

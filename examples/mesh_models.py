@@ -43,9 +43,7 @@ def pair(
     mesh: gb.Mesh, *, torque: float = 10.0, sideways: float = 0.0, motion: str = "coupled"
 ) -> gb.RotorSystem:
     """Return the gear pair; `sideways` is an acceleration [m/s²] along the line of centres."""
-    shafts = [
-        gb.Shaft(name, length=0.2, outer_diameter=0.05, elements=2) for name in ("input", "output")
-    ]
+    shafts = [gb.Shaft(name, length=0.2, outer_diameter=0.05) for name in ("input", "output")]
     # Stiff bearings hold the pinion; soft bearings let the wheel move.
     bearings = [
         gb.Bearing(shaft, x, stiffness=stiffness, damping=1e4)

@@ -36,9 +36,7 @@ def pair(torque: float) -> gb.RotorSystem:
     # slow the free train down.
     stiffness = gb.Stiffness.potential_energy((0.025, 0.025), phase="prescribed")
     return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(f"{name} shaft", length=0.1, outer_diameter=0.03, elements=1) for name in MESH
-        ],
+        shafts=[gb.Shaft(f"{name} shaft", length=0.1, outer_diameter=0.03) for name in MESH],
         gears=[
             gb.Gear(
                 name,

@@ -15,6 +15,9 @@ FILE_LINES, FUNCTION_LINES, STRUCT_FIELDS = 400, 60, 15
 REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
     "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
+    "python/gearbow/system/description.py:SystemDescription": "public parameters",
+    "src/scene/description/mod.rs:SceneDescription": "entries of a scene",
+    "src/scene/mod.rs:Scene": "entries of a scene",
 }
 
 Graph = dict[str, set[str]]

@@ -5,15 +5,16 @@
 use std::hint::black_box;
 
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, simulate};
-use gearbow::analysis::{Spectrum, equilibrium};
+use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, lowest_modes, synchronous};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{self, CachedModel};
-use gearbow::model::Model;
+use gearbow::model::{Model, Weights};
 use gearbow::motion::{Profile, Speed};
 use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
+use num_complex::Complex64;
 
 use crate::common::{NoObserver, SPEED, cached, cached_from, motion, set_teeth, system};
 
@@ -34,6 +35,9 @@ pub const KERNELS: &[Kernel] = &[
     ("real modes, n = 135", real_modes),
     ("damped modes, n = 60", damped_modes),
     ("static equilibrium, n = 135", static_equilibrium),
+    ("band factors and a coupled solution, n = 240", coupled_solution),
+    ("modes(count=10), n = 240", few_modes),
+    ("synchronous response, n = 240", synchronous_response),
     ("force of a mesh of tooth pairs", tooth_pairs),
     ("scene and assembly, n = 240", assembly),
     ("2000 records, n = 60", recording),
@@ -100,6 +104,39 @@ fn static_equilibrium() -> Work {
     let cached = leak(cached(MIDDLE, true));
     Box::new(move || {
         black_box(equilibrium(cached, Geometry::Live, SPEED).unwrap());
+    })
+}
+
+/// Ten factorizations of the dynamic stiffness at different frequencies, each with one solution.
+fn coupled_solution() -> Work {
+    let cached = leak(cached(LARGE, true));
+    let right = vec![Complex64::ONE; cached.model.len()];
+    Box::new(move || {
+        for i in 1..=10 {
+            let weights = Weights::dynamic(Complex64::new(0.0, 1e3 * f64::from(i)), SPEED);
+            let factors = cached.model.dynamic_stiffness(black_box(&weights), SPEED).factor(1.0).unwrap();
+            let mut x = right.clone();
+            factors.solve(&mut x).unwrap();
+            black_box(x);
+        }
+    })
+}
+
+/// The ten lowest damped modes from band matrices.
+fn few_modes() -> Work {
+    let cached = leak(cached(LARGE, true));
+    Box::new(move || {
+        black_box(lowest_modes(cached, SPEED, 10).unwrap());
+    })
+}
+
+/// Synchronous response at ten speeds.
+fn synchronous_response() -> Work {
+    let cached = leak(cached(LARGE, true));
+    Box::new(move || {
+        for i in 1..=10 {
+            black_box(synchronous(cached, 50.0 * f64::from(i), ExcitationPart::Both).unwrap());
+        }
     })
 }
 

@@ -5,12 +5,13 @@ The matrices come from gearbow. The equations of mesh, bow and torque are writte
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 import gearbow as gb
+from gearbow._types import Dof
 from programs.scenes import Array
 
 
@@ -99,8 +100,10 @@ class Dense:
                 columns.append(-np.eye(n)[:, pair.at])
             elif pair.pair is not None:
                 columns.append(-np.eye(n)[:, pair.at] @ rest[:, None])
-        inputs = [-stiffness, -damping, self.torques(system)]
-        inputs += [self.bow_force(system.shafts[i]) for i in turning] + columns
+        inputs = [-stiffness, -damping, torques(system, self.index)[:, None]]
+        bows = [bow_force(system.shafts[i], self.index) for i in turning]
+        # Weights of cosine and sine of the shaft angle.
+        inputs += [np.column_stack([bow.real, -bow.imag]) for bow in bows] + columns
         self.linear = np.linalg.solve(matrices.mass, np.hstack(inputs))
         self.input = np.ones(self.linear.shape[1])
         rates = np.linalg.solve(
@@ -109,28 +112,6 @@ class Dense:
         )
         #: Jacobian with mean mesh stiffness at rest, for implicit methods.
         self.jacobian = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), rates])
-
-    def bow_force(self, shaft: gb.Shaft) -> Array:
-        """Return the bow force K_s q_b as weights of cosine and sine of the shaft angle."""
-        alone = gb.RotorSystem(shafts=[shaft])
-        weights = np.zeros((self.n, 2))
-        rows = [self.index[dof] for dof in alone.dofs]
-        force = alone.matrices().stiffness @ bow_shape(shaft, nodal(alone.dofs))
-        weights[rows] = np.column_stack([force.real, -force.imag])
-        return weights
-
-    def torques(self, system: gb.RotorSystem) -> Array:
-        """Return the torques on the gears; the balancing torque makes the total power zero."""
-        gears = {gear.name: gear for gear in system.gears}
-        names = [shaft.name for shaft in system.shafts]
-        force, power = np.zeros((self.n, 1)), 0.0
-        for torque in system.torques:
-            gear = gears[str(torque.at)]
-            ratio = float(system.speed_ratios[names.index(gear.shaft)])
-            value = -power / ratio if isinstance(torque.value, str) else torque.value
-            force[self.index[gear.shaft, gear.position, "twist"]] += value
-            power += value * ratio
-        return force
 
     def __call__(self, t: float, y: Array) -> Array:
         """Evaluate dy/dt."""
@@ -150,6 +131,31 @@ class Dense:
                 put[at] = pair.beyond_mean(t) * deflection
                 at += 1
         return np.concatenate([y[n:], self.linear @ put])
+
+
+def bow_force(shaft: gb.Shaft, index: Mapping[Dof, int]) -> NDArray[np.complex128]:
+    """Return the bow force K_s q_b (n,) as a complex amplitude of the shaft rotation."""
+    force = np.zeros(len(index), dtype=complex)
+    if shaft.bow is None:
+        return force
+    alone = gb.RotorSystem(shafts=[shaft])
+    rows = [index[dof] for dof in alone.dofs]
+    force[rows] = alone.matrices().stiffness @ bow_shape(shaft, nodal(alone.dofs))
+    return force
+
+
+def torques(system: gb.RotorSystem, index: Mapping[Dof, int]) -> Array:
+    """Return the torques on the gears (n,); the balancing torque makes the total power zero."""
+    gears = {gear.name: gear for gear in system.gears}
+    names = [shaft.name for shaft in system.shafts]
+    force, power = np.zeros(len(index)), 0.0
+    for torque in system.torques:
+        gear = gears[str(torque.at)]
+        ratio = float(system.speed_ratios[names.index(gear.shaft)])
+        value = torque.value if isinstance(torque.value, float) else -power / ratio
+        force[index[gear.shaft, gear.position, "twist"]] += value
+        power += value * ratio
+    return force
 
 
 def nodal(

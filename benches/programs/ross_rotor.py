@@ -14,7 +14,7 @@ import numpy as np
 
 import gearbow as gb
 from programs.dense import bow_shape, nodal
-from programs.scenes import Array
+from programs.scenes import Array, bodies
 
 with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
     warnings.simplefilter("ignore")  # ROSS warns about an optional package for refrigerants
@@ -77,8 +77,18 @@ class Ross:
             for b in self.system.bearings
             if isinstance(b, gb.Bearing) and b.shaft == shaft.name
         ]
-        gears = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
-        return ross.Rotor(self.elements(shaft), gears, bearings)
+        disks = [self.gear(gear) for gear in self.system.gears if gear.shaft == shaft.name]
+        disks += [self.disk(disk) for disk in self.system.disks if disk.shaft == shaft.name]
+        return ross.Rotor(self.elements(shaft), disks, bearings)
+
+    def disk(self, disk: gb.Disk) -> Any:
+        """Return a disk."""
+        return ross.DiskElement(
+            n=self.node(disk.position),
+            m=disk.mass,
+            Id=disk.diametral_inertia,
+            Ip=disk.polar_inertia,
+        )
 
     def gear(self, gear: gb.Gear) -> Any:
         """Return a gear, a solid disk with the diameter of the pitch circle."""
@@ -115,12 +125,47 @@ class Ross:
             # driving torque acts with the rotation, the balancing torque against it.
             teeth = gears[self.system.meshes[0].driver].teeth
             known = self.system.torques[0].value
-            if isinstance(known, str):
+            if not isinstance(known, float):
                 raise TypeError
             value = known if torque.value == known else -known * gear.teeth / teeth
             at = self.offset[gear.shaft] + DOFS * self.node(gear.position) + PLACE["twist"]
             table[:, at] += value
         return table
+
+    def forget(self) -> None:
+        """Empty the caches of ROSS, so that a repeated call computes its result again."""
+        self.rotor_.run_modal.cache_clear()
+        self.rotor_._run_freq_response.cache_clear()
+
+    def frequencies(self, speed: float, count: int) -> Array:
+        """Return the lowest damped natural frequencies [Hz]."""
+        found = self.rotor_.run_modal(speed, num_modes=2 * count)
+        return np.asarray(found.wd) / (2.0 * np.pi)
+
+    def campbell(self, speeds: Array, count: int) -> Array:
+        """Return the damped natural frequencies (speeds, count) [Hz], followed over the speed."""
+        found = self.rotor_.run_campbell(speeds, frequencies=count)
+        return np.asarray(found.wd) / (2.0 * np.pi)
+
+    def responses(self, speeds: Array) -> Array:
+        """Return the response to the unbalances of the first shaft (speeds, n), complex.
+
+        ROSS keeps n × n matrices for each speed: blocks of 100 speeds limit the memory.
+        """
+        parts = [
+            (int(self.offset[part.shaft] / DOFS) + self.node(part.position), abs(part.unbalance))
+            for part in bodies(self.system)
+            if part.unbalance
+        ]
+        nodes, magnitudes = zip(*parts, strict=True)
+        blocks = []
+        for some in np.array_split(speeds, max(1, len(speeds) // 100)):
+            self.forget()
+            found = self.rotor_.run_unbalance_response(
+                list(nodes), list(magnitudes), [0.0] * len(nodes), list(some)
+            )
+            blocks.append(np.asarray(found.forced_resp).T)
+        return np.concatenate(blocks)
 
     def simulate(self, force: Array, times: Array, method: str) -> Array:
         """Simulate from rest; return every coordinate at every time."""

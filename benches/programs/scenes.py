@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,13 +44,13 @@ class Scene:
         return np.linspace(0.0, duration, round(duration / self.sample) + 1)
 
 
-def shaft(name: str, *, seats: bool = False) -> gb.Shaft:
-    """Return a bowed shaft of 1 m with 15 elements; seats add 2 mm elements at both ends."""
+def shaft(name: str, *, seats: bool = False, elements: int = 15, bow: float = BOW) -> gb.Shaft:
+    """Return a bowed shaft of 1 m; seats add 2 mm elements at both ends of 15 elements."""
     seat = gb.Segment(SEAT, 0.05)
     inner = [gb.Segment(ELEMENT - SEAT, 0.05), gb.Segment(13 * ELEMENT, 0.05, elements=13)]
-    whole = [gb.Segment(1.0, 0.05, elements=15)]
+    whole = [gb.Segment(1.0, 0.05, elements=elements)]
     segments = [seat, *inner, inner[0], seat] if seats else whole
-    return gb.Shaft(name, segments=segments, bow=gb.Bow.half_sine(BOW))
+    return gb.Shaft(name, segments=segments, bow=gb.Bow.half_sine(bow) if bow else None)
 
 
 def bearings(*names: str) -> list[gb.Bearing]:
@@ -61,6 +61,15 @@ def bearings(*names: str) -> list[gb.Bearing]:
 def single() -> gb.RotorSystem:
     """Return one bowed shaft on its bearings."""
     return gb.RotorSystem([shaft("rotor")], bearings=bearings("rotor"))
+
+
+def unbalanced() -> gb.RotorSystem:
+    """Return a shaft with a disk with unbalance in the middle, on damped bearings."""
+    return gb.RotorSystem(
+        [shaft("rotor", bow=0.0)],
+        disks=[gb.Disk("disk", "rotor", 7 * ELEMENT, 10.0, 0.05, 0.1, unbalance=1e-3)],
+        bearings=bearings("rotor"),
+    )
 
 
 def jeffcott() -> gb.RotorSystem:
@@ -82,13 +91,19 @@ def geared(
     seats: bool = False,
     backlash: float | None = None,
     modal_damping: float | None = None,
+    elements: int = 15,
+    bow: float = BOW,
 ) -> gb.RotorSystem:
     """Return shafts with gears at nodes and balanced torques."""
     names = tuple(dict.fromkeys(name for name, _, _ in where.values()))
+    options: dict[str, Any] = {"module": 3e-3, "face_width": 0.03}
     return gb.RotorSystem(
-        shafts=[shaft(name, seats=seats and name != "middle") for name in names],
+        shafts=[
+            shaft(name, seats=seats and name != "middle", elements=elements, bow=bow)
+            for name in names
+        ],
         gears=[
-            gb.Gear(gear, on, cut * ELEMENT, teeth, module=3e-3, face_width=0.03)
+            gb.Gear(gear, on, round(cut * elements / 15) / elements, teeth, **options)
             for gear, (on, cut, teeth) in where.items()
         ],
         meshes=[
@@ -114,6 +129,11 @@ SMOOTH = gb.Stiffness.square(pair=2e8, engagement=0.2)
 MEAN = gb.Stiffness.constant(3.4e8)
 
 
+def bodies(system: gb.RotorSystem) -> list[gb.Disk | gb.Gear]:
+    """Return all gears and disks."""
+    return [*system.gears, *system.disks]
+
+
 def places(where: dict[str, tuple[str, int, int]]) -> tuple[tuple[str, float], ...]:
     """Return the (shaft, position) of every gear."""
     return tuple((on, cut * ELEMENT) for on, cut, _ in where.values())
@@ -125,7 +145,6 @@ SCENES = {
         single,
         (("rotor", 5 * ELEMENT), ("rotor", 10 * ELEMENT)),
         duration=1.0,
-        stretch=0.05,
         ross=True,
     ),
     "pair": Scene(
@@ -133,7 +152,6 @@ SCENES = {
         functools.partial(geared, PAIR, (("g1", "g2"),), MEAN, 0.0),
         places(PAIR),
         duration=1.0,
-        stretch=0.05,
         ross=True,
     ),
     "square": Scene(

@@ -30,6 +30,7 @@ The compiled core `gearbow._core` computes everything except the following:
 from gearbow._core import __version__
 from gearbow.analysis.balance import Balance
 from gearbow.description.bow import Bow
+from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import FilmCoefficients, JournalBearing, JournalMotion
 from gearbow.description.kinematics import Order
@@ -38,7 +39,9 @@ from gearbow.description.shafts import STEEL, Material, Segment, Shaft
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.speed_table import SpeedTable
 from gearbow.description.stiffness import Stiffness
+from gearbow.description.supports import Housing, Support
 from gearbow.description.teeth import TipRelief, TransmissionError
+from gearbow.description.time_series import TimeSeries
 from gearbow.errors import (
     AccuracyWarning,
     ChannelError,
@@ -60,7 +63,7 @@ from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.discretisation import Discretisation
-from gearbow.results.matrices import Matrices
+from gearbow.results.matrices import Matrices, SparseMatrices
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
 from gearbow.results.response import Response
@@ -81,15 +84,19 @@ __all__ = [
     "CheckpointWarning",
     "ContactError",
     "ConvergenceError",
+    "Coupling",
     "CriticalSpeedMap",
     "Discretisation",
     "Disk",
+    "Drive",
     "EnergyBalance",
     "Event",
     "ExcitationLine",
     "FilmCoefficients",
+    "Force",
     "Gear",
     "GearbowError",
+    "Housing",
     "Intersection",
     "JournalBearing",
     "JournalMotion",
@@ -110,13 +117,16 @@ __all__ = [
     "SceneWarning",
     "Segment",
     "Shaft",
+    "SparseMatrices",
     "Spectrum",
     "SpeedProfile",
     "SpeedTable",
     "StabilityError",
     "Static",
     "Stiffness",
+    "Support",
     "Synchronous",
+    "TimeSeries",
     "TipRelief",
     "Torque",
     "Tradeoff",

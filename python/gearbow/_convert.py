@@ -19,7 +19,7 @@ from gearbow.errors import SceneError
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
 #: Keys whose values may be complex.
-_COMPLEX = ("unbalance", "run_out")
+_COMPLEX = ("unbalance", "run_out", "offset", "angle", "runout")
 #: Longest representation of a value in an error message.
 _LONGEST = 100
 
@@ -131,6 +131,13 @@ def text(value: object, path: str) -> str:
     if not isinstance(value, str):
         raise SceneError(f"{path}: must be text, got {shown(value)}")
     return str(value)
+
+
+def truth(value: object, path: str) -> bool:
+    """Convert a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+    return bool(value)
 
 
 def _is_real(value: object) -> bool:

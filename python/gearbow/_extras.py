@@ -12,6 +12,7 @@ _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas"},
+    "sparse": {"scipy"},
 }
 
 

@@ -25,6 +25,19 @@ Dof: TypeAlias = tuple[str, float | tuple[float, float], str]
 Progress: TypeAlias = Callable[[float], object]
 
 
+#: Entries, columns and row starts of a sparse matrix.
+Rows: TypeAlias = tuple[Array, NDArray[np.int64], NDArray[np.int64]]
+
+
+class SparseMatricesData(TypedDict):
+    """Sparse system matrices."""
+
+    mass: Rows
+    stiffness: Rows
+    damping: Rows
+    gyroscopic: Rows
+
+
 class MatricesData(TypedDict):
     """System matrices, each (n, n)."""
 

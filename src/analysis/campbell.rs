@@ -1,20 +1,27 @@
 //! Campbell diagram: tracks modes over the speed and finds their intersections with excitation lines.
 //!
-//! Modes are tracked by their shapes in y = (ωη, η̇); half of |y|² is the energy. In this form, the modes of an undamped
-//! system with gyroscopic moments are orthogonal at every speed. Therefore |yᴴy'|² (a modal assurance criterion weighted
-//! with mass and stiffness; Allemang, Sound and Vibration 37, 2003) adds up to one over all modes. If every mode keeps
-//! more than half of its energy, assigning the largest values first is optimal. A speed step is halved if a mode keeps
-//! less than [`MIN_CORRELATION`], or if two modes that mix exchange their order. Small steps distinguish a veering, where
-//! two modes gradually exchange their shapes, from a crossing, where their shapes do not change.
+//! Modes are tracked by their shapes in the energy: y = (φ, λφ) with the inner product φᴴKφ' + (λφ)ᴴM(λ'φ'). In this form,
+//! the modes of an undamped system with gyroscopic moments are orthogonal at every speed. Therefore |yᴴy'|² (a modal
+//! assurance criterion weighted with mass and stiffness; Allemang, Sound and Vibration 37, 2003) adds up to one over all
+//! modes. If every mode keeps more than half of its energy, assigning the largest values first is optimal. A speed step is
+//! halved if a mode keeps less than [`MIN_CORRELATION`], or if two modes that mix exchange their order. Small steps
+//! distinguish a veering, where two modes gradually exchange their shapes, from a crossing, where their shapes do not
+//! change.
+//!
+//! Of a large model only the lowest modes are computed at each speed, a few more than are tracked.
+
+mod state;
 
 use std::rc::Rc;
 
-use nalgebra::{Complex, DVector};
+use nalgebra::Complex;
 
+use super::modes::{lowest_modes, uses_bands};
 use super::root::root;
 use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
+use state::State;
 
 /// Smallest |yᴴy'|² of a mode in a speed step; with a smaller value the step is halved.
 const MIN_CORRELATION: f64 = 0.9;
@@ -29,6 +36,10 @@ const EQUAL_TOLERANCE: f64 = 1e-7;
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
 const MIN_CORRELATION_ON_LINE: f64 = 0.7;
+/// Number of modes that are computed beyond those that are tracked.
+const FURTHER_MODES: usize = 5;
+/// Part of the highest computed frequency above which a mode may have left the computed ones.
+const NEAR_TOP: f64 = 0.8;
 
 /// Source of an excitation at a multiple of the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,14 +87,6 @@ pub struct Campbell {
     pub lines: Vec<ExcitationLine>,
     /// Intersections in ascending order of speed.
     pub intersections: Vec<Intersection>,
-}
-
-/// One mode at one speed: its eigenvalue and its shape y of unit norm.
-#[derive(Clone, Debug)]
-struct State {
-    eigenvalue: Complex<f64>,
-    whirl: Whirl,
-    energy: DVector<Complex<f64>>,
 }
 
 /// Excitation lines of the rotation of every shaft and of `harmonics` harmonics of every mesh frequency.
@@ -147,9 +150,12 @@ pub fn campbell(
 struct Tracker<'a> {
     cached: &'a CachedModel,
     interrupt: &'a Interrupt,
-    /// The model whose undamped modes are the coordinates of all shapes.
+    /// The model whose stiffness is that of the inner product.
     basis: AtSpeed<'a>,
-    quadratic: Quadratic,
+    /// The eigenvalue problem in undamped modes, with modal damping.
+    quadratic: Option<Quadratic>,
+    /// Number of modes that are computed at each speed.
+    wanted: usize,
     lines: Vec<ExcitationLine>,
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
@@ -172,13 +178,14 @@ impl<'a> Tracker<'a> {
         harmonics: u32,
         interrupt: &'a Interrupt,
     ) -> Result<Self, AnalysisError> {
-        // Of bearings that depend on the speed, those of the first speed are as good a basis as any.
+        // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
         let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
         let mut tracker = Self {
             cached,
             interrupt,
-            quadratic: Quadratic::new(&basis, 1.0)?,
+            quadratic: (cached.model.scene.modal_damping > 0.0).then(|| Quadratic::new(&basis, 1.0)).transpose()?,
             basis,
+            wanted: count.saturating_add(FURTHER_MODES),
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
@@ -187,8 +194,16 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
-            let states = tracker.at(start)?;
-            tracker.modes = states.iter().filter(|state| state.eigenvalue.im > 0.0).take(count).cloned().collect();
+            loop {
+                let states = tracker.at(start)?;
+                tracker.modes = states.iter().filter(|state| state.eigenvalue.im > 0.0).take(count).cloned().collect();
+                let complete = tracker.modes.len() == count || states.len() < tracker.wanted;
+                if complete {
+                    break;
+                }
+                // Rigid-body modes and overdamped modes are not tracked.
+                tracker.wanted += count.saturating_sub(tracker.modes.len());
+            }
         }
         Ok(tracker)
     }
@@ -197,32 +212,33 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
-        let real = self.basis.real_modes(speed)?;
-        let weighted = self.basis.model.mass_matrix() * &real.vectors;
-        let n = real.frequencies.len();
-        let state = |mode: modal::Mode| {
-            let part = |part: fn(&Complex<f64>) -> f64| weighted.tr_mul(&mode.shape.map(|value| part(&value)));
-            let (re, im) = (part(|value| value.re), part(|value| value.im));
-            let energy = DVector::from_fn(2 * n, |i, _| {
-                let eta = Complex::new(re[i % n], im[i % n]);
-                if i < n {
-                    eta * real.frequencies[i]
-                } else if mode.eigenvalue == Complex::ZERO {
-                    eta
-                } else {
-                    eta * mode.eigenvalue
-                }
-            });
-            let norm = energy.norm();
-            State { eigenvalue: mode.eigenvalue, whirl: mode.whirl, energy: energy.unscale(norm) }
+        let count = if uses_bands(&self.cached.model, self.wanted) { self.wanted } else { usize::MAX };
+        let modes = lowest_modes(self.cached, speed, count)?;
+        Ok(Rc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
+    }
+
+    /// Computes more modes from here on if a tracked mode may lie above the computed `states`; whether it may.
+    fn extend(&mut self, states: &[State], assignment: &Assignment) -> bool {
+        let top = states.iter().map(|state| state.eigenvalue.im).fold(0.0, f64::max);
+        let partial = states.len() <= self.wanted && uses_bands(&self.cached.model, self.wanted);
+        let left = |(mode, index): (&State, &usize)| {
+            mode.eigenvalue.im > NEAR_TOP * top && mode.correlation(&states[*index]) < MIN_CORRELATION
         };
-        Ok(Rc::new(modal::modes(&*self.cached.at_speed(speed)?, speed)?.into_iter().map(state).collect()))
+        let extends = partial && self.modes.iter().zip(&assignment.states).any(left);
+        if extends {
+            self.wanted += FURTHER_MODES;
+        }
+        extends
     }
 
     /// Tracks the modes to the states at `speed`.
     fn advance(&mut self, speed: f64, states: Rc<Vec<State>>, halved: u32) -> Result<(), AnalysisError> {
         let assignment = self.assign(&states);
         if let Some(from) = self.speed {
+            if !assignment.clear && halved == 0 && self.extend(&states, &assignment) {
+                let states = self.at(speed)?;
+                return self.advance(speed, states, halved);
+            }
             if !assignment.clear && halved < MAX_HALVINGS {
                 let middle = f64::midpoint(from, speed);
                 let between = self.at(middle)?;
@@ -239,10 +255,9 @@ impl<'a> Tracker<'a> {
         for (mode, index) in self.modes.iter_mut().zip(assignment.states) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other, state)).count() == 1;
-            mode.eigenvalue = state.eigenvalue;
-            mode.whirl = state.whirl;
+            (mode.eigenvalue, mode.whirl) = (state.eigenvalue, state.whirl);
             if distinct {
-                mode.energy.clone_from(&state.energy);
+                *mode = state.clone();
             }
         }
         self.speed = Some(speed);
@@ -251,7 +266,7 @@ impl<'a> Tracker<'a> {
 
     fn assign(&self, states: &[State]) -> Assignment {
         let own: Vec<Vec<f64>> =
-            self.modes.iter().map(|mode| states.iter().map(|s| correlation(mode, s)).collect()).collect();
+            self.modes.iter().map(|mode| states.iter().map(|state| mode.correlation(state)).collect()).collect();
         // Among equal eigenvalues any state is correct; the correlation is the sum over all of them.
         let shared = |mode: usize, index: usize| {
             let together = (0..states.len()).filter(|other| equal(&states[*other], &states[index]));
@@ -293,7 +308,7 @@ impl<'a> Tracker<'a> {
                 self.interrupt.check()?;
                 let (speed, eigenvalue, whirl) = if !self.cached.model.depends_on_speed() {
                     let met = self.intersection(order, ends, 0)?;
-                    let whirl = modal::whirl(self.cached, met.speed, met.eigenvalue, &met.coordinates)?;
+                    let whirl = modal::whirl(&self.cached.model, met.speed, met.eigenvalue, &met.shape);
                     (met.speed, met.eigenvalue, whirl)
                 } else {
                     let (speed, state) = self.intersection_by_speed(order, ends)?;
@@ -316,16 +331,21 @@ impl<'a> Tracker<'a> {
         let distance = ends.map(|(speed, state)| (state.eigenvalue.im - order * speed).abs());
         let part = distance[0] / (distance[0] + distance[1]);
         let nearest = if part < 0.5 { low.1 } else { high.1 };
-        let start = self.start(low.0 + part * (high.0 - low.0), nearest);
+        let (speed, shape) = (low.0 + part * (high.0 - low.0), nearest.shape());
+        let start = OrderIntersection { speed, eigenvalue: nearest.eigenvalue, shape };
         // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
         let within = |met: &OrderIntersection| {
             let slack = 1e-9 * high.0;
             met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
-                let known = self.energy(met);
-                ends.iter().any(|(_, state)| known.dotc(&state.energy).norm_sqr() > MIN_CORRELATION_ON_LINE)
+                let known = State::of_intersection(&self.basis.model, met);
+                ends.iter().any(|(_, state)| known.correlation(state) > MIN_CORRELATION_ON_LINE)
             }
         };
-        if let Some(met) = self.quadratic.intersection(order, &start).filter(within) {
+        let met = match &self.quadratic {
+            Some(quadratic) => quadratic.intersection(order, &start),
+            None => modal::intersection(&self.cached.model, order, &start),
+        };
+        if let Some(met) = met.filter(within) {
             return Ok(met);
         }
         if halved > 4 * MAX_HALVINGS {
@@ -333,7 +353,7 @@ impl<'a> Tracker<'a> {
         }
         let middle = f64::midpoint(low.0, high.0);
         let states = self.at(middle)?;
-        let like = |state: &State| correlation(low.1, state) + correlation(high.1, state);
+        let like = |state: &State| low.1.correlation(state) + high.1.correlation(state);
         let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(nearest);
         let above = |(speed, state): (f64, &State)| state.eigenvalue.im > order * speed;
         let between = (middle, found);
@@ -348,33 +368,13 @@ impl<'a> Tracker<'a> {
         let gaps = [0, 1].map(|end| (ends[end].0, gap(ends[end].0, &ends[end].1)));
         let mode = |speed: f64| -> Result<State, AnalysisError> {
             let states = self.at(speed)?;
-            let like = |state: &&State| correlation(&ends[0].1, state) + correlation(&ends[1].1, state);
+            let like = |state: &&State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
             let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
             Ok(found.unwrap_or(&ends[0].1).clone())
         };
         let speed = root(gaps, |speed| Ok(gap(speed, &mode(speed)?)))?;
         Ok((speed, mode(speed)?))
     }
-
-    fn start(&self, speed: f64, state: &State) -> OrderIntersection {
-        let n = state.energy.len() / 2;
-        let coordinates = state.energy.rows(n, n).into_owned();
-        let norm = coordinates.norm();
-        OrderIntersection { speed, eigenvalue: state.eigenvalue, coordinates: coordinates.unscale(norm) }
-    }
-
-    fn energy(&self, met: &OrderIntersection) -> DVector<Complex<f64>> {
-        let n = met.coordinates.len();
-        let scale = |i: usize| if i < n { Complex::from(self.quadratic.frequency(i)) } else { met.eigenvalue };
-        let energy = DVector::from_fn(2 * n, |i, _| met.coordinates[i % n] * scale(i));
-        let norm = energy.norm();
-        energy.unscale(norm)
-    }
-}
-
-/// Correlation |yᴴy'|² of two modes.
-fn correlation(a: &State, b: &State) -> f64 {
-    a.energy.dotc(&b.energy).norm_sqr()
 }
 
 fn equal(a: &State, b: &State) -> bool {

@@ -2,8 +2,10 @@
 
 mod speed_dependent;
 
-use super::{AnalysisError, Interrupt};
+use super::modes::has_structure;
+use super::{AnalysisError, Dense, Interrupt};
 use crate::modal::{self, CachedModel, Quadratic, Whirl};
+use crate::model::Model;
 use crate::scene::EntryPath;
 
 /// An undamped critical speed.
@@ -15,7 +17,7 @@ pub struct Critical {
     pub whirl: Whirl,
 }
 
-/// Speeds Ω, in ascending order, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng.
+/// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng.
 /// Ind. 98, 1976, who use the whirl ratio instead).
 ///
 /// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed; a table that
@@ -26,6 +28,7 @@ pub struct Critical {
 pub fn critical_speeds(
     cached: &CachedModel,
     excitation: f64,
+    count: usize,
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
@@ -35,10 +38,28 @@ pub fn critical_speeds(
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
     if !cached.model.bearings.is_empty() {
-        return speed_dependent::critical_speeds(cached, excitation, interrupt);
+        let mut found = speed_dependent::critical_speeds(cached, excitation, interrupt)?;
+        found.truncate(count);
+        return Ok(found);
     }
-    let found = Quadratic::new(cached, 1.0)?.critical(excitation)?;
+    let mut found = None;
+    if has_structure(&cached.model, count) {
+        found = modal::lowest_critical(cached, excitation, count)?;
+    }
+    let mut found = match found {
+        Some(found) => found,
+        None => {
+            Dense::Undamped.require(&cached.model)?;
+            Quadratic::new(cached, 1.0)?.critical(excitation)?
+        }
+    };
+    found.truncate(count);
     found.into_iter().map(|met| named(cached, met, interrupt)).collect()
+}
+
+/// Memory that [`critical_speeds`] needs at first.
+pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
+    if model.bearings.is_empty() && has_structure(model, count) { Dense::Bands } else { Dense::Undamped }
 }
 
 /// A critical speed with the whirl of its mode.
@@ -48,6 +69,6 @@ fn named(
     interrupt: &Interrupt,
 ) -> Result<Critical, AnalysisError> {
     interrupt.check()?;
-    let whirl = modal::whirl(cached, met.speed, met.eigenvalue, &met.coordinates)?;
+    let whirl = modal::whirl(&cached.model, met.speed, met.eigenvalue, &met.shape);
     Ok(Critical { speed: met.speed, whirl })
 }

@@ -35,6 +35,9 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
         k[0][0] * v * v + 2.0 * k[0][1] * v * w + k[1][1] * w * w
     };
     let bearings = model.supports.iter().map(bearing);
+    let links = model.links.iter().map(|link| {
+        (link.local.elastic_form(&link.scalars(shape)), format!("{}, of {:.3e} N/m", link.name, largest(&link.local)))
+    });
     let connections = model.connections(speed).map(|connection| {
         let stiffness = connection.linear(speed).stiffness;
         let strain = DVector::from_vec(connection.rows().iter().map(|row| scalar(row, shape)).collect());
@@ -43,6 +46,7 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
     let shafts = std::iter::once((model.shaft_form(shape), shortest_element(model)));
     let (_, cause) = shafts
         .chain(bearings.enumerate().map(|(index, energy)| (energy, bearing_stiffness(model, index))))
+        .chain(links)
         .chain(connections)
         .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
     Ok(Some(format!(
@@ -60,15 +64,19 @@ fn shortest_element(model: &Model) -> String {
 }
 
 fn bearing_stiffness(model: &Model, bearing: usize) -> String {
-    let k = model.supports[bearing].stiffness;
-    format!("bearings[{bearing}], of {:.3e} N/m", k.as_flattened().iter().fold(0.0_f64, |most, k| most.max(k.abs())))
+    format!("bearings[{bearing}], of {:.3e} N/m", largest(&model.supports[bearing]))
+}
+
+/// Largest entry of a stiffness matrix, N/m.
+fn largest(support: &Support) -> f64 {
+    support.stiffness.as_flattened().iter().fold(0.0_f64, |most, k| most.max(k.abs()))
 }
 
 /// Returns a warning if the largest displacement, m, exceeds the length of the longest shaft: the equations assume small
 /// displacements. A system without bearings may move freely and gives no warning.
 pub fn small_displacement_check(model: &Model, largest: f64) -> Option<String> {
     let length = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
-    (largest > length && !model.supports.is_empty()).then(|| {
+    (largest > length && model.local_elements().next().is_some()).then(|| {
         format!("a displacement is {largest:.1e} m, more than the length of the longest shaft, {length} m: the equations assume small displacements")
     })
 }

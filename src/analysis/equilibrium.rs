@@ -1,4 +1,4 @@
-//! Static equilibrium at a speed.
+//! Static equilibrium of a system at a speed, with the errors of an analysis.
 
 use nalgebra::DVector;
 
@@ -17,15 +17,14 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     equilibrium_with_flanks(cached, geometry, EquilibriumSpeeds::from(speed))
 }
 
-/// The same with the flanks in contact at another speed.
+/// The same with the flanks in contact, and torques over the speed, at another speed.
 pub(super) fn equilibrium_with_flanks(
     cached: &CachedModel,
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, AnalysisError> {
     let cached = cached.at_speed(speeds.film)?;
-    let real = cached.real_modes(speeds.flanks)?;
-    modal::equilibrium(&cached.model, real, geometry, speeds).map_err(|error| explained(&cached.model, error))
+    modal::equilibrium(&cached.model, geometry, speeds).map_err(|error| explained(&cached.model, error))
 }
 
 fn explained(model: &Model, error: EquilibriumError) -> AnalysisError {
@@ -36,6 +35,6 @@ fn explained(model: &Model, error: EquilibriumError) -> AnalysisError {
             AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
         }
         EquilibriumError::Convergence(message) => AnalysisError::Convergence(message),
-        EquilibriumError::Modes(error) => error.into(),
+        EquilibriumError::Decomposition(error) => error.into(),
     }
 }

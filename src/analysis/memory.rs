@@ -16,7 +16,7 @@ pub enum Dense {
     Bands,
     /// Mass, stiffness, damping and gyroscopic matrix.
     Matrices,
-    /// Undamped modes, also for equilibrium, synchronous response and critical speeds.
+    /// Undamped modes, also for synchronous response with modal damping and critical speeds.
     Undamped,
     /// Damped modes: eigenvalues and eigenvectors of a (2n, 2n) matrix.
     Damped,
@@ -24,7 +24,7 @@ pub enum Dense {
 
 impl Dense {
     /// Number of matrices. The values exceed the measured growth of the resident memory for a coupled train with
-    /// cross-coupled bearings: 5; 10 (equilibrium) to 18 (critical speeds); 42 (modes) to 52 (Campbell diagram).
+    /// cross-coupled bearings: 5; 18 (critical speeds); 42 (modes) to 52 (Campbell diagram).
     const fn count(self) -> u64 {
         match self {
             Self::Bands => 0,

@@ -9,7 +9,6 @@ mod interrupt;
 mod memory;
 mod modes;
 mod peaks;
-mod pins;
 mod resolution;
 mod root;
 pub mod simulate;
@@ -17,7 +16,7 @@ mod stability;
 mod synchronous;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, campbell, lines};
-pub use critical::{Critical, critical_speeds};
+pub use critical::{Critical, critical_speeds, memory_of_critical_speeds};
 pub use diagnostics::{ill_conditioning, small_displacement_check};
 pub use equilibrium::equilibrium;
 pub use error::AnalysisError;

@@ -9,9 +9,14 @@ const LARGE: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
 const FEW: f64 = 0.15;
 
+/// Whether band matrices are faster than dense ones for `count` undamped modes.
+pub(super) fn has_structure(model: &Model, count: usize) -> bool {
+    model.len() >= LARGE && count as f64 <= FEW * model.len() as f64
+}
+
 /// Whether band matrices give these modes, if `count` of them are wanted.
-fn uses_bands(model: &Model, count: usize) -> bool {
-    model.len() >= LARGE && count as f64 <= FEW * model.len() as f64 && model.scene.modal_damping == 0.0
+pub(super) fn uses_bands(model: &Model, count: usize) -> bool {
+    has_structure(model, count) && model.scene.modal_damping == 0.0
 }
 
 /// Memory that [`lowest_modes`] needs at first.
@@ -21,7 +26,8 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
 ///
-/// Modal damping needs all modes, and so do modes that cannot be told apart from the others: they come from dense matrices.
+/// Modal damping needs all modes. Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told
+/// apart from the others. Both come from dense matrices.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or dense matrices are needed and
@@ -29,7 +35,7 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     if uses_bands(&cached.model, count) {
-        if let Ok(Some(modes)) = modal::structured_modes(&cached, speed, count) {
+        if let Some(modes) = modal::structured_modes(&cached, speed, count)? {
             return Ok(modes);
         }
         Dense::Damped.require(&cached.model)?;

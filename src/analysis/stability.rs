@@ -7,7 +7,8 @@ use crate::connection::{Connection, Row};
 use crate::integrate::tableau::Tableau;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::modal::CachedModel;
-use crate::model::Support;
+use crate::model::{Link, Support};
+use crate::scene::Matrix2;
 
 /// Bounds of the eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +30,7 @@ impl Spectrum {
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, AnalysisError> {
         let (model, reference) = (&cached.model, cached.at_speed(speed)?);
         let additional = stiffening(cached, speed) + skew_part(&reference);
-        let omega_max = (reference.real_modes(speed)?.highest().powi(2) + additional).sqrt();
+        let omega_max = (reference.spectral_range(speed)?.fastest.powi(2) + additional).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
         let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
@@ -66,9 +67,7 @@ fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
             let mut row = DVector::zeros(model.len());
             entries.iter().for_each(|(index, coefficient)| row[*index] += coefficient);
             let mut accelerated = row.clone();
-            for shaft in &model.shafts {
-                shaft.solve_mass(accelerated.as_mut_slice());
-            }
+            model.solve_mass(accelerated.as_mut_slice());
             row.dot(&accelerated)
         };
         excess * connection.rows().into_iter().map(accelerated).sum::<f64>()
@@ -80,19 +79,26 @@ fn stiffening(cached: &CachedModel, speed: f64) -> f64 {
 fn skew_part(cached: &CachedModel) -> f64 {
     let model = &cached.model;
     let add = |support: &Support| {
-        let norm = support.skew_part().as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
+        let norm = norm(&support.skew_part());
         if norm == 0.0 {
             return 0.0;
         }
         // The inertia is the same for v and w.
         let mut accelerated = vec![0.0; model.len()];
         accelerated[support.index] = 1.0;
-        for shaft in &model.shafts {
-            shaft.solve_mass(&mut accelerated);
-        }
+        model.solve_mass(&mut accelerated);
         norm * accelerated[support.index]
     };
-    model.supports.iter().map(add).sum()
+    let of_link = |link: &Link| match norm(&link.local.skew_part()) {
+        0.0 => 0.0,
+        norm => norm * link.mobility(model.len(), |x| model.solve_mass(x)),
+    };
+    model.supports.iter().map(add).sum::<f64>() + model.links.iter().map(of_link).sum::<f64>()
+}
+
+/// Frobenius norm.
+fn norm(matrix: &Matrix2) -> f64 {
+    matrix.as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Largest eigenvalue of M⁻¹C for the dampers of bearings and connections, 1/s. It is that of the small matrix DᵀM⁻¹D,
@@ -102,16 +108,18 @@ fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> 
     let mut columns: Vec<DVector<f64>> = Vec::new();
     for support in &model.supports {
         // The Frobenius norm bounds the damping in every direction, also of a non-symmetric matrix.
-        let norm = support.damping.as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
+        let norm = norm(&support.damping);
         for lane in (0..2).filter(|_| norm > 0.0) {
             let mut column = DVector::zeros(model.len());
             column[support.index + lane] = norm.sqrt();
             columns.push(column);
         }
     }
-    for connection in model.connections(speed) {
-        let norm = connection.bounds(speed).damping;
-        for entries in connection.rows().into_iter().filter(|_| norm > 0.0) {
+    let links = model.links.iter().map(|link| (norm(&link.local.damping), link.rows.clone()));
+    let connections = model.connections(speed);
+    let connections = connections.map(|connection| (connection.bounds(speed).damping, connection.rows()));
+    for (norm, rows) in links.chain(connections) {
+        for entries in rows.into_iter().filter(|_| norm > 0.0) {
             let mut column = DVector::zeros(model.len());
             entries.iter().for_each(|(index, coefficient)| column[*index] += norm.sqrt() * coefficient);
             columns.push(column);
@@ -123,9 +131,7 @@ fn dampers(cached: &CachedModel, speed: f64) -> Result<f64, DecompositionError> 
     let dampers = DMatrix::from_columns(&columns);
     let mut accelerated = dampers.clone();
     for mut column in accelerated.column_iter_mut() {
-        for shaft in &model.shafts {
-            shaft.solve_mass(column.as_mut_slice());
-        }
+        model.solve_mass(column.as_mut_slice());
     }
     let small = dampers.transpose() * accelerated;
     let identity = DMatrix::identity(small.nrows(), small.nrows());

@@ -5,10 +5,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::pins::Pins;
 use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledBands, Singular, solve_complex};
-use crate::modal::{CachedModel, null_motions};
+use crate::modal::{CachedModel, Pins, Projected, null_motions};
 use crate::model::{Excitation, Model, Weights};
 use crate::scene::Node;
 
@@ -22,6 +21,16 @@ pub enum ExcitationPart {
     Bow,
     /// Unbalance only.
     Unbalance,
+}
+
+/// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
+const MAX_DENSE: usize = 2000;
+
+/// The error of a speed without an accurate response, rad/s.
+fn unsolved(speed: f64) -> AnalysisError {
+    AnalysisError::Convergence(format!(
+        "the synchronous response at {speed} rad/s has no accurate solution: it is an undamped critical speed; add damping or change the speed"
+    ))
 }
 
 /// Memory that a synchronous response needs at first.
@@ -76,24 +85,6 @@ pub fn bearing_forces(
     nodes.iter().map(force).collect()
 }
 
-/// Phasors of bow and unbalance, with the flanks in contact at the speed `flank_speed`, rad/s: at standstill, `speed` does
-/// not determine the flanks.
-pub(super) fn with_flanks(
-    cached: &CachedModel,
-    speed: f64,
-    flank_speed: f64,
-) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let model = &cached.model;
-    let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
-    if model.shafts.iter().all(|shaft| shaft.excitations.is_empty()) {
-        return Ok(amplitudes);
-    }
-    for (source, _) in model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
-        amplitudes.set_column(source, &synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?);
-    }
-    Ok(amplitudes)
-}
-
 /// Phasors a at `speed` for one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
 ///
 /// # Errors
@@ -107,15 +98,56 @@ pub(super) fn synchronous_of(
 ) -> Result<DVector<Complex<f64>>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     let model = &cached.model;
+    let spin = model.shafts[source].ratio * speed;
+    let Some(force) = rotating_force(model, spin, source, part) else {
+        return Ok(DVector::zeros(model.len()));
+    };
+    // The matrix of modal damping is full.
+    if model.scene.modal_damping == 0.0 {
+        match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
+            Some(found) => return Ok(found),
+            // At an undamped critical speed the response is very large: the dense solution shows its size.
+            None if model.len() <= MAX_DENSE => {}
+            None => return Err(unsolved(speed)),
+        }
+    }
+    solve_dense(&cached, [speed, spin], flank_speed, force)
+}
+
+/// Phasors a at `speed` for one source shaft of a run in a `subspace`, whose modes modal damping acts on.
+///
+/// # Errors
+/// [`AnalysisError`] if the undamped modes cannot be found.
+pub(super) fn synchronous_in(
+    subspace: &Projected,
+    cached: &CachedModel,
+    speed: f64,
+    flank_speed: f64,
+    source: usize,
+) -> Result<DVector<Complex<f64>>, AnalysisError> {
+    let at_speed = cached.at_speed(speed)?;
+    let model = &at_speed.model;
+    let spin = model.shafts[source].ratio * speed;
+    let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
+        return Ok(DVector::zeros(model.len()));
+    };
+    match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
+        Some(found) if model.scene.modal_damping == 0.0 => Ok(found),
+        Some(found) => Ok(subspace.with_modal_damping(model, spin, found)),
+        None => synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both),
+    }
+}
+
+/// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
+fn rotating_force(model: &Model, spin: f64, source: usize, part: ExcitationPart) -> Option<DVector<Complex<f64>>> {
     let shaft = &model.shafts[source];
-    let spin = shaft.ratio * speed;
     let acting = |excitation: &Excitation| match part {
         ExcitationPart::Both => excitation.amplitude(spin, 0.0),
-        ExcitationPart::Bow => excitation.bow,
+        ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
     if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
-        return Ok(DVector::zeros(model.len()));
+        return None;
     }
     let mut force = DVector::zeros(model.len());
     for excitation in &shaft.excitations {
@@ -124,19 +156,26 @@ pub(super) fn synchronous_of(
         force[excitation.index] += amplitude;
         force[excitation.index + 1] -= amplitude * Complex::i();
     }
-    // The matrix of modal damping is full.
-    if model.scene.modal_damping == 0.0 {
-        let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-        let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-        let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-        let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
-        pins.add_to(model, &mut matrix);
-        if let Ok(mut found) = solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, &force) {
-            pins.remove_null_motions(&mut found);
-            return Ok(found);
-        }
-    }
-    solve_dense(&cached, [speed, spin], flank_speed, force)
+    Some(force)
+}
+
+/// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution. `speed` and `spin` in rad/s.
+fn without_modal_damping(
+    model: &Model,
+    [speed, spin]: [f64; 2],
+    flank_speed: f64,
+    force: &DVector<Complex<f64>>,
+) -> Result<Option<DVector<Complex<f64>>>, AnalysisError> {
+    let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
+    let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
+    let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
+    let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+    pins.add_to(model, &mut matrix);
+    let Ok(mut found) = solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, force) else {
+        return Ok(None);
+    };
+    pins.remove_null_motions(&mut found);
+    Ok(Some(found))
 }
 
 /// Solves S x = f for the band matrices of the shafts.

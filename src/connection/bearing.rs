@@ -16,8 +16,8 @@ pub struct SpeedDependentBearing {
     pub number: usize,
     /// The bearing with its tables.
     pub bearing: Bearing,
-    /// Index of the coordinate v of its node; w has the next index.
-    pub index: usize,
+    /// The scalars v and w: displacements of the shaft relative to what the bearing stands on.
+    pub rows: [Row; 2],
     /// Ratio of the speed of its shaft to the speed of the reference shaft.
     pub ratio: f64,
 }
@@ -52,9 +52,10 @@ impl SpeedDependentBearing {
         self.bearing.stiffness.holds() && self.bearing.damping.holds()
     }
 
-    /// The two scalars of the bearing: v and w of the node.
-    pub fn rows(&self) -> Vec<Row> {
-        vec![vec![(self.index, 1.0)], vec![(self.index + 1, 1.0)]]
+    /// The two scalars of the bearing for displacements, or their rates for velocities.
+    #[inline]
+    pub fn scalars(&self, q: &[f64]) -> [f64; 2] {
+        self.rows.each_ref().map(|row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
     }
 
     /// Stiffness [N/m] and damping [N s/m] over (v, w) at a speed of the reference shaft, rad/s.
@@ -88,27 +89,26 @@ impl SpeedDependentBearing {
     /// Force of the shaft on the bearing, components (y, z), N, at a speed of the reference shaft, rad/s.
     #[inline]
     pub fn force(&self, speed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let ([k, c], i) = (self.at(speed), self.index);
-        std::array::from_fn(|row| k[row][0] * q[i] + k[row][1] * q[i + 1] + c[row][0] * v[i] + c[row][1] * v[i + 1])
+        let ([k, c], u, rate) = (self.at(speed), self.scalars(q), self.scalars(v));
+        std::array::from_fn(|row| k[row][0] * u[0] + k[row][1] * u[1] + c[row][0] * rate[0] + c[row][1] * rate[1])
     }
 
     /// Force over the scalars, N, and its derivative, N/m, at the displacements q of a system at rest.
     pub fn static_tangent(&self, speed: f64, q: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let Coefficients { stiffness, .. } = self.linear(speed);
-        (&stiffness * DVector::from_column_slice(&q[self.index..self.index + 2]), stiffness)
+        (&stiffness * DVector::from_column_slice(&self.scalars(q)), stiffness)
     }
 
     /// Elastic energy ½uᵀKu, J.
     pub fn energy(&self, speed: f64, q: &[f64]) -> f64 {
         let [k, _] = self.at(speed);
-        form(&k, [q[self.index], q[self.index + 1]]) / 2.0
+        form(&k, self.scalars(q)) / 2.0
     }
 
     /// Powers, W: the power that the changing stiffness takes from the drive, and the power that damping and
     /// cross-coupling take from the shaft. `speed` (rad/s) and `acceleration` (rad/s²) are those of the reference shaft.
     pub fn powers(&self, speed: f64, acceleration: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let ([k, c], u, rate) =
-            (self.at(speed), [q[self.index], q[self.index + 1]], [v[self.index], v[self.index + 1]]);
+        let ([k, c], u, rate) = (self.at(speed), self.scalars(q), self.scalars(v));
         let own = self.ratio * speed;
         // The table is a function of |Ω_s|.
         let faster = self.ratio * acceleration * own.signum();

@@ -5,7 +5,9 @@ use crate::mesh::{ContactMode, Geometry, Overlap, ShaftPhase};
 /// Quantities at an instant of a run on which a connection depends in addition to its scalars.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
-    /// Angles and spins of the two shafts of a mesh.
+    /// Time, s.
+    pub time: f64,
+    /// Angles and spins of the two shafts of a mesh; the first one is the shaft of a load.
     pub phases: [ShaftPhase; 2],
     /// Contact mode of a mesh.
     pub contact_mode: ContactMode,
@@ -62,7 +64,7 @@ pub struct InterfaceOptions<'a> {
     pub reference: &'a [f64],
     /// Whether the linear motion contains the linear part of the connections.
     pub contained: bool,
-    /// Largest speed of the reference shaft, rad/s.
+    /// Speed of the reference shaft in the linear motion, rad/s.
     pub speed: f64,
     /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
     pub highest_frequency: f64,

@@ -6,6 +6,7 @@
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
 use super::journal::JournalInterface;
+use super::load::LoadInterface;
 use super::mesh::MeshInterface;
 use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
@@ -20,6 +21,8 @@ pub enum Interface {
     Spring(SpringInterface),
     /// A journal bearing.
     Journal(Box<JournalInterface>),
+    /// A load that depends on time, angle or speed.
+    Load(LoadInterface),
 }
 
 impl Interface {
@@ -36,6 +39,7 @@ impl Interface {
             Connection::Bearing(_) => Ok(None),
             Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
             Connection::Journal(journal) => Ok(Some(Self::Journal(Box::new(JournalInterface::new(journal, options))))),
+            Connection::Load(load) => Ok(Some(Self::Load(LoadInterface::new(load, options)))),
         }
     }
 
@@ -44,7 +48,16 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) | Self::Journal(_) => None,
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => None,
+        }
+    }
+
+    /// Index of the shaft on whose angle and speed it depends, if it is a load.
+    #[inline(always)]
+    pub fn shaft(&self) -> Option<usize> {
+        match self {
+            Self::Mesh(_) | Self::Spring(_) | Self::Journal(_) => None,
+            Self::Load(interface) => Some(interface.load.shaft),
         }
     }
 
@@ -55,6 +68,7 @@ impl Interface {
             Self::Mesh(interface) => interface.scalars(),
             Self::Spring(interface) => interface.spring.rows.len(),
             Self::Journal(_) => 2,
+            Self::Load(interface) => interface.load.rows.len(),
         }
     }
 
@@ -64,6 +78,7 @@ impl Interface {
             Self::Mesh(interface) => interface.has_rates(),
             Self::Spring(interface) => interface.has_rates(),
             Self::Journal(_) => true,
+            Self::Load(interface) => interface.has_rates(),
         }
     }
 
@@ -73,6 +88,7 @@ impl Interface {
             Self::Mesh(interface) => interface.is_affine(),
             Self::Spring(interface) => interface.is_affine(),
             Self::Journal(_) => false,
+            Self::Load(interface) => interface.is_affine(),
         }
     }
 
@@ -83,6 +99,7 @@ impl Interface {
             Self::Mesh(interface) => interface.rows(),
             Self::Spring(interface) => interface.spring.rows.clone(),
             Self::Journal(interface) => interface.rows(),
+            Self::Load(interface) => interface.load.rows.clone(),
         }
     }
 
@@ -92,6 +109,7 @@ impl Interface {
             Self::Mesh(interface) => interface.reference_force(),
             Self::Spring(interface) => &interface.reference_force,
             Self::Journal(interface) => &interface.reference_force,
+            Self::Load(interface) => &interface.reference_force,
         }
     }
 
@@ -100,7 +118,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) | Self::Journal(_) => self.scalars(),
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => self.scalars(),
         }
     }
 
@@ -111,6 +129,7 @@ impl Interface {
             Self::Mesh(interface) => vec![interface.direction()],
             Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
             Self::Journal(interface) => Direction::of_scalars(&interface.linear().stiffness),
+            Self::Load(interface) => Direction::of_scalars(&interface.load.linear(0.0).stiffness),
         }
     }
 
@@ -129,6 +148,10 @@ impl Interface {
             }
             Self::Journal(interface) => {
                 interface.load(instant, u, rates, load)?;
+                Ok(Contact::default())
+            }
+            Self::Load(interface) => {
+                interface.load(instant, rates, load);
                 Ok(Contact::default())
             }
         }
@@ -153,6 +176,11 @@ impl Interface {
             }
             Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
             Self::Journal(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
+            Self::Load(interface) => {
+                stiffness.fill(0.0);
+                damping.fill(0.0);
+                interface.residual_tangent(instant, rates, damping);
+            }
         }
     }
 
@@ -160,7 +188,9 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Journal(_) => GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 },
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => {
+                GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
+            }
         }
     }
 
@@ -169,7 +199,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Journal(_) => [f64::INFINITY; 2],
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -187,7 +217,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) | Self::Journal(_) => Ok(None),
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => Ok(None),
         }
     }
 
@@ -199,7 +229,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) | Self::Journal(_) => Ok(()),
+            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => Ok(()),
         }
     }
 }

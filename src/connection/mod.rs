@@ -23,6 +23,7 @@ mod channel;
 mod instant;
 mod interface;
 mod journal;
+mod load;
 mod mesh;
 mod spring;
 
@@ -33,6 +34,7 @@ pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Touch};
 pub use interface::Interface;
 pub use journal::{JournalBearing, JournalInterface, OperatingPoint};
+pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
 pub use spring::{Spring, SpringInterface};
 
@@ -52,6 +54,8 @@ pub enum Connection<'m> {
     Journal(&'m JournalBearing),
     /// A spring with a cubic term.
     Spring(&'m Spring),
+    /// A load that depends on time, angle or speed.
+    Load(&'m AppliedLoad),
 }
 
 /// Stiffness and damping over the scalars of a connection.
@@ -112,10 +116,16 @@ impl Connection<'_> {
                 mesh.gradient(*sigma, mesh.normal_at_rest(*sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
-            Self::Bearing(bearing) => bearing.rows(),
+            Self::Bearing(bearing) => bearing.rows.to_vec(),
             Self::Journal(journal) => journal.rows(),
             Self::Spring(spring) => spring.rows.clone(),
+            Self::Load(load) => load.rows.clone(),
         }
+    }
+
+    /// Whether it has stiffness, so that a rigid-body mode cannot move its scalars.
+    pub fn is_elastic(&self) -> bool {
+        !matches!(self, Self::Load(_))
     }
 
     /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.
@@ -125,6 +135,7 @@ impl Connection<'_> {
             Self::Bearing(bearing) => bearing.linear(speed),
             Self::Journal(journal) => journal.linear(),
             Self::Spring(spring) => spring.linear(),
+            Self::Load(load) => load.linear(speed),
         }
     }
 
@@ -138,6 +149,7 @@ impl Connection<'_> {
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Journal(journal) => journal.bounds(),
             Self::Spring(spring) => spring.bounds(),
+            Self::Load(load) => load.bounds(),
         }
     }
 
@@ -146,17 +158,17 @@ impl Connection<'_> {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
             Self::Bearing(_) | Self::Journal(_) => &BEARING_CHANNELS,
-            // A scene cannot contain a spring.
-            Self::Spring(_) => &[],
+            // A scene cannot contain a spring, and a run knows its loads.
+            Self::Spring(_) | Self::Load(_) => &[],
         }
     }
 
     /// Name of the connection in messages, with its stiffness; none for a bearing, whose stiffness depends on the
-    /// speed.
+    /// speed, and for a load, which has none.
     pub fn described(&self) -> Option<String> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
-            Self::Bearing(_) | Self::Journal(_) => None,
+            Self::Bearing(_) | Self::Journal(_) | Self::Load(_) => None,
             Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }
     }

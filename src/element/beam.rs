@@ -49,6 +49,17 @@ pub fn flexural_rigidity(element: &Element, material: &Material) -> f64 {
     Section::new(element, material, false).flexural
 }
 
+/// Deflection, m, at ξ = x/l of an element under its own inertia at a uniform acceleration of 1 m/s², between ends with
+/// the static displacements (u₁, φ₁, u₂, φ₂) = `ends`: that of the ends, and that of a clamped beam,
+/// w x²(l − x)²/(24EI) + w x(l − x)/(2κGA).
+pub fn deflection(element: &Element, material: &Material, shear: bool, ends: Vector4<f64>, xi: f64) -> f64 {
+    let section = Section::new(element, material, shear);
+    let (l, between) = (element.length, element.length * element.length * xi * (1.0 - xi));
+    let sheared = if shear { section.mass * between / (2.0 * section.shear) } else { 0.0 };
+    let bent = section.mass * between * between / (24.0 * section.flexural);
+    displacement(xi, l, section.phi).dot(&ends) + bent + sheared
+}
+
 /// Nodes in [0, 1] and weights of the four-point Gauss rule. It is exact for the products of shape functions, whose
 /// degree is at most six.
 const GAUSS: [(f64, f64); 4] = [

@@ -5,7 +5,9 @@ use std::cell::OnceCell;
 use num_complex::Complex64;
 
 use super::dense;
+use super::fractions::Fractions;
 use super::interface_maps::{InterfaceMaps, gram};
+use super::mode_split::ModeSplit;
 use super::packed::Panel;
 use super::propagator::{StageResponse, StepPropagator};
 use super::quadrature::QuadratureRule;
@@ -29,6 +31,10 @@ pub struct PropagatorCache<'m> {
     pub gram: Panel,
     propagators: Vec<OnceCell<StepPropagator>>,
     stage_responses: Vec<OnceCell<StageResponse>>,
+    /// For each step level the slow and the fast modes; `None` if the motion within a step does not use them.
+    mode_splits: Vec<OnceCell<Option<ModeSplit>>>,
+    /// e^{At} within a step.
+    pub fractions: Fractions,
 }
 
 impl<'m> PropagatorCache<'m> {
@@ -53,13 +59,24 @@ impl<'m> PropagatorCache<'m> {
                 levels.into_iter().map(|(propagator, response)| (propagator.into(), response.into())).unzip()
             }
         };
-        Self { rule, time_grid, linear, maps, spins, gram, propagators, stage_responses }
+        let mode_splits = vec![OnceCell::new(); time_grid.finest + 1];
+        let fractions = Fractions::new(&time_grid);
+        Self { rule, time_grid, linear, maps, spins, gram, propagators, stage_responses, mode_splits, fractions }
     }
 
     /// Propagator of the state over a step of a level.
     pub fn propagator(&self, level: usize) -> &StepPropagator {
         self.propagators[level]
             .get_or_init(|| StepPropagator::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level)))
+    }
+
+    /// Slow and fast modes of a step of a level; `None` if A is dense, or a pair of modes is neither.
+    pub fn mode_split(&self, level: usize) -> Option<&ModeSplit> {
+        let split = || match &self.linear.matrix {
+            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level)),
+            StateMatrix::Dense(_) => None,
+        };
+        self.mode_splits[level].get_or_init(split).as_ref()
     }
 
     /// Interface states at the stages of a step of a level.
@@ -71,7 +88,7 @@ impl<'m> PropagatorCache<'m> {
     }
 
     /// Mode pairs of the linear motion; none for the dense form, whose levels are all computed at construction.
-    fn pairs(&self) -> &[ModePair] {
+    pub fn pairs(&self) -> &[ModePair] {
         if let StateMatrix::Pairs(pairs) = &self.linear.matrix { pairs } else { &[] }
     }
 }

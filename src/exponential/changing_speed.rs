@@ -17,7 +17,7 @@ use num_complex::Complex64;
 use super::interface_maps::InterfaceMaps;
 use crate::connection::SpeedDependentBearing;
 use crate::modal::{GyroscopicPair, ModalStateSpace};
-use crate::model::{Model, ShaftModel};
+use crate::model::{Excitation, Model, ShaftModel};
 use crate::motion::{EquationOfMotion, RotationState};
 use crate::scene::Matrix2;
 
@@ -76,7 +76,7 @@ impl Source {
         Self {
             ratio: shaft.ratio,
             at_origin,
-            has_bow: shaft.excitations.iter().any(|excitation| excitation.bow != Complex64::ZERO),
+            has_bow: shaft.excitations.iter().any(|excitation| excitation.steady_amplitude() != Complex64::ZERO),
             has_unbalance: shaft.excitations.iter().any(|excitation| excitation.unbalance != Complex64::ZERO),
         }
     }
@@ -101,13 +101,13 @@ impl ChangingSpeedLoads {
         let mut columns = Vec::new();
         let mut bearings = Vec::with_capacity(model.bearings.len());
         for bearing in &model.bearings {
-            let entries = bearing.rows();
+            let entries = &bearing.rows;
             maps.rows.extend([false, true].iter().flat_map(|rate| entries.iter().map(|row| linear.row(row, *rate))));
             columns.extend(entries.iter().map(|row| linear.column(row)));
             bearings.push(BearingDifference {
                 bearing: bearing.clone(),
                 contained: bearing.at(change.bearing_speed),
-                reference: [reference[bearing.index], reference[bearing.index + 1]],
+                reference: bearing.scalars(reference.as_slice()),
             });
         }
         for vector in change.pairs.iter().flat_map(|pair| &pair.vectors) {
@@ -206,7 +206,7 @@ fn sources(
     let mut sources = Vec::new();
     for (index, shaft) in model.shafts.iter().enumerate() {
         let source = Source::new(shaft, motion.phasor(index, 0.0));
-        let mut push = |amplitude: fn(&crate::model::Excitation) -> Complex64| {
+        let mut push = |amplitude: fn(&Excitation) -> Complex64| {
             let (mut cosine, mut sine) = (Vec::new(), Vec::new());
             for excitation in &shaft.excitations {
                 let (at, amplitude) = (excitation.index, amplitude(excitation));
@@ -216,7 +216,7 @@ fn sources(
             columns.extend([linear.column(&cosine), linear.column(&sine)]);
         };
         if source.has_bow {
-            push(|excitation| excitation.bow);
+            push(Excitation::steady_amplitude);
         }
         if source.has_unbalance {
             push(|excitation| excitation.unbalance);

@@ -2,74 +2,83 @@
 //!
 //! A step can only end at a unit of the time grid. A jump that happens τ after a unit is moved to the unit, and the state
 //! gets the contribution of the old loads until the jump: ∫₀^τ e^{−As} b Δp(s) ds, where Δp is the old load minus the new
-//! one. With Δp as a parabola, the integral is a short series over the columns Aᵐ b.
+//! one. With the parabola Δp(s) = Σ dⱼ (s/τ)ʲ, the integral is a short series:
+//!
+//! ```text
+//! Σ_m (−τ)ᵐ/m! Aᵐ g_m,        g_m = τ Σⱼ b dⱼ/(m + j + 1)
+//! ```
 
 use super::context::StepContext;
 use super::interface_maps::InterfaceMaps;
-use super::panel_kernel;
-use crate::modal::ModalStateSpace;
+use super::{kernel, panel_kernel, taylor_terms};
+use crate::modal::{ModalStateSpace, StateMatrix};
 
 /// Number of points of the parabola: at the beginning, in the middle and at the end of τ.
 pub const POINTS: usize = 3;
-/// Terms of the series. No mode rotates by a radian in τ, and 1/16! is below round-off.
-const TERMS: usize = 16;
 
-/// Columns of the series, and the accelerations of the interface under loads.
+/// The effect of a jump on the state, and the accelerations of the interface under loads.
 #[derive(Clone, Debug)]
 pub(super) struct JumpSeries {
-    /// Columns Aᵐ b, load after load, m after m.
-    columns: Vec<f64>,
     /// w A b: acceleration of every interface scalar under every load, scalar after scalar.
     mobility: Vec<f64>,
     /// Number of interface scalars, and of scalars and rates.
     scalars: [usize; 2],
+    /// Scratch: coefficients dⱼ of all loads, and Σ b dⱼ over all loads.
+    coefficients: [Vec<f64>; POINTS],
+    moments: [Vec<f64>; POINTS],
+    /// Scratch of a dense motion: the series, and its product with A.
+    sum: Vec<f64>,
+    product: Vec<f64>,
 }
 
 impl JumpSeries {
-    /// Computes the columns of all loads.
+    /// Allocates the series of a linear motion.
     pub fn new(linear: &ModalStateSpace, maps: &InterfaceMaps) -> Self {
-        let mut columns = Vec::with_capacity(maps.columns.len() * TERMS * linear.len());
-        for load in &maps.columns {
-            let mut column = load.clone();
-            for _ in 0..TERMS {
-                columns.extend_from_slice(&column);
-                let mut next = vec![0.0; column.len()];
-                linear.multiply(&column, &mut next);
-                column = next;
-            }
-        }
         let scalars = maps.scalars;
         let with_rates = if maps.has_rates { 2 * scalars } else { scalars };
-        Self { columns, mobility: mobility(linear, maps, scalars), scalars: [scalars, with_rates] }
+        Self {
+            mobility: mobility(linear, maps, scalars),
+            scalars: [scalars, with_rates],
+            coefficients: std::array::from_fn(|_| vec![0.0; maps.columns.len()]),
+            moments: std::array::from_fn(|_| vec![0.0; linear.len()]),
+            sum: vec![0.0; linear.len()],
+            product: vec![0.0; linear.len()],
+        }
     }
 
     /// Adds to `z` the effect of the old loads for a jump that happens `delay` seconds later. `jumps` holds the old loads
     /// minus the new ones at the beginning, in the middle and at the end of that time.
-    pub fn apply(&self, context: &StepContext<'_>, delay: f64, jumps: &[Vec<f64>; POINTS], z: &mut [f64]) {
+    pub fn apply(&mut self, context: &StepContext<'_>, delay: f64, jumps: &[Vec<f64>; POINTS], z: &mut [f64]) {
         if delay == 0.0 {
             return;
         }
-        let len = TERMS * z.len();
-        for (k, columns) in self.columns.chunks_exact(len.max(1)).enumerate() {
+        let [first, second, third] = &mut self.coefficients;
+        for (k, ((first, second), third)) in first.iter_mut().zip(second).zip(third).enumerate() {
             let [begin, middle, end] = jumps.each_ref().map(|jump| jump[k]);
-            if [begin, middle, end] == [0.0; POINTS] {
-                continue;
-            }
-            // Δp(s) = Σ dⱼ (s/τ)ʲ, and ∫₀^τ (−s)ᵐ/m! (s/τ)ʲ ds = (−τ)ᵐ/m! τ/(m + j + 1).
-            let parabola = [begin, 4.0 * middle - 3.0 * begin - end, 2.0 * (begin - 2.0 * middle + end)];
-            let (mut coefficients, mut power, mut count) = ([0.0; TERMS], delay, 0);
-            for (m, coefficient) in coefficients.iter_mut().enumerate() {
-                let integral = |(j, d): (usize, &f64)| d / (m + j + 1) as f64;
-                *coefficient = power * parabola.iter().enumerate().map(integral).sum::<f64>();
-                count = m + 1;
-                power *= -delay / (m + 1) as f64;
-                // The remaining terms are below round-off for every mode.
-                if (power / delay).abs() * context.cache.linear.radius.powi(m as i32 + 1) < f64::EPSILON / 8.0 {
-                    break;
-                }
-            }
-            panel_kernel::accumulate(context.arch, columns, &coefficients[..count], z);
+            (*first, *second) = (begin, 4.0 * middle - 3.0 * begin - end);
+            *third = 2.0 * (begin - 2.0 * middle + end);
         }
+        for (moment, coefficients) in self.moments.iter_mut().zip(&self.coefficients) {
+            moment.fill(0.0);
+            panel_kernel::accumulate(context.arch, &context.columns, coefficients, moment);
+        }
+        let linear = context.cache.linear;
+        let terms = taylor_terms(linear.radius * delay);
+        let moments = self.moments.each_ref().map(|moment| &moment[..]);
+        if let StateMatrix::Pairs(_) = linear.matrix {
+            kernel::add_jump(context.arch, &linear.blocks, moments, (delay, terms), z);
+            return;
+        }
+        self.sum.fill(0.0);
+        for m in (0..terms).rev() {
+            linear.multiply(&self.sum, &mut self.product);
+            let factors: [f64; POINTS] = std::array::from_fn(|j| delay / (m + j + 1) as f64);
+            for (entry, (sum, product)) in self.sum.iter_mut().zip(&self.product).enumerate() {
+                let own: f64 = factors.iter().zip(moments).map(|(factor, moment)| factor * moment[entry]).sum();
+                *sum = own - delay / (m + 1) as f64 * product;
+            }
+        }
+        z.iter_mut().zip(&self.sum).for_each(|(z, sum)| *z += sum);
     }
 
     /// Moves the interface state, which lies `ahead` seconds before a jump, to the path on which the new loads lead to

@@ -9,8 +9,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::packed::{Aligned, BLOCK, Columns, Group, Rows, WIDTH};
 
-/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian.
-pub const TERMS: usize = 16;
 /// `out[i] = rows[i]·z`, with the rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
     arch.dispatch(Scalars { rows, z, out });
@@ -188,64 +186,50 @@ impl Advance<'_> {
     }
 }
 
-/// `z ← z + Σ restⁿ/n! z⁽ⁿ⁾` up to n = `terms`, with `z⁽ⁿ⁺¹⁾ = A z⁽ⁿ⁾ + Σ columns[k] p⁽ⁿ⁾[k]`. `derivatives` holds the
-/// time derivatives of the loads p, order after order; further ones are zero.
-pub fn taylor_step(
-    arch: Arch,
-    blocks: &[Vec<f64>; 4],
-    columns: &[f64],
-    derivatives: &[f64],
-    rest: f64,
-    terms: usize,
-    z: &mut [f64],
-) {
-    arch.dispatch(TaylorStep { blocks, columns, derivatives, rest, terms, z });
+/// `z += Σ_m (−τ)ᵐ/m! Aᵐ g_m` with `g_m = τ Σⱼ moments[j]/(m + j + 1)`, up to a number of terms. `blocks` holds the entries
+/// of the 2×2 blocks of A.
+pub fn add_jump(arch: Arch, blocks: &[Vec<f64>; 4], moments: [&[f64]; 3], (delay, terms): (f64, usize), z: &mut [f64]) {
+    arch.dispatch(AddJump { blocks, moments, delay, terms, z });
 }
 
-struct TaylorStep<'a> {
+struct AddJump<'a> {
     blocks: &'a [Vec<f64>; 4],
-    columns: &'a [f64],
-    derivatives: &'a [f64],
-    rest: f64,
+    moments: [&'a [f64]; 3],
+    delay: f64,
     terms: usize,
     z: &'a mut [f64],
 }
 
-impl WithSimd for TaylorStep<'_> {
+impl WithSimd for AddJump<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let len = self.z.len();
-        let loads = self.columns.len() / len.max(1);
+        let half = self.z.len() / (2 * WIDTH);
         let [a, b, c, d] = self.blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let (x, y) = self.z.split_at_mut(len / 2);
-        let (x, y) = (x.as_chunks_mut::<WIDTH>().0, y.as_chunks_mut::<WIDTH>().0);
-        let columns = self.columns.as_chunks::<WIDTH>().0;
-        let half = x.len();
-        let parts: [f64; TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
-        for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
-            let (mut first, mut second) = (*x, *y);
-            let mut derivatives = self.derivatives.chunks_exact(loads.max(1));
-            let mut factor = 1.0;
-            for by in &parts[..self.terms] {
-                factor *= by;
-                let (mut by_x, mut by_y) = ([0.0; WIDTH], [0.0; WIDTH]);
-                if let Some(derivative) = derivatives.next() {
-                    for (p, column) in derivative.iter().zip(columns.chunks_exact(2 * half)) {
+        let moments = self.moments.map(|moment| moment.as_chunks::<WIDTH>().0);
+        let z = self.z.as_chunks_mut::<WIDTH>().0;
+        for i in 0..half {
+            let mut sum = [[0.0; WIDTH]; 2];
+            for m in (0..self.terms).rev() {
+                let factor = -self.delay / (m + 1) as f64;
+                let factors: [f64; 3] = std::array::from_fn(|j| self.delay / (m + j + 1) as f64);
+                let [x, y] = sum;
+                for lane in 0..WIDTH {
+                    sum[0][lane] = factor * (a[i][lane] * x[lane] + b[i][lane] * y[lane]);
+                    sum[1][lane] = factor * (c[i][lane] * x[lane] + d[i][lane] * y[lane]);
+                }
+                for (side, sum) in sum.iter_mut().enumerate() {
+                    for (factor, moment) in factors.iter().zip(&moments) {
                         for lane in 0..WIDTH {
-                            by_x[lane] += column[i][lane] * p;
-                            by_y[lane] += column[half + i][lane] * p;
+                            sum[lane] += factor * moment[side * half + i][lane];
                         }
                     }
                 }
-                let (before, beside) = (first, second);
+            }
+            for (side, sum) in sum.iter().enumerate() {
                 for lane in 0..WIDTH {
-                    let (u, v) = (before[lane], beside[lane]);
-                    first[lane] = by * (a[i][lane] * u + b[i][lane] * v) + factor * by_x[lane];
-                    second[lane] = by * (c[i][lane] * u + d[i][lane] * v) + factor * by_y[lane];
-                    x[lane] += first[lane];
-                    y[lane] += second[lane];
+                    z[side * half + i][lane] += sum[lane];
                 }
             }
         }

@@ -15,7 +15,8 @@
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
-//! - The motion within a step: `substep`, `trajectory`, `output`.
+//! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
+//!   `substep_chain`; `trajectory`, `output`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod cache;
@@ -27,11 +28,14 @@ mod context;
 mod dense;
 mod driver;
 mod estimate;
+mod fractions;
 mod in_modes;
 mod interface_maps;
 mod jump;
 mod kernel;
 mod level_control;
+mod load_polynomials;
+mod mode_split;
 mod nonlinear_loads;
 mod output;
 mod packed;
@@ -47,6 +51,8 @@ mod stages;
 mod step;
 mod step_point;
 mod substep;
+mod substep_chain;
+mod substep_modes;
 mod time_grid;
 mod trajectory;
 
@@ -70,4 +76,19 @@ enum Outcome {
     Solved,
     /// The stage equations are not solved: the step is too long.
     Unsolved,
+}
+
+/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian:
+/// 1/16! is below round-off.
+const MAX_TERMS: usize = 16;
+
+/// Terms of a Taylor series over a time in which no mode rotates by more than `rotation`, rad: further ones are below
+/// round-off.
+fn taylor_terms(rotation: f64) -> usize {
+    let (mut terms, mut size) = (0, 1.0);
+    while terms < MAX_TERMS && size >= f64::EPSILON / 8.0 {
+        terms += 1;
+        size *= rotation.abs() / terms as f64;
+    }
+    terms
 }

@@ -9,6 +9,7 @@ use super::packed::Rows;
 use super::rotating_source::add_rotated;
 use crate::integrate::{Span, at_each};
 use crate::modal::ModalStateSpace;
+use crate::motion::PowerCoordinates;
 
 /// Coordinates that a run reads.
 #[derive(Clone, Debug, Default)]
@@ -17,12 +18,19 @@ pub struct Selection {
     pub displacements: Vec<usize>,
     /// Indices of the velocities.
     pub velocities: Vec<usize>,
+    /// Coordinates from which powers follow, if the run records energies.
+    pub powers: Option<PowerCoordinates>,
 }
 
 /// Rows that map a state z to the selected displacements and velocities.
 #[derive(Clone, Debug)]
 pub struct OutputMap {
-    selection: Selection,
+    /// Indices of the displacements, then those of sums of displacements, which are written behind all coordinates.
+    displacements: Vec<usize>,
+    /// Indices of the velocities.
+    velocities: Vec<usize>,
+    /// The map to the coordinates from which powers follow.
+    powers: Option<Box<OutputMap>>,
     rows: Rows,
     /// Values at the reference, m or rad; zero for velocities.
     reference: Vec<f64>,
@@ -41,26 +49,55 @@ pub struct OutputMap {
 impl OutputMap {
     /// Collects the rows of a selection.
     pub fn new(nonlinear_loads: &NonlinearLoads<'_>, linear: &ModalStateSpace, selection: Selection) -> Self {
-        let both = || {
-            let displacements = selection.displacements.iter().map(|index| (*index, false));
-            displacements.chain(selection.velocities.iter().map(|index| (*index, true)))
+        let Selection { displacements, velocities, powers } = selection;
+        let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
+            Box::new(Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &combinations))
+        });
+        Self { powers, ..Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]) }
+    }
+
+    /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
+    fn of_sums(
+        nonlinear_loads: &NonlinearLoads<'_>,
+        linear: &ModalStateSpace,
+        (mut displacements, velocities): (Vec<usize>, Vec<usize>),
+        sums: &[Vec<(usize, f64)>],
+    ) -> Self {
+        let single = |index: &usize| vec![(*index, 1.0)];
+        let mut scalars: Vec<_> = displacements.iter().map(|index| (single(index), false)).collect();
+        scalars.extend(sums.iter().map(|entries| (entries.clone(), false)));
+        scalars.extend(velocities.iter().map(|index| (single(index), true)));
+        let first = nonlinear_loads.reference.len();
+        displacements.extend(first..first + sums.len());
+        let rows: Vec<_> = scalars.iter().map(|(entries, rate)| linear.row(entries, *rate)).collect();
+        let amplitude = |source: usize, entries: &[(usize, f64)], rate: bool| -> Complex64 {
+            entries.iter().map(|(index, factor)| nonlinear_loads.amplitude(source, *index, rate) * factor).sum()
         };
-        let rows: Vec<_> = both().map(|(index, rate)| linear.row(&[(index, 1.0)], rate)).collect();
         let amplitudes = (0..nonlinear_loads.source_count())
-            .flat_map(|source| both().map(move |(index, rate)| nonlinear_loads.amplitude(source, index, rate)))
+            .flat_map(|source| scalars.iter().map(move |(entries, rate)| amplitude(source, entries, *rate)))
             .collect();
-        let reference = both().map(|(index, rate)| if rate { 0.0 } else { nonlinear_loads.reference[index] }).collect();
+        let at_reference = |entries: &[(usize, f64)]| {
+            entries.iter().map(|(index, factor)| nonlinear_loads.reference[*index] * factor).sum()
+        };
+        let reference = scalars.iter().map(|(entries, rate)| if *rate { 0.0 } else { at_reference(entries) }).collect();
         Self {
             states: Vec::with_capacity(linear.len()),
-            values: Vec::with_capacity(both().count()),
+            values: Vec::with_capacity(scalars.len()),
             ends: Vec::new(),
             phasors: vec![Complex64::ZERO; nonlinear_loads.source_count()],
             rows: Rows::new(&rows, &linear.parts),
             reference,
             amplitudes,
-            selection,
+            displacements,
+            velocities,
+            powers: None,
             arch: Arch::new(),
         }
+    }
+
+    /// The map to the coordinates from which powers follow, if there is one.
+    pub(super) fn powers(&mut self) -> Option<&mut Self> {
+        self.powers.as_deref_mut()
     }
 
     /// Writes the selected displacements and velocities of a state into vectors of all coordinates.
@@ -136,11 +173,11 @@ impl OutputMap {
             for (phasor, amplitudes) in self.phasors.iter().zip(self.amplitudes.chunks_exact(count)) {
                 add_rotated(amplitudes, *phasor, values);
             }
-            let (displacements, velocities) = values.split_at(self.selection.displacements.len());
-            for (index, value) in self.selection.displacements.iter().zip(displacements) {
+            let (displacements, velocities) = values.split_at(self.displacements.len());
+            for (index, value) in self.displacements.iter().zip(displacements) {
                 q[*index] = *value;
             }
-            for (index, value) in self.selection.velocities.iter().zip(velocities) {
+            for (index, value) in self.velocities.iter().zip(velocities) {
                 v[*index] = *value;
             }
         }

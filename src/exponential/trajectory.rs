@@ -58,19 +58,13 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
-        let length = self.step.length();
-        for elapsed in instants {
-            let within = elapsed - self.step.begin;
-            let z = if (within - length).abs() <= ROUND_OFF * length {
-                &self.step.stepper.end_state
-            } else if within.abs() <= ROUND_OFF * length {
-                self.step.z
-            } else {
-                self.step.state_at(self.sampler, within)
-            };
-            self.output.gather(z);
+        read(self.step, self.sampler, self.output, instants, [q, v]);
+    }
+
+    fn power_states(&mut self, instants: &[f64], _: &[usize], _: &[Vec<(usize, f64)>], q: &mut [f64], v: &mut [f64]) {
+        if let Some(output) = self.output.powers() {
+            read(self.step, self.sampler, output, instants, [q, v]);
         }
-        self.output.read_gathered(self.step.stepper.nonlinear_loads(), instants, q, v);
     }
 
     fn is_resolved(&self) -> bool {
@@ -80,4 +74,27 @@ impl Trajectory for StepTrajectory<'_, '_> {
     fn end_displacement(&self) -> Option<&[f64]> {
         None
     }
+}
+
+/// Reads the motion of a step at some instants through a map.
+fn read(
+    step: CompletedStep<'_, '_>,
+    sampler: &mut SubstepSampler,
+    output: &mut OutputMap,
+    instants: &[f64],
+    [q, v]: [&mut [f64]; 2],
+) {
+    let length = step.length();
+    for elapsed in instants {
+        let within = elapsed - step.begin;
+        let z = if (within - length).abs() <= ROUND_OFF * length {
+            &step.stepper.end_state
+        } else if within.abs() <= ROUND_OFF * length {
+            step.z
+        } else {
+            step.state_at(sampler, within)
+        };
+        output.gather(z);
+    }
+    output.read_gathered(step.stepper.nonlinear_loads(), instants, q, v);
 }

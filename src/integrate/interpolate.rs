@@ -15,6 +15,25 @@ pub trait Trajectory {
     /// instant.
     fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
 
+    /// Writes the displacements and velocities of `coordinates`, and behind the displacements of each instant the sums of
+    /// displacements `combinations`, given as entries (index, coefficient). All vectors have the same length.
+    fn power_states(
+        &mut self,
+        instants: &[f64],
+        coordinates: &[usize],
+        combinations: &[Vec<(usize, f64)>],
+        q: &mut [f64],
+        v: &mut [f64],
+    ) {
+        self.states(instants, coordinates, q, v);
+        for (_, q, _) in at_each(instants, q, v) {
+            let (q, sums) = q.split_at_mut(q.len() - combinations.len());
+            for (sum, entries) in sums.iter_mut().zip(combinations) {
+                *sum = entries.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
+            }
+        }
+    }
+
     /// Whether the step resolves every mode, so that a polynomial of low degree is the motion within it.
     fn is_resolved(&self) -> bool {
         true

@@ -1,4 +1,4 @@
-//! Krylov space of a real operator, for its eigenvalues of largest magnitude: the band Arnoldi method (Saad 2011, Numerical
+//! Krylov space of a real or Hermitian operator, for its eigenvalues of largest magnitude: the band Arnoldi method (Saad 2011, Numerical
 //! Methods for Large Eigenvalue Problems, sections 6.3 and 6.4).
 //!
 //! The basis V is orthonormal in an inner product that the caller chooses. Applying the operator T to the first m basis
@@ -6,8 +6,9 @@
 //! other rows give the residuals. Start vectors may be added at any time: a space with p start vectors finds eigenvalues of
 //! multiplicity p.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 
+use super::band::Number;
 use super::dense::{DecompositionError, Eigen, eigen};
 
 /// A vector that loses more than this factor in orthogonalization lies in the space.
@@ -15,7 +16,9 @@ const DEPENDENT: f64 = 1e-12;
 
 /// An operator with the inner product in which it is close to normal.
 pub trait Operator {
-    /// Whether T is symmetric in the inner product.
+    /// Entries of the vectors.
+    type Scalar: Number;
+    /// Whether T is symmetric, or Hermitian, in the inner product; an operator on complex vectors is Hermitian.
     const SYMMETRIC: bool;
 
     /// Number of entries of a vector.
@@ -25,10 +28,10 @@ pub trait Operator {
     ///
     /// # Errors
     /// [`DecompositionError`] if a linear system has no accurate solution.
-    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError>;
+    fn apply(&self, x: &[Self::Scalar]) -> Result<Vec<Self::Scalar>, DecompositionError>;
 
-    /// W x, where xᵀWy is the inner product of x and y.
-    fn weigh(&self, x: &[f64]) -> Vec<f64>;
+    /// W x, where xᴴWy is the inner product of x and y.
+    fn weigh(&self, x: &[Self::Scalar]) -> Vec<Self::Scalar>;
 }
 
 /// Approximation of an eigenpair.
@@ -44,14 +47,14 @@ pub struct RitzPair {
 
 /// A Krylov space.
 #[derive(Debug)]
-pub struct Krylov<'a, T> {
+pub struct Krylov<'a, T: Operator> {
     operator: &'a T,
     /// Basis vectors, one after the other.
-    basis: Vec<f64>,
+    basis: Vec<T::Scalar>,
     /// Number of the first basis vectors, which span a space that the operator maps into itself.
     locked: usize,
     /// Components of T v in the basis, for every basis vector v to which the operator was applied.
-    images: Vec<Vec<f64>>,
+    images: Vec<Vec<T::Scalar>>,
     /// State of the random numbers.
     seed: u64,
 }
@@ -59,13 +62,18 @@ pub struct Krylov<'a, T> {
 impl<'a, T: Operator> Krylov<'a, T> {
     /// A space of the vectors of `locked`, which span a space that the operator maps into itself. Its eigenpairs are left
     /// out.
-    pub fn new(operator: &'a T, locked: impl IntoIterator<Item = Vec<f64>>) -> Self {
+    pub fn new(operator: &'a T, locked: impl IntoIterator<Item = Vec<T::Scalar>>) -> Self {
         let mut space = Self { operator, basis: Vec::new(), locked: 0, images: Vec::new(), seed: 1 };
         for vector in locked {
             space.push(vector);
         }
         space.locked = space.count();
         space
+    }
+
+    /// The operator.
+    pub fn operator(&self) -> &'a T {
+        self.operator
     }
 
     /// Number of basis vectors.
@@ -85,29 +93,29 @@ impl<'a, T: Operator> Krylov<'a, T> {
 
     /// Adds `vector` to the basis, orthogonalized and normalized. Returns its components, of which the last is that of the
     /// added vector.
-    fn push(&mut self, mut vector: Vec<f64>) -> Vec<f64> {
+    fn push(&mut self, mut vector: Vec<T::Scalar>) -> Vec<T::Scalar> {
         let (size, count) = (self.operator.size(), self.count());
-        let norm = |vector: &[f64], weighted: &[f64]| {
-            vector.iter().zip(weighted).map(|(x, w)| x * w).sum::<f64>().max(0.0).sqrt()
+        let norm = |vector: &[T::Scalar], weighted: &[T::Scalar]| {
+            vector.iter().zip(weighted).map(|(x, w)| (x.conjugate() * *w).real()).sum::<f64>().max(0.0).sqrt()
         };
         let weighted = self.operator.weigh(&vector);
         let before = norm(&vector, &weighted);
         let basis = nalgebra::DMatrixView::from_slice(&self.basis, size, count);
-        let mut components = DVector::zeros(count);
+        let mut components = DVector::<T::Scalar>::zeros(count);
         let mut weighted = DVector::from_vec(weighted);
         // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
         for _ in 0..2 {
-            let part = basis.tr_mul(&weighted);
+            let part = basis.ad_mul(&weighted);
             let mut view = nalgebra::DVectorViewMut::from_slice(&mut vector, size);
-            view.gemv(-1.0, &basis, &part, 1.0);
+            view.gemv(T::Scalar::from_real(-1.0), &basis, &part, T::Scalar::from_real(1.0));
             components += part;
             weighted = DVector::from_vec(self.operator.weigh(&vector));
         }
-        let mut components: Vec<f64> = components.iter().copied().collect();
+        let mut components: Vec<T::Scalar> = components.iter().copied().collect();
         let after = norm(&vector, weighted.as_slice());
         if after > DEPENDENT * before && after.is_finite() {
-            self.basis.extend(vector.iter().map(|value| value / after));
-            components.push(after);
+            self.basis.extend(vector.iter().map(|value| value.unscale(after)));
+            components.push(T::Scalar::from_real(after));
         }
         components
     }
@@ -125,9 +133,17 @@ impl<'a, T: Operator> Krylov<'a, T> {
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
         };
-        let start: Vec<f64> = (0..self.operator.size()).map(|_| next()).collect();
+        let start: Vec<T::Scalar> = (0..self.operator.size()).map(|_| T::Scalar::from_real(next())).collect();
+        self.add_start_of(&start)
+    }
+
+    /// Adds the start vector T x.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] of the operator.
+    pub fn add_start_of(&mut self, x: &[T::Scalar]) -> Result<(), DecompositionError> {
         // The operator removes the components of the small eigenvalues.
-        let start = self.operator.apply(&start)?;
+        let start = self.operator.apply(x)?;
         self.push(start);
         Ok(())
     }
@@ -158,16 +174,18 @@ impl<'a, T: Operator> Krylov<'a, T> {
     pub fn ritz_pairs(&self) -> Result<Vec<RitzPair>, DecompositionError> {
         let m = self.images.len();
         let rest = self.count() - self.locked - m;
-        let entry = |row: usize, column: usize| self.images[column].get(self.locked + row).copied().unwrap_or(0.0);
+        let entry = |row: usize, column: usize| {
+            self.images[column].get(self.locked + row).copied().unwrap_or(T::Scalar::from_real(0.0))
+        };
         let projected = DMatrix::from_fn(m, m, entry);
         let eigen = if T::SYMMETRIC {
             // Vectors of equal eigenvalues are then orthogonal.
-            let found = ((&projected + projected.transpose()) / 2.0).symmetric_eigen();
-            Eigen { values: found.eigenvalues.map(Complex::from), vectors: found.eigenvectors.map(Complex::from) }
+            let found = ((&projected + projected.adjoint()).map(|value| value.unscale(2.0))).symmetric_eigen();
+            Eigen { values: found.eigenvalues.map(Complex::from), vectors: found.eigenvectors.map(complex) }
         } else {
-            eigen(&projected)?
+            eigen(&projected.map(|value| value.real()))?
         };
-        let tail = DMatrix::from_fn(rest, m, |row, column| Complex::from(entry(m + row, column)));
+        let tail = DMatrix::from_fn(rest, m, |row, column| complex(entry(m + row, column)));
         let pair = |(value, vector): (&Complex<f64>, DVector<Complex<f64>>)| RitzPair {
             value: *value,
             residual: (&tail * &vector).norm() / value.norm(),
@@ -181,7 +199,14 @@ impl<'a, T: Operator> Krylov<'a, T> {
     pub fn vector(&self, pair: &RitzPair) -> DVector<Complex<f64>> {
         let size = self.operator.size();
         let basis = nalgebra::DMatrixView::from_slice(&self.basis[self.locked * size..], size, self.images.len());
-        let part = |part: fn(&Complex<f64>) -> f64| basis * pair.components.map(|value| part(&value));
-        part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
+        let mut vector = DVector::zeros(size);
+        for (column, component) in basis.column_iter().zip(&pair.components) {
+            vector.iter_mut().zip(&column).for_each(|(sum, value)| *sum += complex(*value) * component);
+        }
+        vector
     }
+}
+
+fn complex<T: Number>(value: T) -> Complex<f64> {
+    Complex::new(value.real(), value.imaginary())
 }

@@ -33,8 +33,8 @@ pub struct Directions {
 /// What a reduced model carries from its loads to its signals.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
-    /// Columns b of loads that step.
-    pub columns: Vec<Vec<f64>>,
+    /// Columns b of loads that step, in groups of equal importance.
+    pub columns: Vec<Vec<Vec<f64>>>,
     /// States in which a run can begin.
     pub states: Vec<Vec<f64>>,
     /// Rows w of signals, in groups of the same unit and of equal importance.
@@ -66,21 +66,31 @@ impl Directions {
         let null = projected.modes.null;
         let elastic = projected.modes.frequencies.len() - null;
         let weighted = model.mass_times(&projected.modes.vectors.columns(null, elastic).into_owned());
-        let (position, test) = (weighted.tr_mul(&linear.displacement), (&linear.from_velocity * &weighted).transpose());
+        // Products with an explicit transpose run several times as fast.
+        let position = weighted.transpose() * &linear.displacement;
+        let test = (&linear.from_velocity * &weighted).transpose();
 
-        let steps = gramian(&coordinates, &responses(&coordinates, &ports.columns, Some(shift)), shift, size);
-        let starts = gramian(&coordinates, &responses(&coordinates, &ports.states, None), shift, size);
-        let rows = scaled(&ports.rows, &steps);
-        let signals = gramian(&dual, &responses(&dual, &rows, Some(shift)), shift, size);
         let mut total = DMatrix::zeros(elastic, elastic);
-        for (map, gramian) in [(&position, steps), (&position, starts), (&test, signals)] {
-            let form = map * gramian * map.transpose();
+        // Adds the displacements of a Gramian, and returns it in the same scale.
+        let mut add = |map: &DMatrix<f64>, gramian: DMatrix<f64>| {
+            let form = map * &gramian * map.transpose();
             let trace = form.trace();
             if trace > 0.0 {
                 total += form / trace;
+                gramian / trace
+            } else {
+                gramian
             }
+        };
+        let mut motion = DMatrix::zeros(size, size);
+        for columns in &ports.columns {
+            let steps = responses(&coordinates, columns, Some(shift));
+            motion += add(&position, gramian(&coordinates, &steps, shift, size));
         }
-        let statics = statics(&coordinates, &ports.columns, size);
+        add(&position, gramian(&coordinates, &responses(&coordinates, &ports.states, None), shift, size));
+        let rows = scaled(&ports.rows, &motion);
+        add(&test, gramian(&dual, &responses(&dual, &rows, Some(shift)), shift, size));
+        let statics = statics(&coordinates, &ports.columns.concat(), size);
         Self::ranked(&total, &(&position * statics))
     }
 
@@ -131,12 +141,24 @@ impl Directions {
         let displacement = |matrix: &DMatrix<f64>| {
             DMatrix::from_fn(size, matrix.ncols(), |row, column| matrix[(row, column)] / modes.frequencies[null + row])
         };
+        // Every load has the same importance: the trace of the Gramian of its displacements is one.
+        let mut steps = responses(&coordinates, &columns, Some(shift));
+        for load in 0..columns.len() {
+            let trace = |(mode, (coordinate, given)): (usize, (&Coordinate, &Vec<Complex64>))| {
+                let size = position_product(coordinate, coordinate, &given[load..=load], &given[load..=load], shift);
+                size / modes.frequencies[null + mode].powi(2)
+            };
+            let total: f64 = coordinates.iter().zip(&steps).enumerate().map(trace).sum();
+            let scale = 1.0 / total.max(f64::MIN_POSITIVE).sqrt();
+            steps.iter_mut().for_each(|given| given[load] *= scale);
+        }
         let mut total = DMatrix::zeros(size, size);
-        for column in &columns {
-            let steps = responses(&coordinates, std::slice::from_ref(column), Some(shift));
-            let half = displacement(&gramian(&coordinates, &steps, shift, 2 * size).view((0, 0), (size, size)).into());
-            let form = displacement(&half.transpose());
-            total += &form / form.trace().max(f64::MIN_POSITIVE);
+        for (i, (first, left)) in coordinates.iter().zip(&steps).enumerate() {
+            for (j, (second, right)) in coordinates.iter().zip(&steps).enumerate().take(i + 1) {
+                let frequencies = modes.frequencies[null + i] * modes.frequencies[null + j];
+                let value = position_product(first, second, left, right, shift) / frequencies;
+                (total[(i, j)], total[(j, i)]) = (value, value);
+            }
         }
         let statics = statics(&coordinates, &columns, 2 * size).rows(0, size).into_owned();
         Self::ranked(&total, &displacement(&statics))
@@ -159,7 +181,8 @@ impl Directions {
         }
         let count = vectors.len();
         let known = if count > 0 { DMatrix::from_columns(&vectors) } else { DMatrix::zeros(size, 0) };
-        let remove = |matrix: &DMatrix<f64>| matrix - &known * known.tr_mul(matrix);
+        let transposed = known.transpose();
+        let remove = |matrix: &DMatrix<f64>| matrix - &known * (&transposed * matrix);
         let rest = remove(&remove(gramian).transpose());
         let rest = (&rest + rest.transpose()) / 2.0;
         let pencil = symmetric_pencil(&rest, &DMatrix::identity(size, size), &known)?;
@@ -203,18 +226,43 @@ fn responses(coordinates: &[Coordinate], columns: &[Vec<f64>], shift: Option<f64
     coordinates.iter().map(response).collect()
 }
 
+/// ∫ e^{−2σt} x₁ x₂ dt of the first entries of two coordinates, summed over the responses that begin with the components
+/// `left` and `right`.
+fn position_product(
+    first: &Coordinate,
+    second: &Coordinate,
+    left: &[Complex64],
+    right: &[Complex64],
+    shift: f64,
+) -> f64 {
+    let [product, square] = products(first, second, left, right, shift);
+    (product.re + square.re) / 2.0
+}
+
+/// ∫ e^{−2σt} ζ₁ ζ̄₂ dt and ∫ e^{−2σt} ζ₁ ζ₂ dt, summed over the responses that begin with the components `left` and `right`.
+fn products(
+    first: &Coordinate,
+    second: &Coordinate,
+    left: &[Complex64],
+    right: &[Complex64],
+    shift: f64,
+) -> [Complex64; 2] {
+    let (mut product, mut square) = (Complex64::ZERO, Complex64::ZERO);
+    for (a, b) in left.iter().zip(right) {
+        product += a * b.conj();
+        square += a * b;
+    }
+    product /= 2.0 * shift - first.eigenvalue - second.eigenvalue.conj();
+    square /= 2.0 * shift - first.eigenvalue - second.eigenvalue;
+    [product, square]
+}
+
 /// ∫ e^{−2σt} z zᵀ dt, `size` × `size`, summed over the responses that begin with the components `given`.
 fn gramian(coordinates: &[Coordinate], given: &[Vec<Complex64>], shift: f64, size: usize) -> DMatrix<f64> {
     let mut gramian = DMatrix::zeros(size, size);
     for (first, left) in coordinates.iter().zip(given) {
         for (second, right) in coordinates.iter().zip(given) {
-            let (mut product, mut square) = (Complex64::ZERO, Complex64::ZERO);
-            for (a, b) in left.iter().zip(right) {
-                product += a * b.conj();
-                square += a * b;
-            }
-            product /= 2.0 * shift - first.eigenvalue - second.eigenvalue.conj();
-            square /= 2.0 * shift - first.eigenvalue - second.eigenvalue;
+            let [product, square] = products(first, second, left, right, shift);
             gramian[(first.x, second.x)] = (product.re + square.re) / 2.0;
             if let Some(y) = second.y {
                 gramian[(first.x, y)] = (square.im - product.im) / 2.0;

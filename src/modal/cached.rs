@@ -1,23 +1,22 @@
 //! A model together with its modes and state-space models, computed on first use and kept.
 
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::DMatrix;
 
+use super::components::ComponentModes;
 use super::equilibrium::{EquilibriumError, equilibrium};
 use super::first_order::FirstOrder;
 use super::projected::Projected;
 use super::real::RealModes;
+use super::recent::Recent;
 use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
 use crate::linalg::DecompositionError;
 use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError};
-
-/// Number of state-space models that are kept. A parameter study asks repeatedly for a few speeds.
-const CAPACITY: usize = 8;
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
@@ -29,21 +28,33 @@ type Key = (f64, bool);
 /// and signals as entries (index, coefficient).
 type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
 
+/// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
+/// effect on it, their damping.
+#[derive(Debug, Default)]
+struct LinearPart {
+    /// Undamped modes for each [`crate::model::Rotation`].
+    modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
+    /// Lowest and highest frequency for each [`crate::model::Rotation`].
+    ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
+    /// State-space models; `None` marks a model that modes cannot represent.
+    linear: Recent<Key, Option<Arc<ModalStateSpace>>>,
+    /// Undamped modes of the components.
+    components: OnceLock<Result<ComponentModes, DecompositionError>>,
+    /// Subspaces.
+    subspaces: Recent<SubspaceKey, Arc<Projected>>,
+    /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
+    at_speeds: Recent<f64, Arc<LinearPart>>,
+}
+
 /// A model with its undamped modes and its most recent state-space models.
 #[derive(Debug)]
 pub struct CachedModel {
     /// Assembled model.
     pub model: Model,
-    /// Undamped modes for each [`crate::model::Rotation`].
-    modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
-    /// Lowest and highest frequency for each [`crate::model::Rotation`].
-    ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
-    /// The last [`CAPACITY`] state-space models; `None` marks a model that modes cannot represent.
-    linear: Mutex<Vec<(Key, Option<Arc<ModalStateSpace>>)>>,
-    /// The last [`CAPACITY`] subspaces.
-    subspaces: Mutex<Vec<(SubspaceKey, Arc<Projected>)>>,
+    /// Modes and state-space models, which models with other loads may share.
+    linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
-    at_speeds: Mutex<Vec<(f64, Arc<CachedModel>)>>,
+    at_speeds: Recent<f64, Arc<CachedModel>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -69,38 +80,41 @@ impl Deref for AtSpeed<'_> {
 impl CachedModel {
     /// Wraps a model; nothing is computed yet.
     pub fn new(model: Model) -> Self {
-        Self {
-            model,
-            modes: [const { OnceLock::new() }; 3],
-            ranges: [const { OnceLock::new() }; 3],
-            linear: Mutex::new(Vec::new()),
-            subspaces: Mutex::default(),
-            at_speeds: Mutex::default(),
-        }
+        Self { model, linear_part: OnceLock::new(), at_speeds: Recent::default() }
+    }
+
+    /// Shares the modes and state-space models of `other`, which has the same linear part. Has no effect after the first
+    /// analysis of this model.
+    pub fn share(&self, other: &Self) {
+        self.linear_part.get_or_init(|| Arc::clone(other.linear_part()));
+    }
+
+    fn linear_part(&self) -> &Arc<LinearPart> {
+        self.linear_part.get_or_init(Arc::default)
     }
 
     /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`]. Journal bearings have the
     /// coefficients of the static equilibrium at that speed, with live geometry of the meshes.
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients at the speed, or journal bearings have no equilibrium.
+    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed, or journal bearings have no
+    /// equilibrium.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
         if self.model.is_at(speed) {
+            self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
         }
-        let mut list = self.at_speeds.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, known)) = list.iter().find(|(known, _)| *known == speed) {
-            return Ok(AtSpeed::Specialised(Arc::clone(known)));
+        if let Some(known) = self.at_speeds.get(&speed) {
+            return Ok(AtSpeed::Specialised(known));
         }
         let mut model = self.model.at_speed(speed)?;
         if !model.is_at(speed) {
             model = at_operating_point(model, speed)?;
         }
-        let model = Arc::new(Self::new(model));
-        if list.len() >= CAPACITY {
-            list.remove(0);
-        }
-        list.push((speed, Arc::clone(&model)));
+        let model = Self::new(model);
+        model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
+        let model = Arc::new(model);
+        self.at_speeds.insert(speed, Arc::clone(&model));
         Ok(AtSpeed::Specialised(model))
     }
 
@@ -127,10 +141,10 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the decomposition fails, or a bearing depends on the speed.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
-        if self.model.depends_on_speed() {
+        if self.model.lacks_coefficients() {
             return Err(DecompositionError::SpeedDependent);
         }
-        let cell = &self.modes[self.model.rotation(speed) as usize];
+        let cell = &self.linear_part().modes[self.model.rotation(speed) as usize];
         cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
     }
 
@@ -139,12 +153,13 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if an iteration fails, or a bearing depends on the speed.
     pub fn spectral_range(&self, speed: f64) -> Result<&SpectralRange, DecompositionError> {
-        if self.model.depends_on_speed() {
+        if self.model.lacks_coefficients() {
             return Err(DecompositionError::SpeedDependent);
         }
-        let cell = &self.ranges[self.model.rotation(speed) as usize];
+        let cell = &self.linear_part().ranges[self.model.rotation(speed) as usize];
         let range = || {
-            if self.model.len() < MIN_KRYLOV || self.modes[self.model.rotation(speed) as usize].get().is_some() {
+            // The choice does not depend on what is known, so that the same run has the same steps.
+            if self.model.len() < MIN_KRYLOV {
                 Ok(SpectralRange::of_modes(self.real_modes(speed)?))
             } else {
                 SpectralRange::new(&self.model, speed)
@@ -158,11 +173,12 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn linear(&self, speed: f64) -> Result<Arc<ModalStateSpace>, DecompositionError> {
-        if let Some(Some(linear)) = self.lookup((speed, true)) {
+        let known = &self.linear_part().linear;
+        if let Some(Some(linear)) = known.get(&(speed, true)) {
             return Ok(linear);
         }
         let linear = Arc::new(ModalStateSpace::new(self.real_modes(speed)?, &self.first_order(speed)?)?);
-        self.store((speed, true), Some(Arc::clone(&linear)));
+        known.insert((speed, true), Some(Arc::clone(&linear)));
         Ok(linear)
     }
 
@@ -172,11 +188,12 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn linear_without_meshes(&self, speed: f64) -> Result<Option<Arc<ModalStateSpace>>, DecompositionError> {
-        if let Some(linear) = self.lookup((speed, false)) {
+        let known = &self.linear_part().linear;
+        if let Some(linear) = known.get(&(speed, false)) {
             return Ok(linear);
         }
         let linear = ModalStateSpace::without_meshes(&self.model, speed)?.map(Arc::new);
-        self.store((speed, false), linear.clone());
+        known.insert((speed, false), linear.clone());
         Ok(linear)
     }
 
@@ -185,8 +202,16 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be computed.
     pub fn projected(&self, speed: f64) -> Result<Projected, DecompositionError> {
-        let damping = self.damping_matrix(speed)? + self.model.gyroscopic_matrix() * speed;
-        Ok(Projected::new(&self.model, self.real_modes(speed)?.clone(), &damping))
+        let projected = Projected::new(&self.model, self.real_modes(speed)?.clone(), speed);
+        Ok(projected.with_state_space(self.linear(speed)?))
+    }
+
+    /// Undamped modes of the components.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn component_modes(&self) -> Result<&ComponentModes, DecompositionError> {
+        self.linear_part().components.get_or_init(|| ComponentModes::new(&self.model)).as_ref().map_err(|error| *error)
     }
 
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.
@@ -198,31 +223,13 @@ impl CachedModel {
         key: SubspaceKey,
         find: impl FnOnce(&[Vec<(usize, f64)>]) -> Result<Projected, DecompositionError>,
     ) -> Result<Arc<Projected>, DecompositionError> {
-        let list = || self.subspaces.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, known)) = list().iter().find(|(known, _)| *known == key) {
-            return Ok(Arc::clone(known));
+        let subspaces = &self.linear_part().subspaces;
+        if let Some(known) = subspaces.get(&key) {
+            return Ok(known);
         }
         let found = Arc::new(find(&key.2)?);
-        let mut list = list();
-        if list.len() >= CAPACITY {
-            list.remove(0);
-        }
-        list.push((key, Arc::clone(&found)));
+        subspaces.insert(key, Arc::clone(&found));
         Ok(found)
-    }
-
-    fn lookup(&self, key: Key) -> Option<Option<Arc<ModalStateSpace>>> {
-        // A panic in another thread cannot leave the list half-written, so a poisoned lock is safe to use.
-        let list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
-        list.iter().find(|(known, _)| *known == key).map(|(_, linear)| linear.clone())
-    }
-
-    fn store(&self, key: Key, linear: Option<Arc<ModalStateSpace>>) {
-        let mut list = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
-        if list.len() >= CAPACITY {
-            list.remove(0);
-        }
-        list.push((key, linear));
     }
 
     /// First-order form of the complete system at `speed` of the reference shaft, rad/s.
@@ -260,8 +267,7 @@ impl CachedModel {
 /// The model with the coefficients of its journal bearings at the static equilibrium at a speed, rad/s.
 fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
     let model = model.with_provisional_points();
-    let found = RealModes::new(&model, speed).map_err(EquilibriumError::from);
-    match found.and_then(|real| equilibrium(&model, &real, Geometry::Live, speed.into())) {
+    match equilibrium(&model, Geometry::Live, speed.into()) {
         Ok(q) => Ok(model.with_points_at(speed, q.as_slice())),
         Err(EquilibriumError::Scene(error)) => Err(error),
         Err(error) => {
@@ -270,5 +276,17 @@ fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
                 format!("no static equilibrium at {speed} rad/s, which the stiffness of the film needs: {error}");
             Err(EntryPath::entry("bearings", number).error(message))
         }
+    }
+}
+
+impl LinearPart {
+    /// The linear part at a speed of the reference shaft, rad/s.
+    fn at_speed(&self, speed: f64) -> Arc<Self> {
+        if let Some(known) = self.at_speeds.get(&speed) {
+            return known;
+        }
+        let found = Arc::new(Self::default());
+        self.at_speeds.insert(speed, Arc::clone(&found));
+        found
     }
 }

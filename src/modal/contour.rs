@@ -4,19 +4,35 @@
 //! principle, the change of its phase along a closed contour is 2π times the number of zeros inside. Here the determinant is
 //! divided by the factors λ − λ_k of the known eigenvalues: what remains has no zero inside if none is missing, and its
 //! phase changes slowly. S is real for real λ, so the upper half of a contour that is symmetric to the real axis is enough.
+//!
+//! The logarithm of the determinant is a smooth function of ln λ apart from the zeros. Its phase is known up to multiples
+//! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
+//! is halved where the prediction fails. The number of determinants hardly depends on the number of eigenvalues outside.
+
+use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
 use crate::linalg::Determinant;
 
-/// Largest change of the complex logarithm in one step along the contour.
-const MAX_CHANGE: f64 = 0.8;
-/// Change below which the next step is longer.
-const SMALL_CHANGE: f64 = 0.35;
+/// Angle from the real axis up to which the sectors reach: their eigenvalues have a damping ratio above one half.
+pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
+
+/// Largest difference of the complex logarithm from its prediction.
+const MAX_ERROR: f64 = 0.5;
+/// Difference below which the next step is longer.
+const SMALL_ERROR: f64 = 0.05;
 /// Ratio of the lengths of successive steps.
-const GROWTH: f64 = 2.0;
+const GROWTH: f64 = 1.5;
+/// First and largest step in ln λ.
+const FIRST_STEP: f64 = 0.1;
+const MAX_STEP: f64 = 0.35;
+/// Smallest step in ln λ: an eigenvalue lies on the contour.
+const MIN_STEP: f64 = 1e-9;
+/// Number of points of the polynomial that predicts the next value.
+const POINTS: usize = 6;
 /// Largest number of determinants of one contour.
-const MAX_DETERMINANTS: usize = 3000;
+const MAX_DETERMINANTS: usize = 2000;
 /// Largest distance of the change of phase, in half turns, from an integer.
 const MAX_FRACTION: f64 = 0.05;
 
@@ -29,30 +45,94 @@ pub(super) struct Known {
     pub values: Vec<Complex64>,
 }
 
-/// Rectangle −left < Re λ < right, |Im λ| < top, rad/s.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rectangle {
-    pub left: f64,
-    pub right: f64,
-    pub top: f64,
+/// The upper half of a contour: corners in ln λ, from the real axis to the real axis.
+#[derive(Clone, Debug)]
+pub(super) struct Contour(pub Vec<Complex64>);
+
+impl Contour {
+    /// The disk |λ| < `radius` and both sectors up to |λ| < `farthest` around the real axis: an eigenvalue between both
+    /// radii is inside if |Im λ| < |λ| sin [`SECTOR`]. Without `right` only the sector of negative Re λ belongs to it.
+    pub fn of_disk_and_sectors([radius, farthest]: [f64; 2], right: bool) -> Self {
+        let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
+        let outside = if right { vec![at(farthest, 0.0), at(farthest, SECTOR)] } else { Vec::new() };
+        let begin = if right { SECTOR } else { 0.0 };
+        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(farthest, PI - SECTOR), at(farthest, PI)];
+        Self(outside.into_iter().chain(inside).collect())
+    }
+
+    /// The disk |λ| < `radius`.
+    pub fn of_disk(radius: f64) -> Self {
+        Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), PI)])
+    }
 }
 
-/// Phase and logarithm of the magnitude of the determinant at λ without the factors of the known eigenvalues.
-fn deflated(determinant: Determinant, known: &Known, at: Complex64) -> Determinant {
-    let mut product = Determinant::product(std::iter::empty());
-    for value in &known.values {
-        let mut factor = at - value;
-        if value.im != 0.0 {
-            factor *= at - value.conj();
+/// The sector of an annulus around the real axis, |Im λ| < |λ| sin [`SECTOR`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Annulus {
+    /// Inner and outer radius, rad/s.
+    pub radii: [f64; 2],
+    /// Whether Re λ < 0.
+    pub left: bool,
+}
+
+impl Annulus {
+    /// The real number in its middle, rad/s.
+    pub fn centre(&self) -> f64 {
+        let size = (self.radii[0] * self.radii[1]).sqrt();
+        if self.left { -size } else { size }
+    }
+
+    pub fn contains(&self, value: Complex64) -> bool {
+        let size = value.norm();
+        let is_left = value.re < 0.0;
+        size > self.radii[0] && size <= self.radii[1] && is_left == self.left && value.re.abs() > size * SECTOR.cos()
+    }
+
+    /// The inner and the outer half.
+    pub fn halves(&self) -> [Self; 2] {
+        let ([inner, outer], middle) = (self.radii, self.centre().abs());
+        [Self { radii: [inner, middle], ..*self }, Self { radii: [middle, outer], ..*self }]
+    }
+
+    pub fn contour(&self) -> Contour {
+        let [inner, outer] = self.radii.map(f64::ln);
+        let corners = [(inner, 0.0), (inner, SECTOR), (outer, SECTOR), (outer, 0.0)];
+        if self.left {
+            return Contour(corners.map(|(radius, angle)| Complex64::new(radius, PI - angle)).to_vec());
         }
-        let size = factor.norm();
-        product = Determinant { phase: product.phase * (factor / size), logarithm: product.logarithm + size.ln() };
+        Contour(corners.into_iter().rev().map(|(radius, angle)| Complex64::new(radius, angle)).collect())
     }
-    let zeros = Complex64::from_polar(1.0, at.arg() * known.zeros as f64);
-    Determinant {
-        phase: determinant.phase / (product.phase * zeros),
-        logarithm: determinant.logarithm - product.logarithm - known.zeros as f64 * at.norm().ln(),
+}
+
+/// Logarithm, up to multiples of 2πi, of the determinant at λ without the factors of the known eigenvalues.
+fn deflated(determinant: Determinant, known: &Known, at: Complex64) -> Complex64 {
+    let factors = known.values.iter().flat_map(|value| {
+        let conjugate = (value.im != 0.0).then(|| at - value.conj());
+        [at - value].into_iter().chain(conjugate)
+    });
+    let product = Determinant::product(factors);
+    let zeros = at.ln() * known.zeros as f64;
+    Complex64::new(
+        determinant.logarithm - product.logarithm - zeros.re,
+        determinant.phase.arg() - product.phase.arg() - zeros.im,
+    )
+}
+
+/// Value at `z` of the polynomial through points (z, value), by Neville's algorithm.
+fn extrapolated(points: &[(Complex64, Complex64)], z: Complex64) -> Complex64 {
+    let mut values: Vec<Complex64> = points.iter().map(|(_, value)| *value).collect();
+    for order in 1..points.len() {
+        for index in 0..points.len() - order {
+            let (first, last) = (points[index].0, points[index + order].0);
+            values[index] = ((z - last) * values[index] + (first - z) * values[index + 1]) / (first - last);
+        }
     }
+    values[0]
+}
+
+/// `value` with its imaginary part reduced to (−π, π].
+fn reduced(value: Complex64) -> Complex64 {
+    Complex64::new(value.re, Complex64::from_polar(1.0, value.im).arg())
 }
 
 /// Number of eigenvalues inside of `contour` that are missing in `known`, negative if a known value is none; `None` if it
@@ -60,46 +140,44 @@ fn deflated(determinant: Determinant, known: &Known, at: Complex64) -> Determina
 pub(super) fn missing(
     determinant: impl Fn(Complex64) -> Option<Determinant>,
     known: &Known,
-    contour: Rectangle,
+    contour: &Contour,
 ) -> Option<i64> {
-    let Rectangle { left, right, top } = contour;
-    let corners = [
-        Complex64::new(right, 0.0),
-        Complex64::new(right, top),
-        Complex64::new(-left, top),
-        Complex64::new(-left, 0.0),
-    ];
-    let value = |at: Complex64| determinant(at).map(|found| deflated(found, known, at));
-    let (mut turned, mut count) = (0.0, 0);
-    let mut here = value(corners[0])?;
-    let mut step = 0.1 * top.min(right);
-    for side in corners.windows(2) {
+    let value = |z: Complex64| determinant(z.exp()).map(|found| deflated(found, known, z.exp()));
+    let first = *contour.0.first()?;
+    let begin = value(first)?;
+    let mut points = vec![(first, begin)];
+    let (mut end, mut step, mut count) = (begin, FIRST_STEP, 0);
+    for side in contour.0.windows(2) {
         let length = (side[1] - side[0]).norm();
-        let direction = (side[1] - side[0]) / length;
         let mut distance = 0.0;
         while distance < length {
-            let next = (distance + step).min(length);
-            let there = value(side[0] + direction * next)?;
-            let turn = (there.phase / here.phase).arg();
-            let change = turn.abs() + (there.logarithm - here.logarithm).abs();
+            let next = if distance + step > (1.0 - MIN_STEP) * length { length } else { distance + step };
+            let z = side[0] + (side[1] - side[0]) * (next / length);
+            let predicted = extrapolated(&points, z);
+            let error = reduced(value(z)? - predicted);
             count += 1;
-            if count > MAX_DETERMINANTS || !change.is_finite() {
+            if count > MAX_DETERMINANTS || !error.is_finite() {
                 return None;
             }
-            if change > MAX_CHANGE {
-                step = (next - distance) / GROWTH;
-                if step < 1e-12 * length {
+            if error.norm() > MAX_ERROR {
+                step = (next - distance) / 2.0;
+                if step < MIN_STEP {
                     return None;
                 }
                 continue;
             }
-            (distance, here, turned) = (next, there, turned + turn);
-            if change < SMALL_CHANGE {
-                step *= GROWTH;
+            end = predicted + error;
+            points.push((z, end));
+            if points.len() > POINTS {
+                points.remove(0);
+            }
+            distance = next;
+            if error.norm() < SMALL_ERROR {
+                step = (step * GROWTH).min(MAX_STEP);
             }
         }
     }
-    let half_turns = turned / std::f64::consts::PI;
+    let half_turns = (end - begin).im / PI;
     let missing = half_turns.round();
     ((half_turns - missing).abs() < MAX_FRACTION).then_some(missing as i64)
 }
@@ -117,27 +195,59 @@ mod tests {
         Complex64::new(-90.0, 0.0),
     ];
 
-    fn determinant(at: Complex64) -> Option<Determinant> {
-        let factors = VALUES.iter().flat_map(|value| {
-            let conjugate = (value.im != 0.0).then(|| at - value.conj());
-            [at - value].into_iter().chain(conjugate)
-        });
-        Some(Determinant::product(factors.chain([at, at])))
+    /// Determinant with these zeros, two zeros at the origin, and `others` of high frequency.
+    fn determinant(others: usize) -> impl Fn(Complex64) -> Option<Determinant> {
+        let high = (0..others).map(|index| Complex64::new(-0.1 * index as f64, 200.0 + 30.0 * index as f64));
+        let values: Vec<Complex64> = VALUES.into_iter().chain(high).collect();
+        move |at| {
+            let factors = values.iter().flat_map(|value| {
+                let conjugate = (value.im != 0.0).then(|| at - value.conj());
+                [at - value].into_iter().chain(conjugate)
+            });
+            Some(Determinant::product(factors.chain([at, at])))
+        }
     }
 
     #[test]
     fn every_missing_eigenvalue_is_counted() {
-        let contour = Rectangle { left: 100.0, right: 1.0, top: 5.0 };
-        let missing = |zeros: usize, values: &[Complex64]| {
-            super::missing(determinant, &Known { zeros, values: values.to_vec() }, contour)
-        };
-        assert_eq!(missing(2, &VALUES), Some(0));
-        // A pair counts twice; the third pair is outside.
-        assert_eq!(missing(2, &VALUES[1..]), Some(2));
-        assert_eq!(missing(2, &VALUES[2..4]), Some(5));
-        assert_eq!(missing(2, &VALUES[..2]), Some(2));
-        assert_eq!(missing(0, &[]), Some(8));
-        // A value that is no eigenvalue is a pole.
-        assert_eq!(missing(2, &[&VALUES[..], &[Complex64::new(0.0, 2.0)]].concat()), Some(-2));
+        for right in [false, true] {
+            let contour = Contour::of_disk_and_sectors([5.0, 1000.0], right);
+            let missing = |zeros: usize, values: &[Complex64]| {
+                super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &contour)
+            };
+            assert_eq!(missing(2, &VALUES), Some(0));
+            // A pair counts twice; the third pair is outside.
+            assert_eq!(missing(2, &VALUES[1..]), Some(2));
+            assert_eq!(missing(2, &VALUES[2..4]), Some(5));
+            assert_eq!(missing(2, &VALUES[..2]), Some(2));
+            assert_eq!(missing(0, &[]), Some(8));
+            // A value that is no eigenvalue is a pole.
+            assert_eq!(missing(2, &[&VALUES[..], &[Complex64::new(0.0, 2.0)]].concat()), Some(-2));
+        }
+        let disk = super::missing(determinant(0), &Known { zeros: 2, values: vec![] }, &Contour::of_disk(5.0));
+        assert_eq!(disk, Some(5));
+        // Of an annular sector: −90, and nothing on the right.
+        for (left, number) in [(true, 1), (false, 0)] {
+            let contour = Annulus { radii: [20.0, 300.0], left }.contour();
+            assert_eq!(
+                super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour),
+                Some(number)
+            );
+        }
+    }
+
+    #[test]
+    fn many_other_eigenvalues_do_not_disturb_the_count() {
+        let contour = Contour::of_disk_and_sectors([5.0, 1e6], false);
+        for others in [10, 100, 1000] {
+            let calls = std::cell::Cell::new(0);
+            let determinant = determinant(others);
+            let counted = |at| {
+                calls.set(calls.get() + 1);
+                determinant(at)
+            };
+            assert_eq!(super::missing(counted, &Known { zeros: 2, values: VALUES[1..].to_vec() }, &contour), Some(2));
+            assert!(calls.get() < 250, "{} determinants for {others}", calls.get());
+        }
     }
 }

@@ -99,18 +99,9 @@ pub fn structured_modes(
     Ok(lowest(cached, speed, count)?.map(|pairs| pairs.into_iter().map(mode).collect()))
 }
 
-/// Type of motion of the mode with λ = `eigenvalue`, rad/s, and undamped modal coordinates η = `coordinates`.
-///
-/// # Errors
-/// [`DecompositionError`] if the undamped modes cannot be computed.
-pub fn whirl(
-    cached: &CachedModel,
-    speed: f64,
-    eigenvalue: Complex<f64>,
-    coordinates: &DVector<Complex<f64>>,
-) -> Result<Whirl, DecompositionError> {
-    let shape = physical(cached.real_modes(speed)?, coordinates);
-    Ok(Classifier::new(&cached.model, speed).classify(eigenvalue, &shape))
+/// Type of motion of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core.
+pub fn whirl(model: &Model, speed: f64, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
+    Classifier::new(model, speed).classify(eigenvalue, shape)
 }
 
 /// φ = Φη.

@@ -1,23 +1,26 @@
-//! Static equilibrium under torques, gravity and mesh forces, by Newton's method with the exact mesh tangent.
+//! Static equilibrium under torques, gravity and the forces of meshes and films, by Newton's method with the exact tangent.
 //!
-//! The solution contains no null motion (motion without elastic force, for example the rigid-body rotation), in the
-//! inner product of the mass matrix. A load that drives a null motion has no equilibrium.
+//! Each step solves one system with the band matrices of the shafts, in time proportional to n. The solution contains no
+//! null motion (motion without elastic force, for example the rigid-body rotation), in the inner product of the mass
+//! matrix. A load that drives a null motion has no equilibrium.
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 use thiserror::Error;
 
-use super::real::RealModes;
+use super::pins::Pins;
+use super::real::null_motions;
 use crate::connection::{Connection, Row};
 use crate::film::CLOSEST;
-use crate::linalg::{DecompositionError, LuFactors};
+use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
 use crate::mesh::{Flank, Geometry, Overlap};
-use crate::model::Model;
+use crate::model::{Dof, DofKind, Model, Weights};
 use crate::scene::{EntryPath, SceneError};
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-9;
-/// Largest fraction of the load that the artificial stiffness of the null motions may carry, as round-off.
+/// Largest fraction of the load that the springs on the null motions may carry, as round-off.
 const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
 /// Component of a null motion, relative to its largest one, below which it is round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -49,9 +52,9 @@ pub enum EquilibriumError {
     /// The iteration did not converge.
     #[error("{0}")]
     Convergence(String),
-    /// The undamped modes cannot be found.
+    /// A decomposition fails.
     #[error(transparent)]
-    Modes(#[from] DecompositionError),
+    Decomposition(#[from] DecompositionError),
 }
 
 /// Speeds of the reference shaft, rad/s.
@@ -59,7 +62,7 @@ pub enum EquilibriumError {
 pub struct EquilibriumSpeeds {
     /// The speed of the films of journal bearings.
     pub film: f64,
-    /// The speed that determines the flanks in contact.
+    /// The speed of torques over the speed, which also determines the flanks in contact.
     pub flanks: f64,
 }
 
@@ -69,55 +72,53 @@ impl From<f64> for EquilibriumSpeeds {
     }
 }
 
-/// Displacements q of the equilibrium. `model` belongs to a speed, and `real` are its undamped modes. Bow and unbalance rotate
-/// and are not included.
+/// Displacements q of the equilibrium. `model` belongs to the speed of the films. Bow and unbalance rotate and are not included.
 ///
 /// # Errors
 /// [`EquilibriumError`] if the load has no equilibrium, base circles overlap, a journal touches or carries no load, or the
 /// iteration fails.
 pub fn equilibrium(
     model: &Model,
-    real: &RealModes,
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, EquilibriumError> {
     let (speed, load) = (speeds.flanks, &model.constant_load);
-    let null = real.vectors.columns(0, real.null).into_owned();
-    check_balance(model, &null, load)?;
-    // The null motions get an artificial stiffness, that of the lowest elastic mode. No load acts on it.
-    let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
-    let weighted = model.mass_times(&null) * lowest;
-    let mut linear = model.shaft_stiffness_matrix();
-    linear += model.support_stiffness_matrix();
-    linear.gemm(1.0, &weighted, &weighted.transpose(), 1.0);
+    model.check_speed(speed)?;
+    let with_torques = load + model.speed_torques(speed);
+    let null = null_motions(model, speed)?;
+    check_balance(model, &null, &with_torques, speed)?;
+    let pins = Pins::new(model, &null);
+    let mut linear = model.shaft_stiffness(&Weights::stiffness());
+    pins.add_to(model, &mut linear);
 
     let mut flanks = vec![Flank::Drive; model.meshes.len()];
     let mut q = DVector::zeros(model.len());
+    // Part of the residual that only the springs on the null motions balance.
+    let mut carried = DVector::zeros(model.len());
     let mut previous = f64::INFINITY;
-    let mut factors: Option<LuFactors> = None;
+    let mut factors: Option<CoupledFactors> = None;
     for _ in 0..MAX_ITERATIONS {
         let (force, tangent) = connection_forces(model, geometry, speeds, &flanks, &q)?;
         // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
         let residual = load - model.static_force(&q) - force;
-        let known = factors.get_or_insert_with(|| {
-            let mut matrix = linear.clone();
-            for (row, column, value) in &tangent {
-                matrix[(*row, *column)] += value;
-            }
-            LuFactors::new(&matrix)
-        });
-        let step = known.solve(&DMatrix::from_column_slice(model.len(), 1, residual.as_slice()));
-        let step = step.column(0);
+        carried = pins.carried(&residual);
+        let known = match factors.take() {
+            Some(known) => known,
+            None => tangent_factors(model, linear.clone(), &tangent).map_err(DecompositionError::from)?,
+        };
+        let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
+        let mut step = DVector::from_vec(step);
+        pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();
-        let scale = load.dot(&q).abs().max(energy);
+        let scale = with_torques.dot(&q).abs().max(energy);
         let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
         let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
         // An old tangent is used as long as the steps decrease fast.
-        if energy > TANGENT_REUSE_RATIO * previous {
-            factors = None;
+        if energy <= TANGENT_REUSE_RATIO * previous {
+            factors = Some(known);
         }
         previous = energy;
-        let fraction = admissible(model, geometry, speed, &q, &step.into_owned())?;
+        let fraction = admissible(model, geometry, speed, &q, &step)?;
         q.axpy(fraction, &step, 1.0);
         if !q.iter().all(|value| value.is_finite()) {
             break;
@@ -125,7 +126,7 @@ pub fn equilibrium(
         if converged {
             let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
             if pressed == flanks {
-                check_constraints(&(&weighted * weighted.tr_mul(&q)), load)?;
+                check_constraints(&carried, &with_torques)?;
                 check_journals(model, &q, UNLOADED..CLOSEST)?;
                 return Ok(q);
             }
@@ -133,11 +134,20 @@ pub fn equilibrium(
         }
     }
     check_journals(model, &q, 0.0..TOUCHING)?;
+    check_constraints(&carried, &with_torques)?;
     Err(EquilibriumError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
 }
 
+/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections.
+fn tangent_factors(model: &Model, mut sum: CoupledBands, tangent: &[Entry]) -> Result<CoupledFactors, Singular> {
+    for (row, column, value) in tangent {
+        model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
+    }
+    sum.factor(1.0)
+}
+
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
-fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Result<(), EquilibriumError> {
+fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed: f64) -> Result<(), EquilibriumError> {
     // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
     // depend on the combination.
     let mut acceleration = DVector::zeros(model.len());
@@ -154,13 +164,32 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>) -> Res
     if largest == 0.0 {
         return Ok(());
     }
+    for (index, housing) in model.housing_nodes().zip(&model.scene.housings) {
+        let moves = |dof: &&Dof| dof.node == index && acceleration[dof.index].abs() > UNSUPPORTED_TOLERANCE * largest;
+        if let Some(dof) = model.numbering.dofs().iter().find(moves) {
+            return Err(unmounted(&housing.name, dof.kind).into());
+        }
+    }
     let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
     let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
         let motion = acceleration[dof.index].abs();
         if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
     });
-    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest { unsupported(model, shaft) } else { unbalanced(model) }
-        .into())
+    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest {
+        unsupported(model, shaft)
+    } else {
+        unbalanced(model, speed)
+    }
+    .into())
+}
+
+/// The error for a load that moves a housing: its mount does not constrain it.
+fn unmounted(name: &str, motion: DofKind) -> SceneError {
+    let entry = match motion {
+        DofKind::V | DofKind::W => "stiffness along y and z",
+        DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
+    };
+    SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
 }
 
 /// The error for a load that moves a shaft laterally: its bearings do not constrain it.
@@ -180,19 +209,20 @@ fn unsupported(model: &Model, shaft: usize) -> SceneError {
 }
 
 /// The error for torques that do not balance.
-fn unbalanced(model: &Model) -> SceneError {
+fn unbalanced(model: &Model, speed: f64) -> SceneError {
     let scene = &model.scene;
     let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
+    let net = model.loads.iter().fold(net, |net, load| net + load.constant(speed) * load.ratio);
     SceneError::new(
         "torques",
         format!(
-            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts"
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...)"
         ),
     )
 }
 
-/// Refuses a load that the artificial stiffness of the null motions carries. This occurs with bearings whose stiffness is
-/// singular and not symmetric: its left and right null vectors differ.
+/// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
+/// stiffness is singular and not symmetric: its left and right null vectors differ.
 fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), EquilibriumError> {
     if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
         return Ok(());
@@ -231,11 +261,16 @@ fn connection_forces(
             }
             Connection::Bearing(bearing) => {
                 let known = bearing.static_tangent(speeds.flanks, q.as_slice());
-                add_over_scalars(&bearing.rows(), &known, &mut force, &mut tangent);
+                add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
             }
             Connection::Journal(journal) => {
                 let known = journal.static_tangent(speeds.film, q.as_slice());
                 add_over_scalars(&journal.rows(), &known, &mut force, &mut tangent);
+            }
+            Connection::Load(load) => {
+                for (row, factor) in &load.rows[0] {
+                    force[*row] -= factor * load.constant(speeds.flanks);
+                }
             }
             Connection::Spring(spring) => {
                 add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);

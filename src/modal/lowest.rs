@@ -1,48 +1,48 @@
 //! The damped modes of lowest frequency, in time proportional to n: shift-invert Arnoldi method with a count.
 //!
-//! The first-order form over y = (x, z), z = λx, of [λ²M + λD + K] x = 0 with D = C + ΩG is inverted at a shift s > 0:
+//! A Krylov space of the inverse at a small shift ([`super::shift_invert`]) finds the eigenvalues of smallest magnitude.
+//! Rigid-body modes are known and left out of the space. Strongly damped eigenvalues may be far from the origin and still
+//! have a low frequency; they are found at further shifts on the real axis.
 //!
-//! ```text
-//! T (x, z) = (u, x + s u),    S(s) u = −M z − (D + sM) x,    λ = s + 1/θ    for an eigenvalue θ of T
-//! ```
-//!
-//! Each step solves one system with the band matrices of the shafts. Without damping, gyroscopic and circulatory forces
-//! T = (K + s²M)⁻¹M is half as large, and symmetric. The inner product is that of the energy, in which T is normal if
-//! nothing damps. Rigid-body modes are known and left out of the space.
-//!
-//! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues below a frequency;
-//! as long as one is missing, the space gets further start vectors.
+//! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
+//! radius R and those with a damping ratio above one half. As long as one is missing, the spaces are extended. Every other
+//! eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower frequency are known.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::contour::{self, Known, Rectangle};
-use super::real::{RealModes, null_motions};
-use super::spectral_range::{ShiftInverse, mass_times, solve_real};
-use super::{CachedModel, SpectralRange};
-use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, Sparse};
-use crate::model::{Model, Weights};
+use super::CachedModel;
+use super::contour::{Annulus, Contour, SECTOR};
+use super::real::RealModes;
+use super::shift_invert::{FirstOrderInverse, Inverse, Problem};
+use super::spectral_range::ShiftInverse;
+use crate::linalg::{DecompositionError, Krylov, RitzPair};
 
 /// Relative residual of an accurate mode.
 const ACCURATE: f64 = 1e-12;
 /// Relative residual below which an approximation is used to count the eigenvalues.
 const RECOGNISED: f64 = 1e-7;
-/// Smallest relative distance of two frequencies between which eigenvalues are counted.
+/// Smallest relative distance of two magnitudes between which the radius of the count lies.
 const GAP: f64 = 1e-4;
+/// Relative distance of approximations of one eigenvalue from two spaces.
+const SAME: f64 = 1e-6;
+/// An imaginary part below this fraction of an eigenvalue is round-off.
+const REAL: f64 = 1e-11;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
-/// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
-const UNCOUPLED: f64 = 1e-11;
-/// Number of times that start vectors are added for missing eigenvalues.
-const MAX_RESTARTS: usize = 4;
-/// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
-const MAX_CORRECTION: f64 = 1e-6;
+/// Number of times that the spaces are extended for missing eigenvalues.
+const MAX_RESTARTS: usize = 6;
+/// Largest number of steps at a further shift beyond the number of dampers, and steps between two checks.
+const FURTHER_STEPS: usize = 60;
+const CHECK_INTERVAL: usize = 12;
+/// Number of strongly damped eigenvalues up to which they are sought one by one.
+const MAX_MISSING: i64 = 120;
 
 /// Eigenvalue λ with Im λ ≥ 0, rad/s, and mode shape, n entries in the order of the core.
 pub(super) type Eigenpair = (Complex64, DVector<Complex64>);
 
-/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if they
-/// cannot be told apart from the others, as with many overdamped modes.
+/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if too many
+/// overdamped modes have to be told apart from them.
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
@@ -53,348 +53,273 @@ pub(super) fn lowest(
 ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let model = &cached.model;
     let problem = Problem::new(model, speed, cached.spectral_range(speed)?)?;
+    let elastic = count.saturating_sub(problem.null.ncols());
     if problem.undamped {
-        let operator = ShiftInverse::new(model, speed, problem.shift)?;
+        let operator = |shift: f64| ShiftInverse::new(model, speed, shift);
         let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-        return problem.search(&operator, locked, count);
+        return Search { problem: &problem, count, elastic, locked: locked.collect() }.run(operator);
     }
-    let operator = FirstOrderInverse::new(&problem)?;
-    let locked = problem.rigid_states();
-    problem.search(&operator, locked, count)
+    let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
+    Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
 }
 
-/// Matrices of the problem and its rigid-body modes.
-struct Problem<'m> {
-    model: &'m Model,
-    /// Speed of the reference shaft, rad/s.
-    speed: f64,
-    /// s, rad/s.
-    shift: f64,
-    /// D = C + ΩG.
-    rate: Sparse,
-    /// Symmetric part of K.
-    stiffness: Sparse,
-    /// Whether D and the skew part of K are zero.
-    undamped: bool,
-    /// Rigid-body modes, one per column, orthonormal in M.
-    null: DMatrix<f64>,
-    /// Numbers of the rigid-body modes whose velocity D does not act on.
-    free: Vec<usize>,
-    /// Bound of |Re λ| in terms of |Im λ|.
-    reach: Reach,
+/// An approximation of an eigenvalue.
+#[derive(Clone)]
+struct Found {
+    /// λ with Im λ ≥ 0, rad/s.
+    value: Complex64,
+    /// Relative residual in its Krylov space.
+    residual: f64,
+    vector: Vector,
 }
 
-impl<'m> Problem<'m> {
-    fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
-        let rate = model.sparse_rate(speed);
-        let circulates =
-            model.supports.iter().any(|support| support.skew_part().as_flattened().iter().any(|k| *k != 0.0));
-        let null = null_motions(model, speed)?;
-        // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
-        let inertia = model.sparse_mass().diagonal();
-        let scaled = |row: usize, column: usize, value: f64| value.abs() / (inertia[row] * inertia[column]).sqrt();
-        let largest = rate.largest(scaled);
-        let acts = |column: usize| {
-            let motion: Vec<f64> = null.column(column).iter().copied().collect();
-            let mut force = vec![0.0; motion.len()];
-            rate.multiply_add(1.0, &motion, &mut force);
-            let size = motion.iter().zip(&inertia).map(|(x, m)| x.abs() * m.sqrt()).fold(0.0, f64::max);
-            force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
-        };
-        Ok(Self {
-            shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
-            undamped: rate.is_zero() && !circulates,
-            free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
-            reach: Reach::new(model, speed, range.fastest),
-            stiffness: model.sparse_symmetric_stiffness(speed),
-            model,
-            speed,
-            rate,
-            null,
-        })
+/// Where the vector of an approximation is.
+#[derive(Clone)]
+enum Vector {
+    /// In the space at the small shift.
+    Base(RitzPair),
+    /// The mode shape, n entries.
+    Shape(DVector<Complex64>),
+}
+
+impl Found {
+    fn is_accurate(&self) -> bool {
+        self.residual <= ACCURATE
     }
 
-    /// States (x, z) of λ = 0: the positions of rigid-body modes, and the velocities on which nothing acts.
-    fn rigid_states(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
-        let n = self.model.len();
-        let state = move |column: usize, first: usize| {
-            let mut state = vec![0.0; 2 * n];
-            state[first..first + n].copy_from_slice(self.null.column(column).as_slice());
-            state
-        };
-        let positions = (0..self.null.ncols()).map(move |column| state(column, 0));
-        positions.chain(self.free.iter().map(move |column| state(*column, n)))
+    fn is_same(&self, other: &Self) -> bool {
+        (other.value - self.value).norm() <= SAME * self.value.norm()
     }
+}
 
-    /// Extends a Krylov space until the lowest modes are accurate and none is missing.
-    fn search(
+/// A search for modes.
+struct Search<'p, 'm> {
+    problem: &'p Problem<'m>,
+    /// Number of modes.
+    count: usize,
+    /// Number of modes apart from rigid-body modes.
+    elastic: usize,
+    /// States of the rigid-body modes.
+    locked: Vec<Vec<f64>>,
+}
+
+impl Search<'_, '_> {
+    /// Extends Krylov spaces until the lowest modes are accurate and none is missing; `inverse` gives the operator at a
+    /// shift, rad/s.
+    fn run<T: Inverse>(
         &self,
-        operator: &impl Operator,
-        locked: impl Iterator<Item = Vec<f64>>,
-        count: usize,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
     ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-        let mut space = Krylov::new(operator, locked);
-        let per_mode = if self.undamped { 1 } else { 2 };
-        let mut target = per_mode * 2 * count + 16;
-        let most = 6 * target + 60;
-        let mut restarts = 0;
+        let base = inverse(self.problem.shift)?;
+        let mut space = Krylov::new(&base, self.locked.iter().cloned());
+        let per_mode = if self.problem.undamped { 1 } else { 2 };
+        // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
+        let mut target = 3 * per_mode * self.elastic + 28;
+        let most = 4 * target + 60;
         // Two bending planes have equal modes at rest.
-        for _ in 0..if self.undamped { 2 } else { 1 } {
+        for _ in 0..if self.problem.undamped { 2 } else { 1 } {
             space.add_start()?;
         }
+        let (mut further, mut annuli): (Vec<Found>, Option<Vec<Annulus>>) = (Vec::new(), None);
+        let mut restarts = 0;
         loop {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let found = self.recognised(&space)?;
+            let found = merged(self.recognised(&space)?, &further);
             let steps = space.steps();
-            match self.boundary(&found, count) {
-                Some(top) => match self.missing(&found, top) {
-                    Some(0) => return Ok(Some(self.eigenpairs(&space, &found, count))),
-                    Some(missing) if missing > 0 && restarts < MAX_RESTARTS => {
-                        restarts += 1;
-                        space.add_start()?;
-                        space.add_start()?;
-                        target = steps + per_mode * count + 20;
+            let Some(radius) = self.radius(&found) else {
+                if space.is_complete() || steps >= most {
+                    return Ok(None);
+                }
+                target = steps + (steps / 8).max(8);
+                continue;
+            };
+            let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
+            let chosen = self.chosen(&found, radius);
+            if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
+                return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
+            }
+            if restarts == MAX_RESTARTS || missing.is_some_and(|missing| missing > MAX_MISSING) {
+                return Ok(None);
+            }
+            restarts += 1;
+            if self.problem.missing(values(&found), &Contour::of_disk(radius)) != Some(0) {
+                // Further start vectors find further vectors of equal eigenvalues.
+                space.add_start()?;
+                space.add_start()?;
+                target = steps + per_mode * self.elastic + 20;
+                continue;
+            }
+            let narrower = match annuli.take() {
+                Some(known) => known.iter().flat_map(Annulus::halves).collect(),
+                None => self.problem.annuli(radius),
+            };
+            annuli = Some(self.search_annuli(narrower, (&found, &chosen), &mut further, &inverse)?);
+        }
+    }
+
+    /// Searches the annular sectors in which a found eigenvalue is missing or a chosen one is inaccurate, and adds what is
+    /// found to `further`. Returns these sectors.
+    fn search_annuli<T: Inverse>(
+        &self,
+        annuli: Vec<Annulus>,
+        (found, chosen): (&[Found], &[&Found]),
+        further: &mut Vec<Found>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Annulus>, DecompositionError> {
+        let mut searched = Vec::new();
+        for annulus in annuli {
+            let missing = self.problem.missing(values(found), &annulus.contour());
+            let is_accurate = !chosen.iter().any(|found| annulus.contains(found.value) && !found.is_accurate());
+            if missing != Some(0) || !is_accurate {
+                let known = weight(found.iter().filter(|found| annulus.contains(found.value)));
+                let total = missing.map(|missing| missing + known);
+                *further = merged(self.in_annulus(&annulus, total, &inverse)?, further);
+                searched.push(annulus);
+            }
+        }
+        Ok(searched)
+    }
+
+    /// Approximations of the `total` eigenvalues in an annular sector, from a space at a shift within it.
+    fn in_annulus<T: Inverse>(
+        &self,
+        annulus: &Annulus,
+        total: Option<i64>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Found>, DecompositionError> {
+        let operator = inverse(annulus.centre())?;
+        let mut space = Krylov::new(&operator, self.locked.iter().cloned());
+        let dampers = self.problem.damper_states();
+        dampers.iter().try_for_each(|state| space.add_start_of(state))?;
+        loop {
+            for _ in 0..CHECK_INTERVAL {
+                space.step()?;
+            }
+            let mut found = self.recognised(&space)?;
+            found.retain(|found| annulus.contains(found.value));
+            let is_end = space.steps() >= FURTHER_STEPS + dampers.len() || space.is_complete();
+            let is_complete = total.is_some_and(|total| weight(found.iter()) >= total);
+            if is_end || is_complete && found.iter().all(Found::is_accurate) {
+                for found in &mut found {
+                    if let Vector::Base(pair) = &found.vector {
+                        found.vector = Vector::Shape(operator.shape(space.vector(pair)));
                     }
-                    _ => return Ok(None),
-                },
-                None if space.is_complete() || steps >= most => return Ok(None),
-                None => target = steps + (steps / 4).max(8),
+                }
+                return Ok(found);
             }
         }
     }
 
-    /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order.
-    fn recognised<T: Operator>(&self, space: &Krylov<'_, T>) -> Result<Vec<(Complex64, RitzPair)>, DecompositionError> {
-        let eigenvalue = |pair: RitzPair| {
-            let value = if self.undamped {
-                Complex64::new(0.0, (1.0 / pair.value.re - self.shift * self.shift).max(0.0).sqrt())
-            } else {
-                self.shift + 1.0 / pair.value
-            };
-            (value, pair)
+    /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|.
+    fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<Vec<Found>, DecompositionError> {
+        let is_elastic = |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
+        let found = |pair: RitzPair| Found {
+            value: without_round_off(space.operator().eigenvalue(pair.value)),
+            residual: pair.residual,
+            vector: Vector::Base(pair),
         };
-        let elastic = |value: &Complex64| self.null.ncols() == 0 || value.norm() > ZERO * self.shift;
-        let mut found: Vec<(Complex64, RitzPair)> = space
-            .ritz_pairs()?
-            .into_iter()
-            .map(eigenvalue)
-            .filter(|(value, pair)| pair.residual <= RECOGNISED && value.im >= 0.0 && elastic(value))
-            .collect();
-        found.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
-        Ok(found)
+        let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().map(found).collect();
+        all.retain(|found| found.residual <= RECOGNISED && found.value.im >= 0.0 && is_elastic(&found.value));
+        all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
+        Ok(all)
     }
 
-    /// Frequency in a gap of the spectrum above the `count` lowest modes, if all below it are accurate.
-    fn boundary(&self, found: &[(Complex64, RitzPair)], count: usize) -> Option<f64> {
-        let first = count.saturating_sub(self.null.ncols());
-        for next in first..found.len() {
-            if next > 0 && found[next - 1].1.residual > ACCURATE {
+    /// Radius in a gap of the magnitudes, rad/s, so that the found modes of lower frequency are enough and all below it are
+    /// accurate.
+    fn radius(&self, found: &[Found]) -> Option<f64> {
+        for (index, pair) in found.windows(2).enumerate() {
+            if !pair[0].is_accurate() {
                 return None;
             }
-            let (below, above) = (if next > 0 { found[next - 1].0.im } else { 0.0 }, found[next].0.im);
-            if above > (1.0 + GAP) * below {
-                return found[..next]
-                    .iter()
-                    .all(|(_, pair)| pair.residual <= ACCURATE)
-                    .then(|| f64::midpoint(below, above));
+            let radius = f64::midpoint(pair[0].value.norm(), pair[1].value.norm());
+            let is_gap = pair[1].value.norm() > (1.0 + GAP) * pair[0].value.norm();
+            if is_gap && index + 1 >= self.elastic && self.below(found, radius).count() >= self.elastic {
+                return Some(radius);
             }
         }
         None
     }
 
-    /// Number of eigenvalues with |Im λ| < `top` that are not found.
-    fn missing(&self, found: &[(Complex64, RitzPair)], top: f64) -> Option<i64> {
-        let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
-        let known = Known { zeros, values: found.iter().map(|(value, _)| *value).collect() };
-        let determinant = |at: Complex64| {
-            let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
-            let matrix = self.model.dynamic_stiffness(&Weights::dynamic(at, self.speed), self.speed);
-            matrix.factor(sense).ok().map(|factors| factors.determinant())
-        };
-        contour::missing(determinant, &known, self.reach.rectangle(top))
+    /// Found modes of lower frequency than every mode outside of the count with a radius, rad/s.
+    fn below<'f>(&self, found: &'f [Found], radius: f64) -> impl Iterator<Item = &'f Found> {
+        let top = if self.problem.undamped { radius } else { radius * SECTOR.sin() };
+        found.iter().filter(move |found| found.value.im < top)
     }
 
-    /// Rigid-body modes, and the lowest of the found modes.
-    fn eigenpairs<T: Operator>(
-        &self,
-        space: &Krylov<'_, T>,
-        found: &[(Complex64, RitzPair)],
-        count: usize,
-    ) -> Vec<Eigenpair> {
-        let n = self.model.len();
-        let rigid: Vec<Eigenpair> =
-            self.null.column_iter().map(|column| (Complex64::ZERO, column.map(Complex::from))).collect();
-        let elastic = count.saturating_sub(rigid.len());
-        let chosen = &found[..elastic.min(found.len())];
-        let pairs: Vec<Eigenpair> = if self.undamped {
+    /// The modes of lowest frequency.
+    fn chosen<'f>(&self, found: &'f [Found], radius: f64) -> Vec<&'f Found> {
+        let mut below: Vec<&Found> = self.below(found, radius).collect();
+        below.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
+        below.truncate(self.elastic);
+        below
+    }
+
+    /// Rigid-body modes, and the chosen ones of the found modes.
+    fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
+        let problem = self.problem;
+        let shape = |found: &Found| match &found.vector {
+            Vector::Base(pair) => space.operator().shape(space.vector(pair)),
+            Vector::Shape(shape) => shape.clone(),
+        };
+        let pairs: Vec<Eigenpair> = if problem.undamped {
             // All approximations of one frequency are rotated together.
-            let end = found[chosen.len()..].iter().take_while(|(value, _)| {
-                chosen.last().is_some_and(|(last, _)| (value.im - last.im).abs() <= GAP * last.im)
-            });
-            let columns: Vec<_> = found[..chosen.len() + end.count()]
-                .iter()
-                .map(|(_, pair)| space.vector(pair).map(|entry| entry.re))
-                .collect();
-            let vectors = if columns.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&columns) };
-            let real = RealModes::of_shapes(self.model, self.speed, vectors, 0);
+            let highest = chosen.last().map_or(0.0, |last| (1.0 + GAP) * last.value.im);
+            let together = found.iter().take_while(|found| found.value.im <= highest);
+            let columns: Vec<_> = together.map(|found| shape(found).map(|entry| entry.re)).collect();
+            let none = || DMatrix::zeros(problem.model.len(), 0);
+            let vectors = if columns.is_empty() { none() } else { DMatrix::from_columns(&columns) };
+            let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
             let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
             real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency)).zip(shapes).collect()
         } else {
-            let pair = |(value, pair): &(Complex64, RitzPair)| {
-                let shape = space.vector(pair).rows(0, n).into_owned();
-                let size = self.kinetic(&shape).sqrt();
+            let pair = |found: &&Found| {
+                let shape = shape(found);
+                let size = problem.model.complex_kinetic_form(&shape).sqrt();
                 let shape = shape.unscale(size);
-                (self.rayleigh(*value, &shape), shape)
+                let value = without_round_off(problem.rayleigh(found.value, &shape));
+                // A real eigenvalue has no sign of zero, which would count in the order.
+                (Complex64::new(value.re, value.im.abs()), shape)
             };
             chosen.iter().map(pair).collect()
         };
-        let mut all: Vec<Eigenpair> = rigid.into_iter().chain(pairs).collect();
-        all.truncate(count);
+        let rigid = problem.null.column_iter().map(|column| (Complex64::ZERO, column.map(Complex::from)));
+        let mut all: Vec<Eigenpair> = rigid.chain(pairs.into_iter().take(self.elastic)).collect();
+        all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
+        all.truncate(self.count);
         all
     }
+}
 
-    /// φᴴMφ.
-    fn kinetic(&self, shape: &DVector<Complex64>) -> f64 {
-        let part = |part: fn(&Complex64) -> f64| self.model.kinetic_form(shape.map(|value| part(&value)).as_slice());
-        part(|value| value.re) + part(|value| value.im)
-    }
+/// A real eigenvalue for one whose imaginary part is round-off: it splits two equal real eigenvalues into a conjugate pair,
+/// of which both count.
+fn without_round_off(value: Complex64) -> Complex64 {
+    if value.im.abs() <= REAL * value.norm() { Complex64::from(value.re) } else { value }
+}
 
-    /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
-    /// than K.
-    fn rayleigh(&self, value: Complex64, shape: &DVector<Complex64>) -> Complex64 {
-        let parts = [shape.map(|entry| entry.re), shape.map(|entry| entry.im)];
-        let elastic =
-            |part: &DVector<f64>| self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed));
-        let mut stiffness = Complex64::from(elastic(&parts[0]) + elastic(&parts[1]));
-        for support in &self.model.supports {
-            let local = [shape[support.index], shape[support.index + 1]];
-            for (row, left) in support.skew_part().iter().zip(local) {
-                for (value, right) in row.iter().zip(local) {
-                    stiffness += left.conj() * right * *value;
-                }
-            }
+/// Number of eigenvalues: two of each conjugate pair.
+fn weight<'f>(found: impl Iterator<Item = &'f Found>) -> i64 {
+    found.map(|found| if found.value.im == 0.0 { 1 } else { 2 }).sum()
+}
+
+fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
+    found.iter().map(|found| found.value)
+}
+
+/// The approximations of two spaces in ascending order of |λ|: each eigenvalue as often as in the space that has more of it,
+/// and with the smaller residual.
+fn merged(first: Vec<Found>, second: &[Found]) -> Vec<Found> {
+    let mut all = first;
+    let earlier = all.len();
+    for (index, found) in second.iter().enumerate() {
+        let before = second[..index].iter().filter(|other| found.is_same(other)).count();
+        match (0..earlier).filter(|other| found.is_same(&all[*other])).nth(before) {
+            None => all.push(found.clone()),
+            Some(known) if all[known].residual > found.residual => all[known] = found.clone(),
+            Some(_) => {}
         }
-        let images = parts.each_ref().map(|part| {
-            let mut image = DVector::zeros(part.len());
-            self.rate.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
-            image
-        });
-        let rate = Complex64::new(
-            parts[0].dot(&images[0]) + parts[1].dot(&images[1]),
-            parts[0].dot(&images[1]) - parts[1].dot(&images[0]),
-        );
-        let root = (rate * rate - 4.0 * stiffness).sqrt();
-        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
-            Complex64::new(f64::INFINITY, 0.0),
-            |best, one| {
-                if (one - value).norm() < (best - value).norm() { one } else { best }
-            },
-        );
-        let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
-        if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
     }
-}
-
-/// T of the first-order form.
-struct FirstOrderInverse<'p, 'm> {
-    problem: &'p Problem<'m>,
-    factors: CoupledFactors,
-}
-
-impl<'p, 'm> FirstOrderInverse<'p, 'm> {
-    fn new(problem: &'p Problem<'m>) -> Result<Self, DecompositionError> {
-        let weights = Weights::dynamic(Complex64::from(problem.shift), problem.speed);
-        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(1.0)?;
-        Ok(Self { problem, factors })
-    }
-}
-
-impl Operator for FirstOrderInverse<'_, '_> {
-    const SYMMETRIC: bool = false;
-
-    fn size(&self) -> usize {
-        2 * self.problem.model.len()
-    }
-
-    fn apply(&self, state: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        let Problem { model, shift, rate, .. } = self.problem;
-        let (x, z) = state.split_at(model.len());
-        let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
-        let mut force = mass_times(model, &momentum);
-        rate.multiply_add(-1.0, x, &mut force);
-        let mut image = solve_real(model, &self.factors, &force)?;
-        for index in 0..model.len() {
-            image.push(x[index] + shift * image[index]);
-        }
-        Ok(image)
-    }
-
-    /// The inner product is xᵀ(K + s²M)x' + zᵀMz', with the symmetric part of K.
-    fn weigh(&self, state: &[f64]) -> Vec<f64> {
-        let Problem { model, shift, stiffness, .. } = self.problem;
-        let (x, z) = state.split_at(model.len());
-        let mut weighted = mass_times(model, x);
-        weighted.iter_mut().for_each(|value| *value *= shift * shift);
-        stiffness.multiply_add(1.0, x, &mut weighted);
-        weighted.extend(mass_times(model, z));
-        weighted
-    }
-}
-
-/// Bound of |Re λ| of all eigenvalues with a given |Im λ|.
-///
-/// With λ = a + ib and xᴴMx = 1, the real part of xᴴS(λ)x = 0 is a² + a c = b² + bΩg − k, so that
-/// |a| ≤ c + √(b² + b|Ω|g + κ), where c, g and κ bound the damping, the gyroscopic matrix and the skew part of the stiffness
-/// relative to the mass.
-struct Reach {
-    damping: f64,
-    gyroscopic: f64,
-    circulatory: f64,
-    /// Whether every eigenvalue has Re λ ≤ 0.
-    stable: bool,
-}
-
-impl Reach {
-    fn new(model: &Model, speed: f64, fastest: f64) -> Self {
-        let [alpha, beta] = model.scene.rayleigh;
-        let mut reach = Self {
-            damping: alpha.abs() + beta.abs() * fastest * fastest,
-            gyroscopic: 0.0,
-            circulatory: 0.0,
-            stable: alpha >= 0.0 && beta >= 0.0,
-        };
-        // The trace of M⁻¹C bounds the largest eigenvalue.
-        let mobility = |row: &[(usize, f64)]| {
-            let mut column = vec![0.0; model.len()];
-            row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
-            model.shafts.iter().for_each(|shaft| shaft.solve_mass(&mut column));
-            row.iter().map(|(index, coefficient)| coefficient * column[*index]).sum::<f64>()
-        };
-        for support in &model.supports {
-            let [[a, b], [c, d]] = support.damping;
-            let mobility = 2.0 * mobility(&[(support.index, 1.0)]);
-            reach.damping += mobility * a.hypot(b).hypot(c.hypot(d));
-            reach.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
-            reach.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
-        }
-        for connection in model.connections(speed) {
-            let damping = connection.linear(speed).damping;
-            let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
-            reach.damping += mobility * damping.norm();
-            reach.stable &= damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
-        }
-        reach.stable &= reach.circulatory == 0.0;
-        // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
-        let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
-        let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
-        reach.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
-        reach
-    }
-
-    fn rectangle(&self, top: f64) -> Rectangle {
-        let left = 1.5 * (self.damping + (top * top + top * self.gyroscopic + self.circulatory).sqrt());
-        Rectangle { left, right: if self.stable { top / 4.0 } else { left }, top }
-    }
+    all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
+    all
 }

@@ -47,15 +47,6 @@ impl ModePair {
             Self::RigidBodyPair(rate) => rate.abs(),
         }
     }
-
-    /// Smallest |λ|, rad/s.
-    pub(super) fn smallest(&self) -> f64 {
-        match self {
-            Self::Real(values) => values[0].abs().min(values[1].abs()),
-            Self::Oscillation(_) => self.largest(),
-            Self::RigidBodyPair(_) => 0.0,
-        }
-    }
 }
 
 /// Pairs of coordinates with the transformations y = T z and z = T⁻¹ y.

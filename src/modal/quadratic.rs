@@ -10,6 +10,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::cached::CachedModel;
+use super::intersection::OrderIntersection;
 use crate::linalg::{DecompositionError, hermitian_eigen, solve, solve_complex};
 
 /// Newton's method converges quadratically; if it needs more iterations, it diverges.
@@ -24,6 +25,10 @@ pub struct Quadratic {
     frequencies: DVector<f64>,
     /// Number of rigid-body modes.
     null: usize,
+    /// Φ, n × n.
+    shapes: DMatrix<f64>,
+    /// MΦ, n × n.
+    momenta: DMatrix<f64>,
     /// N, n × n, 1/s².
     skew: DMatrix<f64>,
     /// D, n × n, 1/s.
@@ -32,16 +37,12 @@ pub struct Quadratic {
     gyroscopic: DMatrix<f64>,
 }
 
-/// A mode whose frequency is a multiple (order) of the speed, Im λ = order·Ω: its intersection with the line of this
-/// order in the Campbell diagram.
-#[derive(Clone, Debug)]
-pub struct OrderIntersection {
-    /// Speed Ω of the reference shaft, rad/s.
-    pub speed: f64,
-    /// Eigenvalue λ, rad/s.
-    pub eigenvalue: Complex<f64>,
-    /// Undamped modal coordinates η, n entries, of unit length.
-    pub coordinates: DVector<Complex<f64>>,
+/// Speed, rad/s, eigenvalue, rad/s, and undamped modal coordinates of a mode.
+struct Point {
+    speed: f64,
+    eigenvalue: Complex<f64>,
+    /// η, n entries, of unit length.
+    coordinates: DVector<Complex<f64>>,
 }
 
 impl Quadratic {
@@ -51,19 +52,15 @@ impl Quadratic {
     /// [`DecompositionError`] if the undamped modes cannot be computed.
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, DecompositionError> {
         let real = cached.real_modes(speed)?;
-        let supports = cached.model.support_stiffness_matrix();
         Ok(Self {
             frequencies: real.frequencies.clone(),
             null: real.null,
-            skew: real.project(&((&supports - supports.transpose()) / 2.0)),
+            shapes: real.vectors.clone(),
+            momenta: cached.model.mass_times(&real.vectors),
+            skew: real.project(&cached.model.skew_part_matrix()),
             damping: real.project(&cached.damping_matrix(speed)?),
             gyroscopic: real.project(&cached.model.gyroscopic_matrix()),
         })
-    }
-
-    /// Frequency ω of the undamped mode `index`, rad/s.
-    pub fn frequency(&self, index: usize) -> f64 {
-        self.frequencies[index]
     }
 
     /// Mode with Im λ = `order`·Ω near `start`, by Newton's method for η, Re λ and Ω; `None` if it does not converge.
@@ -71,7 +68,8 @@ impl Quadratic {
     /// Each iteration solves −P η⁺ = (∂P/∂Re λ η) ΔRe λ + (∂P/∂Ω η) ΔΩ with cᴴη⁺ = 1, where Im λ = order·Ω: the
     /// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005).
     pub fn intersection(&self, order: f64, start: &OrderIntersection) -> Option<OrderIntersection> {
-        let mut at = start.clone();
+        let coordinates = map(&self.momenta.transpose(), &start.shape);
+        let mut at = Point { speed: start.speed, eigenvalue: start.eigenvalue, coordinates };
         at.eigenvalue.im = order * at.speed;
         for _ in 0..MAX_ITERATIONS {
             let anchor = at.coordinates.adjoint();
@@ -92,7 +90,8 @@ impl Quadratic {
             }
             at.coordinates = next.unscale(norm);
             if decay.abs() <= CONVERGED * at.eigenvalue.norm() && speed.abs() <= CONVERGED * at.speed.abs() {
-                return Some(at);
+                let shape = map(&self.shapes, &at.coordinates);
+                return Some(OrderIntersection { speed: at.speed, eigenvalue: at.eigenvalue, shape });
             }
         }
         None
@@ -130,7 +129,7 @@ impl Quadratic {
             OrderIntersection {
                 speed: frequency / order,
                 eigenvalue: Complex::new(0.0, frequency),
-                coordinates: coordinates.unscale(norm),
+                shape: map(&self.shapes, &coordinates.unscale(norm)),
             }
         };
         // Descending 1/ω² is ascending ω. Values that are positive only by round-off are no critical speeds.
@@ -140,7 +139,7 @@ impl Quadratic {
     }
 
     /// P(λ, Ω).
-    fn matrix(&self, at: &OrderIntersection) -> DMatrix<Complex<f64>> {
+    fn matrix(&self, at: &Point) -> DMatrix<Complex<f64>> {
         let n = self.frequencies.len();
         let lambda = at.eigenvalue;
         DMatrix::from_fn(n, n, |i, j| {
@@ -150,7 +149,7 @@ impl Quadratic {
     }
 
     /// (∂P/∂λ) η.
-    fn derivative(&self, at: &OrderIntersection) -> DVector<Complex<f64>> {
+    fn derivative(&self, at: &Point) -> DVector<Complex<f64>> {
         let rate = complex(&(&self.damping + &self.gyroscopic * at.speed));
         &at.coordinates * (at.eigenvalue * 2.0) + rate * &at.coordinates
     }
@@ -158,4 +157,10 @@ impl Quadratic {
 
 fn complex(matrix: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
     matrix.map(Complex::from)
+}
+
+/// A x for a real matrix A.
+fn map(matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let part = |part: fn(&Complex<f64>) -> f64| matrix * x.map(|value| part(&value));
+    part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
 }

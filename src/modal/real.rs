@@ -18,8 +18,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use crate::linalg::{DecompositionError, symmetric_pencil};
-use crate::model::{DofKind, Model};
+use crate::connection::Connection;
+use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
+use crate::model::{DofKind, Link, Model};
 use crate::scene::Node;
 
 /// A rigid motion is a rigid-body mode if its eigenvalue with springs of unit stiffness is below this. Round-off leaves
@@ -51,8 +52,8 @@ impl RealModes {
         Ok(Self::of_shapes(model, speed, vectors, null.ncols()))
     }
 
-    /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft. Mode shapes are zero
-    /// outside their part.
+    /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft, or everything if links
+    /// couple the shafts. Mode shapes are zero outside their part.
     pub(super) fn without_meshes(model: &Model) -> Result<Vec<Self>, DecompositionError> {
         let mass = model.mass_matrix();
         let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
@@ -69,7 +70,7 @@ impl RealModes {
             vectors.rows_range_mut(part).copy_from(&shapes);
             Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.elastic_form_without_meshes(shape)))
         };
-        model.numbering.uncoupled_parts().map(modes_of_part).collect()
+        model.uncoupled_parts().into_iter().map(modes_of_part).collect()
     }
 
     /// Modes from their shapes, which are orthonormal in M; the first `null` ones are rigid-body modes.
@@ -103,6 +104,15 @@ impl RealModes {
         self.frequencies.max()
     }
 
+    /// ΦᵀAΦ for a sparse n × n matrix A.
+    pub(super) fn project_sparse(&self, matrix: &Sparse) -> DMatrix<f64> {
+        if matrix.is_zero() {
+            let size = self.vectors.ncols();
+            return DMatrix::zeros(size, size);
+        }
+        self.vectors.transpose() * times(matrix, &self.vectors)
+    }
+
     /// ΦᵀAΦ for an n × n matrix A.
     pub(super) fn project(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         self.vectors.transpose() * (matrix * &self.vectors)
@@ -127,6 +137,16 @@ impl RealModes {
 pub fn null_motions(model: &Model, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
     let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
     rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)
+}
+
+/// Product of a sparse matrix and the columns of a dense one.
+pub(super) fn times(matrix: &Sparse, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
+    let rows = columns.nrows().max(1);
+    for (column, out) in columns.as_slice().chunks_exact(rows).zip(product.as_mut_slice().chunks_exact_mut(rows)) {
+        matrix.multiply_add(1.0, column, out);
+    }
+    product
 }
 
 /// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible.
@@ -201,17 +221,17 @@ pub(super) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f
             rows.push(row);
         }
     }
-    for connection in speed.iter().flat_map(|speed| model.connections(*speed)) {
-        for entries in connection.rows() {
-            let mut row = RowDVector::zeros(model.len());
-            entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
-            rows.push(row);
-        }
+    let connections = speed.iter().flat_map(|speed| model.connections(*speed)).filter(Connection::is_elastic);
+    let connections = connections.flat_map(|connection| connection.rows());
+    for entries in model.links.iter().flat_map(Link::directions).chain(connections) {
+        let mut row = RowDVector::zeros(model.len());
+        entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
+        rows.push(row);
     }
     if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
 }
 
-/// Rigid motions of every single shaft, one per column, n rows.
+/// Rigid motions of every single shaft and of every housing, one per column, n rows.
 pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
     let mut columns = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
@@ -236,6 +256,11 @@ pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
         if let Some(start) = model.numbering.torsion(shaft) {
             push(&|node, _, column| column[start + node] = 1.0);
         }
+    }
+    for index in model.housings.coordinates() {
+        let mut column = DVector::zeros(model.len());
+        column[index] = 1.0;
+        columns.push(column);
     }
     DMatrix::from_columns(&columns)
 }

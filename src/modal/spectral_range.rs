@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::real::{RealModes, null_motions};
-use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Singular, Sparse};
+use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
 use crate::model::{Model, Weights};
 
 /// Relative change of a frequency at which an iteration ends.
 const CONVERGED: f64 = 1e-7;
 /// Steps between two comparisons.
-const STEPS: usize = 20;
+const STEPS: usize = 10;
 /// Largest number of steps.
-const MAX_STEPS: usize = 120;
+const MAX_STEPS: usize = 300;
 /// Shift of the first iteration for the lowest frequency, relative to the highest one: round-off of the stiffness is
 /// 1e-8 of it.
 const SHIFT: f64 = 1e-5;
@@ -63,25 +63,66 @@ impl SpectralRange {
     }
 }
 
-/// Largest eigenvalue and its vector, apart from those of the columns of `locked`.
-fn largest(operator: &impl Operator, locked: &DMatrix<f64>) -> Result<(f64, DVector<f64>), DecompositionError> {
-    let locked = locked.column_iter().map(|column| column.iter().copied().collect());
-    let mut space = Krylov::new(operator, locked);
+/// Largest eigenvalue and its vector, apart from those of the columns of `locked`, by the Lanczos method without
+/// reorthogonalization: copies of a converged eigenvalue do no harm (Golub and Van Loan, section 10.3).
+fn largest(
+    operator: &impl Operator<Scalar = f64>,
+    locked: &DMatrix<f64>,
+) -> Result<(f64, DVector<f64>), DecompositionError> {
+    let size = operator.size();
+    let weighted: Vec<DVector<f64>> = locked
+        .column_iter()
+        .map(|column| DVector::from_vec(operator.weigh(&column.iter().copied().collect::<Vec<_>>())))
+        .collect();
+    let without_locked = |x: &mut DVector<f64>| {
+        for (column, weighted) in locked.column_iter().zip(&weighted) {
+            let part = weighted.dot(x);
+            x.axpy(-part, &column, 1.0);
+        }
+    };
+    let norm = |x: &DVector<f64>| DVector::from_vec(operator.weigh(x.as_slice())).dot(x).max(0.0).sqrt();
+    // A fixed start vector with components in all directions.
+    let mut vector = DVector::from_fn(size, |i, _| ((i * i) as f64).sin());
+    vector = DVector::from_vec(operator.apply(vector.as_slice())?);
+    without_locked(&mut vector);
+    let length = norm(&vector);
+    if length == 0.0 {
+        return Ok((0.0, DVector::zeros(size)));
+    }
+    let mut basis = vec![vector / length];
+    let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut previous = 0.0;
     loop {
-        for _ in 0..STEPS {
-            space.step()?;
+        let last = basis.len() - 1;
+        let mut next = DVector::from_vec(operator.apply(basis[last].as_slice())?);
+        without_locked(&mut next);
+        if last > 0 {
+            next.axpy(-beside[last - 1], &basis[last - 1], 1.0);
         }
-        let pairs = space.ritz_pairs()?;
-        let pair = pairs.iter().max_by(|a, b| a.value.re.total_cmp(&b.value.re));
-        let Some(pair) = pair else {
-            return Ok((0.0, DVector::zeros(operator.size())));
-        };
-        let value = pair.value.re;
-        if (value - previous).abs() <= CONVERGED * value || space.steps() >= MAX_STEPS || space.is_complete() {
-            return Ok((value, space.vector(pair).map(|entry| entry.re)));
+        let along = DVector::from_vec(operator.weigh(next.as_slice())).dot(&basis[last]);
+        next.axpy(-along, &basis[last], 1.0);
+        diagonal.push(along);
+        let length = norm(&next);
+        let steps = diagonal.len();
+        let is_end = steps >= MAX_STEPS.min(size) || length <= f64::EPSILON * along.abs();
+        if is_end || steps.is_multiple_of(STEPS) {
+            let tridiagonal = DMatrix::from_fn(steps, steps, |i, j| match i.abs_diff(j) {
+                0 => diagonal[i],
+                1 => beside[i.min(j)],
+                _ => 0.0,
+            });
+            let eigen = tridiagonal.symmetric_eigen();
+            let (index, value) = eigen.eigenvalues.argmax();
+            if is_end || (value - previous).abs() <= CONVERGED * value {
+                let mut shape = DVector::zeros(size);
+                let components = eigen.eigenvectors.column(index).into_owned();
+                basis.iter().zip(components.iter()).for_each(|(vector, part)| shape.axpy(*part, vector, 1.0));
+                return Ok((value, shape));
+            }
+            previous = value;
         }
-        previous = value;
+        beside.push(length);
+        basis.push(next / length);
     }
 }
 
@@ -92,6 +133,7 @@ struct MassInverse<'m> {
 }
 
 impl Operator for MassInverse<'_> {
+    type Scalar = f64;
     const SYMMETRIC: bool = true;
 
     fn size(&self) -> usize {
@@ -101,7 +143,7 @@ impl Operator for MassInverse<'_> {
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
         let mut image = vec![0.0; x.len()];
         self.stiffness.multiply_add(1.0, x, &mut image);
-        self.model.shafts.iter().for_each(|shaft| shaft.solve_mass(&mut image));
+        self.model.solve_mass(&mut image);
         Ok(image)
     }
 
@@ -114,6 +156,8 @@ impl Operator for MassInverse<'_> {
 pub(super) struct ShiftInverse<'m> {
     model: &'m Model,
     factors: CoupledFactors,
+    /// s, rad/s.
+    pub shift: f64,
 }
 
 impl<'m> ShiftInverse<'m> {
@@ -121,11 +165,12 @@ impl<'m> ShiftInverse<'m> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
         let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
-        Ok(Self { model, factors })
+        Ok(Self { model, factors, shift })
     }
 }
 
 impl Operator for ShiftInverse<'_> {
+    type Scalar = f64;
     const SYMMETRIC: bool = true;
 
     fn size(&self) -> usize {
@@ -133,7 +178,7 @@ impl Operator for ShiftInverse<'_> {
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        Ok(solve_real(self.model, &self.factors, &mass_times(self.model, x))?)
+        Ok(self.model.solve_real(&self.factors, &mass_times(self.model, x))?)
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {
@@ -146,12 +191,4 @@ pub(super) fn mass_times(model: &Model, x: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; x.len()];
     model.multiply_mass(x, &mut product);
     product
-}
-
-/// Solution of a real system in the order of the core.
-pub(super) fn solve_real(model: &Model, factors: &CoupledFactors, right: &[f64]) -> Result<Vec<f64>, Singular> {
-    let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
-    let mut x = model.to_circular(&right);
-    factors.solve(&mut x)?;
-    Ok(model.from_circular(&x).iter().map(|value| value.re).collect())
 }

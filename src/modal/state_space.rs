@@ -102,66 +102,20 @@ impl ModalStateSpace {
         Ok(Some(Self::assemble(false, largest, parts)))
     }
 
-    /// The model reduced to the pairs in `slots`; `None` if A is dense.
-    pub fn select_pairs(&self, slots: &[usize]) -> Option<Self> {
-        let StateMatrix::Pairs(pairs) = &self.matrix else {
-            return None;
-        };
-        let entries: Vec<usize> = slots.iter().copied().chain(slots.iter().map(|slot| self.slots + slot)).collect();
-        let pairs = slots.iter().map(|slot| pairs[*slot]).collect();
-        let maps = Maps([
-            self.displacement.select_columns(&entries),
-            self.velocity.select_columns(&entries),
-            self.from_displacement.select_rows(&entries).transpose(),
-            self.from_velocity.select_rows(&entries).transpose(),
-        ]);
-        Some(Self::assemble(self.includes_meshes, self.condition, vec![(StateMatrix::Pairs(pairs), maps)]))
+    /// Input columns b of `other`, a model of the same system in another subspace, in this one.
+    pub fn columns_of(&self, model: &Model, other: &Self, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let states = joined(columns, other.len());
+        let [displacement, velocity] =
+            [&other.displacement, &other.velocity].map(|motion| model.mass_times(&(motion * &states)));
+        separate(&(&self.from_displacement * displacement + &self.from_velocity * velocity))
     }
 
-    /// Entries that this reduced model keeps of a state, row or column of the complete model, in its own order;
-    /// `slots` are those given to [`Self::select_pairs`].
-    pub fn select_entries(&self, all: &[f64], slots: &[usize]) -> Vec<f64> {
-        let mut kept = vec![0.0; self.len()];
-        for (to, from) in slots.iter().enumerate() {
-            kept[to] = all[*from];
-            kept[self.slots + to] = all[all.len() / 2 + from];
-        }
-        kept
-    }
-
-    /// The `count` slots that loads excite most, ascending; `columns` are the input columns b of the loads.
-    ///
-    /// The measure is |b|/|λ|³. A load with jumps has harmonics that decrease with frequency, so the response of a mode
-    /// decreases as its static displacement |b|/|λ|², divided by |λ|. For each load the measures are normalized to a
-    /// sum of one; the largest value over all loads counts. Rigid-body pairs are always selected first.
-    pub fn most_excited(&self, columns: &[Vec<f64>], count: usize) -> Vec<usize> {
-        let StateMatrix::Pairs(pairs) = &self.matrix else {
-            return Vec::new();
-        };
-        let rigid = |pair: &ModePair| matches!(pair, ModePair::RigidBodyPair(_));
-        let mut largest: Vec<f64> = pairs.iter().map(|pair| if rigid(pair) { f64::INFINITY } else { 0.0 }).collect();
-        for column in columns {
-            let response = |(slot, pair): (usize, &ModePair)| match column[slot].hypot(column[self.slots + slot]) {
-                load if load > 0.0 && !rigid(pair) => load / pair.smallest().powi(3),
-                _ => 0.0,
-            };
-            let responses: Vec<f64> = pairs.iter().enumerate().map(response).collect();
-            let total = responses.iter().sum::<f64>();
-            for (largest, response) in largest.iter_mut().zip(responses).filter(|(_, response)| *response > 0.0) {
-                *largest = largest.max(response / total);
-            }
-        }
-        let mut order: Vec<usize> = (0..pairs.len()).collect();
-        order.sort_by(|a, b| largest[*b].total_cmp(&largest[*a]));
-        order.truncate(count);
-        order.sort_unstable();
-        order
-    }
-
-    /// Map from the states of `other`, a model of the same system in another subspace, to those of this one.
-    pub fn map_from(&self, model: &Model, other: &Self) -> DMatrix<f64> {
-        &self.from_displacement * model.mass_times(&other.displacement)
-            + &self.from_velocity * model.mass_times(&other.velocity)
+    /// Output rows w of `other`, a model of the same system in another subspace, in this one.
+    pub fn rows_of(&self, model: &Model, other: &Self, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let states = joined(rows, other.len()).transpose();
+        let [displacement, velocity] = [&other.from_displacement, &other.from_velocity]
+            .map(|from| model.mass_times(&(&states * from).transpose()).transpose());
+        separate(&(displacement * &self.displacement + velocity * &self.velocity).transpose())
     }
 
     /// Combines uncoupled parts and pads their slots; a dense part is the only one.
@@ -353,6 +307,16 @@ impl Maps {
             }
         }
     }
+}
+
+/// Columns of `len` entries as a matrix.
+fn joined(columns: &[Vec<f64>], len: usize) -> DMatrix<f64> {
+    DMatrix::from_iterator(len, columns.len(), columns.iter().flatten().copied())
+}
+
+/// Columns of a matrix, one list each.
+fn separate(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
 }
 
 /// Copies a matrix into a zero matrix of `size` rows and columns; `place` gives the new index of a row or column.

@@ -1,25 +1,31 @@
 //! Connections of the model, and the model at a constant speed.
 
-use super::{Model, Numbering, Support};
-use crate::connection::{Connection, JournalBearing, OperatingPoint, SpeedDependentBearing};
+use nalgebra::DVector;
+
+use super::link::links;
+use super::{Model, Numbering, Support, bearing_rows};
+use crate::connection::{AppliedLoad, Connection, JournalBearing, OperatingPoint, SpeedDependentBearing};
 use crate::film::Film;
-use crate::scene::{Bearing, BearingCoefficient, EntryPath, Node, Scene, SceneError};
+use crate::scene::{Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Scene, SceneError};
 
 /// Standard gravity, m/s².
 const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Bearings with constant coefficients, and bearings that depend on the speed.
+/// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let Some(index) = numbering.translation(bearing.node).filter(|_| bearing.journal.is_none()) else {
+        let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.journal.is_none());
+        let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
+            // A bearing on a housing is a link.
+            (Some(_), Some(_)) if bearing.attachment.is_some() => {}
             (Some(stiffness), Some(damping)) => supports.push(Support::new(index, stiffness, damping)),
             _ => {
                 let ratio = scene.speed_ratios[bearing.node.shaft];
-                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), index, ratio });
+                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio });
             }
         }
     }
@@ -37,8 +43,8 @@ pub(super) fn journals(scene: &Scene, numbering: &Numbering) -> Vec<JournalBeari
 }
 
 impl Model {
-    /// Whether the matrices depend on the speed and the model is not that of one speed.
-    pub fn depends_on_speed(&self) -> bool {
+    /// Whether the matrices lack the coefficients of bearings, because the model is not that of one speed.
+    pub fn lacks_coefficients(&self) -> bool {
         !self.bearings.is_empty() || self.journals.iter().any(|journal| journal.point.is_none())
     }
 
@@ -119,14 +125,12 @@ impl Model {
     ) -> impl Iterator<Item = Connection<'a>> + 'a {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
-        let journals = self.journals.iter().map(Connection::Journal);
-        meshes
-            .chain(self.bearings.iter().map(Connection::Bearing))
-            .chain(journals)
-            .chain(self.springs.iter().map(Connection::Spring))
+        let others = self.bearings.iter().map(Connection::Bearing).chain(self.journals.iter().map(Connection::Journal));
+        let others = others.chain(self.springs.iter().map(Connection::Spring));
+        meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
 
-    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients.
+    /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients or a torque no value.
     ///
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
@@ -138,7 +142,9 @@ impl Model {
         self.check_tables(speed)
     }
 
+    /// Refuses a speed of the reference shaft [rad/s] that a table does not contain.
     fn check_tables(&self, speed: f64) -> Result<(), SceneError> {
+        self.loads.iter().try_for_each(|load| load.check(speed))?;
         self.bearings.iter().try_for_each(|bearing| {
             let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
             bearing.check(speed, &shaft.name)
@@ -174,7 +180,23 @@ impl Model {
         model
             .supports
             .extend(journals.zip(points).map(|(index, point)| Support::new(index, point.stiffness, point.damping)));
+        model.links = links(&model.scene, &model.numbering);
         Ok(model)
+    }
+
+    /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.
+    pub fn depends_on_speed(&self) -> bool {
+        let is_over_speed = |load: &AppliedLoad| matches!(load.law, LoadLaw::SpeedTorque { .. });
+        self.lacks_coefficients() || self.loads.iter().any(is_over_speed)
+    }
+
+    /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.
+    pub fn speed_torques(&self, speed: f64) -> DVector<f64> {
+        let mut torques = DVector::zeros(self.len());
+        for load in &self.loads {
+            load.rows[0].iter().for_each(|(index, factor)| torques[*index] += factor * load.constant(speed));
+        }
+        torques
     }
 
     /// The bearings at a node whose coefficients depend on the speed.

@@ -5,12 +5,12 @@
 //! coordinates are ∫EI φ_i' b'' dx, with the curvature φ_i' of their shape functions. The internal coordinates of the
 //! shape are K_ii⁻¹ times these forces: the shape of the elements that is closest to b(x) in strain energy.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector4};
 use num_complex::Complex64;
 
-use crate::element::{BendingFunction, flexural_rigidity, gauss};
+use crate::element::{BendingFunction, deflection, flexural_rigidity, gauss};
 use crate::linalg::ChainMatrix;
-use crate::scene::{Bow, Scene, SceneError, Shaft};
+use crate::scene::{Bow, Element, Scene, SceneError, Shaft};
 
 /// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
 const RIGID_STIFFNESS: f64 = 1e8;
@@ -18,6 +18,12 @@ const RIGID_STIFFNESS: f64 = 1e8;
 /// Points of the Gauss rule on a piece of an element, over which the curvature is a sine over one radian or a line. The rule
 /// is exact to round-off with shape functions of the largest degree.
 const POINTS: usize = 16;
+
+/// Number of parts of an element between whose ends the largest deflection is searched.
+const SAMPLES: usize = 16;
+/// Number of steps of the ternary search: each divides the interval by 1.5, and the deflection at its maximum is accurate to
+/// round-off if the position is accurate to 1e-8.
+const TERNARY_STEPS: usize = 48;
 
 /// u, m, and φ, rad, at the nodes of shaft `index`, then the internal coordinates of bending; `None` for a straight shaft.
 ///
@@ -126,7 +132,29 @@ fn unit_sag(
     let mut sag = vec![0.0; translation.len()];
     mass.multiply_add::<1>(1.0, &translation, &mut sag);
     factor.solve::<1>(&mut sag);
-    let largest =
-        sag.iter().step_by(2).take(shaft.nodes.len()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = largest_deflection(shaft, &sag);
     Ok(sag.iter().map(|value| value / largest).collect())
+}
+
+/// Largest deflection of a shaft under its own weight, with the displacements (u, φ) of its nodes, m. It can lie within an
+/// element.
+fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
+    let within = |(index, element): (usize, &Element)| {
+        let ends = Vector4::from_column_slice(&nodes[2 * index..2 * index + 4]);
+        let at = |xi: f64| deflection(element, &shaft.material, shaft.shear, ends, xi).abs();
+        let point = |i: usize| i as f64 / SAMPLES as f64;
+        let best = (0..=SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
+        // Ternary search: between two samples the deflection has one maximum.
+        let (mut low, mut high) = (point(best.saturating_sub(1)), point((best + 1).min(SAMPLES)));
+        for _ in 0..TERNARY_STEPS {
+            let third = (high - low) / 3.0;
+            if at(low + third) < at(high - third) {
+                low += third;
+            } else {
+                high -= third;
+            }
+        }
+        at(point(best)).max(at((low + high) / 2.0))
+    };
+    shaft.elements.iter().enumerate().map(within).fold(0.0, f64::max)
 }

@@ -1,5 +1,5 @@
 //! Circular coordinates, in which the planes of a shaft uncouple: p = v + iw (forward) and m = v − iw (backward) of each
-//! pair of bending coordinates, and the torsion as it is.
+//! pair of bending coordinates; torsion, supports and housings as they are.
 //!
 //! A vector of circular coordinates has, in the place of the bending coordinates of a shaft, first all p and then all m.
 //! The coordinates of each of these chains, and of torsion, have the order of a band matrix: those of a node, the internal
@@ -9,7 +9,7 @@
 use num_complex::Complex64;
 
 use super::Model;
-use crate::linalg::{BandOrder, CoupledBands};
+use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Singular};
 
 /// The coordinates of one chain of a shaft.
 struct Part {
@@ -29,9 +29,9 @@ impl Part {
 }
 
 impl Model {
-    /// Chains of all shafts.
+    /// Chains of all shafts, and the coordinates of supports and housings.
     fn parts(&self) -> impl Iterator<Item = Part> + '_ {
-        self.shafts.iter().flat_map(|shaft| {
+        let shafts = self.shafts.iter().flat_map(|shaft| {
             let bending = shaft.bending.as_ref();
             let bending =
                 bending.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: true });
@@ -39,7 +39,9 @@ impl Model {
             let twist =
                 twist.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: false });
             bending.into_iter().chain(twist)
-        })
+        });
+        let housings = Part { start: self.housings.start, order: self.housings.band_order(), lateral: false };
+        shafts.chain((!self.housings.inertia.is_empty()).then_some(housings))
     }
 
     /// Circular coordinates of a coordinate, with the force on each for a unit force on the coordinate, and the part of
@@ -104,5 +106,16 @@ impl Model {
             }
         }
         out
+    }
+
+    /// Solution of a real system in the order of the core.
+    ///
+    /// # Errors
+    /// [`Singular`] if round-off leaves no accurate solution.
+    pub fn solve_real(&self, factors: &CoupledFactors, right: &[f64]) -> Result<Vec<f64>, Singular> {
+        let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
+        let mut x = self.to_circular(&right);
+        factors.solve(&mut x)?;
+        Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
     }
 }

@@ -3,15 +3,15 @@
 //! The circular coordinates p = v + iw (forward) and m = v − iw (backward) of each node uncouple the two planes of a shaft:
 //! the gyroscopic term is −iλΩ_s G_s for p and +iλΩ_s G_s for m. A shaft is therefore three chains: p, m and torsion. A
 //! bearing with the same coefficients in every direction belongs to the chains. Other bearings couple p and m of their
-//! node, and a mesh couples six coordinates.
+//! node, and a mesh couples six coordinates. The coordinates of supports and housings are a chain of their own.
 //!
 //! `circular.rs` has the order of the circular coordinates, in which the internal coordinates of an element lie between
 //! those of its nodes.
 
 use num_complex::Complex64;
 
-use super::Model;
 use super::shaft::ShaftModel;
+use super::{HousingInertia, Link, Model};
 use crate::connection::Row;
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
 
@@ -85,6 +85,7 @@ impl Model {
             push_bending(&mut sum, shaft, weights);
             push_torsion(&mut sum, shaft, weights);
         }
+        push_housings(&mut sum, &self.housings, weights);
         for support in &self.supports {
             let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
             for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
@@ -94,10 +95,20 @@ impl Model {
                 }
             }
         }
+        for Link { rows, local, .. } in &self.links {
+            let stiffness = if weights.symmetric { &local.symmetric_part } else { &local.stiffness };
+            for (i, left) in rows.iter().enumerate() {
+                for (j, right) in rows.iter().enumerate() {
+                    let value = weights.stiffness * stiffness[i][j] + weights.damping * local.damping[i][j];
+                    self.add_product(&mut sum, left, right, value);
+                }
+            }
+        }
         sum
     }
 
-    /// Diagonal entries of the stiffness matrix of the shafts, n entries in the order of the core.
+    /// Diagonal entries of the stiffness matrix of the shafts, and of the links at supports and housings (one where these
+    /// have none), n entries in the order of the core.
     pub fn chain_stiffness(&self) -> Vec<f64> {
         let mut diagonal = vec![0.0; self.len()];
         for shaft in &self.shafts {
@@ -116,6 +127,15 @@ impl Model {
                 });
             }
         }
+        let housings = self.housings.coordinates();
+        for Link { rows, local, .. } in &self.links {
+            for (i, row) in rows.iter().enumerate() {
+                for (index, coefficient) in row.iter().filter(|(index, _)| housings.contains(index)) {
+                    diagonal[*index] += local.symmetric_part[i][i] * coefficient * coefficient;
+                }
+            }
+        }
+        diagonal[housings].iter_mut().filter(|value| **value == 0.0).for_each(|value| *value = 1.0);
         diagonal
     }
 
@@ -157,6 +177,19 @@ fn push_torsion(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     add(&mut band, &chain.mass, weights.mass);
     if let Some(damping) = &chain.damping {
         add(&mut band, damping, weights.damping);
+    }
+    sum.push(band);
+}
+
+/// Appends the coordinates of supports and housings, whose inertia couples none of them.
+fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &Weights) {
+    if housings.inertia.is_empty() {
+        return;
+    }
+    let order = housings.band_order();
+    let mut band = BandChain::zeros(order.len(), order.reach());
+    for (row, inertia) in housings.inertia.iter().enumerate() {
+        band.add(row, row, weights.mass * *inertia);
     }
     sum.push(band);
 }

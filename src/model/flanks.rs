@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Model;
 use crate::linalg::LuFactors;
+use crate::scene::Coupling;
 
 /// A mesh is unloaded if the moment of its tooth force is below this fraction of the largest given torque.
 const UNLOADED: f64 = 1e-9;
@@ -62,10 +63,14 @@ impl Model {
     /// the inertia forces of the shafts are then part of the balance.
     fn tooth_forces(&self) -> Vec<f64> {
         let shafts = self.shafts.len();
-        if self.scene.torques.iter().all(|torque| torque.value == 0.0) {
+        let varying = || self.loads.iter().filter(|load| load.law.is_torque());
+        if self.scene.torques.iter().all(|torque| torque.value == 0.0) && varying().next().is_none() {
             return vec![0.0; self.meshes.len()];
         }
         let mut torque = DVector::zeros(shafts);
+        for load in varying() {
+            torque[load.shaft] += load.law.first_torque();
+        }
         for given in &self.scene.torques {
             torque[given.node.shaft] += given.value;
         }
@@ -74,7 +79,10 @@ impl Model {
         let rotation = self.rigid_body_rotation();
         let inertia = DVector::from_fn(shafts, |shaft, _| self.polar_inertia(shaft));
         let momentum = inertia.component_mul(&rotation);
-        torque.axpy(-torque.dot(&rotation) / momentum.dot(&rotation), &momentum, 1.0);
+        let held = self.scene.drives.iter().any(|drive| drive.stiffness > 0.0);
+        if !held {
+            torque.axpy(-torque.dot(&rotation) / momentum.dot(&rotation), &momentum, 1.0);
+        }
 
         let mut stiffness = DMatrix::zeros(shafts, shafts);
         for mesh in &self.meshes {
@@ -85,9 +93,19 @@ impl Model {
                 }
             }
         }
+        for Coupling { hubs: [a, b], stiffness: [.., torsional], .. } in &self.scene.couplings {
+            for (row, column, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                stiffness[(row.shaft, column.shaft)] += sign * torsional;
+            }
+        }
+        for drive in &self.scene.drives {
+            stiffness[(drive.node.shaft, drive.node.shaft)] += drive.stiffness;
+        }
         // A stiffness against the rigid-body rotation makes the matrix regular. The balanced torques do not excite it.
-        let size = stiffness.trace() / rotation.norm_squared();
-        stiffness.ger(size, &rotation, &rotation, 1.0);
+        if !held {
+            let size = stiffness.trace() / rotation.norm_squared();
+            stiffness.ger(size, &rotation, &rotation, 1.0);
+        }
         let angle = LuFactors::new(&stiffness).solve(&DMatrix::from_column_slice(shafts, 1, torque.as_slice()));
         let force = |mesh: &crate::mesh::GearMesh| {
             let [a, b] = mesh.shafts;
@@ -109,6 +127,13 @@ impl Model {
                     rotation[b] = -rotation[a] * ra / rb;
                 } else if rotation[a] == 0.0 {
                     rotation[a] = -rotation[b] * rb / ra;
+                }
+            }
+            for Coupling { hubs: [a, b], .. } in &self.scene.couplings {
+                if rotation[b.shaft] == 0.0 {
+                    rotation[b.shaft] = rotation[a.shaft];
+                } else if rotation[a.shaft] == 0.0 {
+                    rotation[a.shaft] = rotation[b.shaft];
                 }
             }
         }

@@ -3,11 +3,12 @@
 //! SI units: translations in m, rotations in rad. A speed Ω is that of the reference shaft, rad/s; its sign selects the
 //! loaded tooth flanks.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 use super::shaft::{BendingChain, TwistChain};
 use super::{Model, Support};
-use crate::connection::Coefficients;
+use crate::connection::{Coefficients, Row};
 use crate::linalg::{ChainMatrix, Sparse};
 
 /// Adds a value to the entry (row, column) of a matrix.
@@ -89,6 +90,19 @@ impl Model {
         })
     }
 
+    /// Symmetric part of the stiffness of shafts and bearings.
+    pub fn sparse_stiffness_without_connections(&self) -> Sparse {
+        self.sparse(|add| {
+            self.visit_shaft_stiffness(add);
+            self.visit_supports(|support| support.symmetric_part, add);
+        })
+    }
+
+    /// Bearing stiffness without its symmetric part.
+    pub fn sparse_skew_part(&self) -> Sparse {
+        self.sparse(|add| self.visit_supports(Support::skew_part, add))
+    }
+
     /// Damping matrix of shafts, bearings and connections, without modal damping.
     pub fn sparse_damping(&self, speed: f64) -> Sparse {
         self.sparse(|add| {
@@ -111,6 +125,54 @@ impl Model {
         })
     }
 
+    /// `out += K x` of shafts, bearings and connections with the flanks in contact at `speed`, rad/s; `symmetric` selects
+    /// the symmetric part of the bearing stiffness. Forces of the shafts come from strains, which leave out the round-off of
+    /// rigid motions.
+    pub fn multiply_stiffness(&self, speed: f64, symmetric: bool, x: &[f64], out: &mut [f64]) {
+        out.iter_mut().for_each(|value| *value = -*value);
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                chain.subtract_elastic::<2>(&x[chain.start..], &mut out[chain.start..]);
+            }
+            if let Some(chain) = &shaft.twist {
+                chain.subtract_elastic::<1>(&x[chain.start..], &mut out[chain.start..]);
+            }
+        }
+        out.iter_mut().for_each(|value| *value = -*value);
+        let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
+        self.visit_supports(|support| if symmetric { support.symmetric_part } else { support.stiffness }, add);
+        for connection in self.connections(speed) {
+            let (rows, coefficients) = (connection.rows(), connection.linear(speed));
+            let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
+            let scalars = DVector::from_iterator(rows.len(), rows.iter().map(scalar));
+            for (row, force) in rows.iter().zip(&(coefficients.stiffness * scalars)) {
+                row.iter().for_each(|(index, coefficient)| out[*index] += coefficient * force);
+            }
+        }
+    }
+
+    /// `out += C x` of shafts, bearings and connections at `speed`, rad/s, without modal damping.
+    pub fn multiply_damping(&self, speed: f64, x: &[f64], out: &mut [f64]) {
+        let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
+        self.visit_damping_without_meshes(add);
+        self.visit_connections(speed, |coefficients| coefficients.damping, add);
+    }
+
+    /// `out += G x` with G per unit speed of the reference shaft.
+    pub fn multiply_gyroscopic(&self, x: &[f64], out: &mut [f64]) {
+        self.visit_gyroscopic(&mut |row, column, value| out[row] += value * x[column]);
+    }
+
+    /// Product of a real matrix with a complex vector; `multiply(x, out)` adds the product with a real vector.
+    pub fn product(&self, x: &DVector<Complex64>, multiply: impl Fn(&[f64], &mut [f64])) -> DVector<Complex64> {
+        let part = |part: fn(&Complex64) -> f64| {
+            let mut image = DVector::zeros(self.len());
+            multiply(x.map(|value| part(&value)).as_slice(), image.as_mut_slice());
+            image
+        };
+        part(|value| value.re).zip_map(&part(|value| value.im), Complex64::new)
+    }
+
     fn dense(&self, visit: impl Fn(Add<'_>)) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.len(), self.len());
         visit(&mut |row, column, value| matrix[(row, column)] += value);
@@ -127,6 +189,9 @@ impl Model {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.mass), add);
             visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.mass), add);
+        }
+        for (index, inertia) in self.housings.coordinates().zip(&self.housings.inertia) {
+            add(index, index, *inertia);
         }
     }
 
@@ -157,12 +222,25 @@ impl Model {
         }
     }
 
-    /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients.
+    /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients, and that over the
+    /// scalars of every link.
     fn visit_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], add: Add<'_>) {
         for support in &self.supports {
             for (i, row) in select(support).iter().enumerate() {
                 for (j, value) in row.iter().enumerate() {
                     add(support.index + i, support.index + j, *value);
+                }
+            }
+        }
+        for link in &self.links {
+            let coefficient = select(&link.local);
+            for (i, left) in link.rows.iter().enumerate() {
+                for (j, right) in link.rows.iter().enumerate() {
+                    for (row, left) in left {
+                        for (column, right) in right {
+                            add(*row, *column, coefficient[i][j] * left * right);
+                        }
+                    }
                 }
             }
         }

@@ -13,6 +13,9 @@ mod bow;
 mod circular;
 mod dynamic_stiffness;
 mod flanks;
+mod housing;
+mod link;
+mod loads;
 mod matrices;
 mod numbering;
 mod quadratic_forms;
@@ -22,10 +25,12 @@ use nalgebra::{DMatrix, DVector};
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
+pub use housing::{HousingInertia, point_rows};
+pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{JournalBearing, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, JournalBearing, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -124,6 +129,10 @@ pub struct Model {
     pub shafts: Vec<ShaftModel>,
     /// Bearings with constant coefficients; empty for a scene without bending.
     pub supports: Vec<Support>,
+    /// All other linear elements with constant coefficients: bearings on housings, mounts of housings, couplings, drives.
+    pub links: Vec<Link>,
+    /// Inertia of supports and housings.
+    pub housings: HousingInertia,
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
     /// [`at_speed`](Self::at_speed).
     pub bearings: Vec<SpeedDependentBearing>,
@@ -133,7 +142,9 @@ pub struct Model {
     pub meshes: Vec<GearMesh>,
     /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
     pub springs: Vec<Spring>,
-    /// Constant load of torques and gravity, n entries, N or N m.
+    /// Forces and torques that depend on time, angle or speed.
+    pub loads: Vec<AppliedLoad>,
+    /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
@@ -168,6 +179,8 @@ impl Model {
         let constant_load = DVector::zeros(numbering.len());
         let mut model = Self {
             constant_load,
+            links: link::links(&scene, &numbering),
+            housings: HousingInertia::new(&scene, &numbering),
             sigma_standing: Vec::new(),
             scene,
             numbering,
@@ -177,7 +190,10 @@ impl Model {
             journals,
             meshes,
             springs: Vec::new(),
+            loads: Vec::new(),
         };
+        model.loads = model.varying_loads();
+        model.add_turning_forces();
         model.constant_load = model.assemble_constant_load();
         model.sigma_standing = model.sigma_at_rest();
         Ok(model)
@@ -193,6 +209,14 @@ impl Model {
         self.len() == 0
     }
 
+    /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
+    /// depend on the loads of a scene.
+    pub fn has_coordinates_of(&self, other: &Self) -> bool {
+        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion);
+        let nodes = |model: &Self| model.scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
+        kinds(self) == kinds(other) && nodes(self) == nodes(other) && self.sigma_standing == other.sigma_standing
+    }
+
     /// The same model with springs between its coordinates.
     pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
         self.springs = springs;
@@ -206,6 +230,11 @@ impl Model {
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
             for (sum, value) in force.iter_mut().zip(support.force(q, v)) {
+                *sum += value;
+            }
+        }
+        for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
+            for (sum, value) in force.iter_mut().zip(link.force(q, v)) {
                 *sum += value;
             }
         }
@@ -248,28 +277,7 @@ impl Model {
         orders.fold(0.0, f64::max)
     }
 
-    fn assemble_constant_load(&self) -> DVector<f64> {
-        let mut load = DVector::zeros(self.len());
-        for torque in &self.scene.torques {
-            if let Some(index) = self.numbering.twist(torque.node) {
-                load[index] += torque.value;
-            }
-        }
-        if self.scene.gravity != [0.0; 2] {
-            let mut acceleration = DVector::zeros(self.len());
-            for dof in self.numbering.nodal_dofs() {
-                match dof.kind {
-                    DofKind::V => acceleration[dof.index] = self.scene.gravity[0],
-                    DofKind::W => acceleration[dof.index] = self.scene.gravity[1],
-                    _ => {}
-                }
-            }
-            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
-        }
-        load
-    }
-
-    /// K q of shafts and bearings, n entries, N or N m.
+    /// K q of shafts, bearings and links, n entries, N or N m.
     pub fn static_force(&self, q: &DVector<f64>) -> DVector<f64> {
         let (q, mut force) = (q.as_slice(), DVector::zeros(self.len()));
         for shaft in &self.shafts {
@@ -285,6 +293,9 @@ impl Model {
                 force[support.index + row] -= value;
             }
         }
+        for link in &self.links {
+            link.subtract(link.local.elastic_force(&link.scalars(q)), force.as_mut_slice());
+        }
         -force
     }
 
@@ -293,6 +304,23 @@ impl Model {
         for shaft in &self.shafts {
             shaft.multiply_mass(x, out);
         }
+        self.housings.multiply_mass(x, out);
+    }
+
+    /// `x ← M⁻¹ x`.
+    pub fn solve_mass(&self, x: &mut [f64]) {
+        for shaft in &self.shafts {
+            shaft.solve_mass(x);
+        }
+        self.housings.solve_mass(x);
+    }
+
+    /// Coordinates on which bearings, links and connections act, with repetitions; `speed` of the reference shaft, rad/s.
+    pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
+        let rows = self.connections(speed).flat_map(|connection| connection.rows());
+        let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
+        let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
+        rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()
     }
 
     /// M X for a matrix X with n rows.

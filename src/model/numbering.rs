@@ -2,8 +2,9 @@
 //!
 //! Order of the core: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
 //! the internal coordinates of bending of each element, as complex numbers too; then torsion, θ for each node and the
-//! internal coordinates of the twist of each element. User order: for each node v, w, B, Γ, θ; then for each element and
-//! each degree of its shape functions the same directions; [`Numbering::dofs`] has this order.
+//! internal coordinates of the twist of each element. Last come supports and housings: v, w, and Γ, −B, θ if they rotate.
+//! User order: for each node v, w, B, Γ, θ; then for each element and
+//! each degree of its shape functions the same directions; then supports and housings. [`Numbering::dofs`] has this order.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -83,6 +84,8 @@ pub struct Numbering {
     dofs: Vec<Dof>,
     /// Number of coordinates of nodes, which are the first of `dofs`.
     nodal: usize,
+    /// Number of coordinates of shafts.
+    of_shafts: usize,
 }
 
 impl Numbering {
@@ -103,7 +106,14 @@ impl Numbering {
                 torsion: reserve(scene.torsion, nodes + twist * elements),
             }
         };
-        let blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
+        let mut blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
+        blocks.extend(scene.housings.iter().map(|housing| {
+            let rotates = housing.inertia.is_some();
+            Block {
+                lateral: reserve(scene.lateral, if rotates { 4 } else { 2 }),
+                torsion: reserve(scene.lateral && rotates, 1),
+            }
+        }));
         let mut dofs = Vec::with_capacity(len);
         for (shaft, (given, block)) in scene.shafts.iter().zip(&blocks).enumerate() {
             for node in 0..given.nodes.len() {
@@ -116,7 +126,16 @@ impl Numbering {
                 push_element(&mut dofs, Node { shaft, node: element }, given, block);
             }
         }
-        Self { blocks, dofs, nodal }
+        let of_shafts = dofs.len();
+        for (shaft, block) in blocks.iter().enumerate().skip(scene.shafts.len()) {
+            push_housing(&mut dofs, Node { shaft, node: 0 }, block);
+        }
+        Self { blocks, dofs, nodal, of_shafts }
+    }
+
+    /// Number of coordinates of shafts; those of supports and housings follow.
+    pub fn end_of_shafts(&self) -> usize {
+        self.of_shafts
     }
 
     /// Number of coordinates.
@@ -134,7 +153,7 @@ impl Numbering {
         &self.dofs
     }
 
-    /// Degrees of freedom of the nodes, the first ones in user order.
+    /// Degrees of freedom of the nodes of shafts, the first ones in user order.
     pub fn nodal_dofs(&self) -> &[Dof] {
         &self.dofs[..self.nodal]
     }
@@ -149,8 +168,8 @@ impl Numbering {
         self.blocks[shaft].torsion.as_ref().map(|range| range.start)
     }
 
-    /// Index ranges, in the order of the core, of the parts that only meshes couple: the bending of every shaft, then the
-    /// torsion of every shaft.
+    /// Index ranges, in the order of the core, of the parts that only meshes and links couple: the bending of every shaft,
+    /// then the torsion of every shaft.
     pub fn uncoupled_parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let bending = self.blocks.iter().filter_map(|block| block.lateral.clone());
         bending.chain(self.blocks.iter().filter_map(|block| block.torsion.clone()))
@@ -196,6 +215,22 @@ fn push_node(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
     }
     if let Some(range) = &block.torsion {
         push(DofKind::Twist, range.start + node.node, 1.0);
+    }
+}
+
+/// Appends the coordinates of a support or housing.
+fn push_housing(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
+    let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: None, index, sign });
+    if let Some(range) = &block.lateral {
+        push(DofKind::V, range.start, 1.0);
+        push(DofKind::W, range.start + 1, 1.0);
+        if range.len() == 4 {
+            push(DofKind::B, range.start + 3, -1.0);
+            push(DofKind::Gamma, range.start + 2, 1.0);
+        }
+    }
+    if let Some(range) = &block.torsion {
+        push(DofKind::Twist, range.start, 1.0);
     }
 }
 

@@ -2,6 +2,9 @@
 //!
 //! q, m and rad, and v, m/s and rad/s, have n entries in the order of the core.
 
+use nalgebra::DVector;
+use num_complex::Complex64;
+
 use super::{Model, Support};
 
 impl Model {
@@ -16,7 +19,13 @@ impl Model {
                 sum += chain.mass.quadratic_form::<1>(&v[chain.start..]);
             }
         }
-        sum
+        if self.housings.inertia.is_empty() { sum } else { sum + self.housings.kinetic_form(v) }
+    }
+
+    /// φᴴMφ of a complex vector.
+    pub fn complex_kinetic_form(&self, shape: &DVector<Complex64>) -> f64 {
+        let part = |part: fn(&Complex64) -> f64| self.kinetic_form(shape.map(|value| part(&value)).as_slice());
+        part(|value| value.re) + part(|value| value.im)
     }
 
     /// vᵀCv, the dissipated power of shafts and bearings without modal damping, W.
@@ -65,13 +74,15 @@ impl Model {
         sum
     }
 
-    /// qᵀKq of the bearings, J.
+    /// qᵀKq of bearings and links, J.
     pub fn support_form(&self, q: &[f64]) -> f64 {
         self.sum_over_supports(q, |support| &support.stiffness)
     }
 
     fn sum_over_supports(&self, q: &[f64], coefficient: impl Fn(&Support) -> &[[f64; 2]; 2]) -> f64 {
-        self.supports.iter().map(|support| form(coefficient(support), [q[support.index], q[support.index + 1]])).sum()
+        let supports = self.supports.iter();
+        let sum = supports.map(|support| form(coefficient(support), [q[support.index], q[support.index + 1]])).sum();
+        self.links.iter().fold(sum, |sum, link| sum + form(coefficient(&link.local), link.scalars(q)))
     }
 }
 

@@ -85,13 +85,15 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
 }
 
 /// Force that rotates with the shaft: amplitude·e^{iϑ} at the shaft angle ϑ, where amplitude =
-/// bow + unbalance·(Ω² − iΩ̇).
+/// bow + force + unbalance·(Ω² − iΩ̇).
 #[derive(Clone, Copy, Debug)]
 pub struct Excitation {
     /// Index, in the order of the core, of the real part (v or Γ); the imaginary part (w or −B) has the next index.
     pub index: usize,
     /// Force K_s b of the bow, N or N m.
     pub bow: Complex64,
+    /// Further force that turns with the shaft, N.
+    pub force: Complex64,
     /// Unbalance mass·eccentricity, kg m.
     pub unbalance: Complex64,
 }
@@ -99,7 +101,12 @@ pub struct Excitation {
 impl Excitation {
     /// Amplitude at the spin Ω, rad/s, and its rate Ω̇, rad/s², in N or N m.
     pub fn amplitude(&self, spin: f64, rate: f64) -> Complex64 {
-        self.bow + self.unbalance_amplitude(spin, rate)
+        self.steady_amplitude() + self.unbalance_amplitude(spin, rate)
+    }
+
+    /// Part of the amplitude that does not depend on the spin, N or N m.
+    pub fn steady_amplitude(&self) -> Complex64 {
+        self.bow + self.force
     }
 
     /// Part of the amplitude that is due to unbalance, N.
@@ -249,6 +256,7 @@ fn excitations(scene: &Scene, index: usize, chain: &BendingChain, bow: Option<&[
     let entry = |(i, unbalance): (usize, &Complex64)| Excitation {
         index: chain.start + 2 * i,
         bow: Complex64::new(force[2 * i], force[2 * i + 1]),
+        force: Complex64::ZERO,
         unbalance: *unbalance,
     };
     let acts = |excitation: &Excitation| excitation.bow != Complex64::ZERO || excitation.unbalance != Complex64::ZERO;

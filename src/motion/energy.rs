@@ -1,9 +1,9 @@
-//! Energies of the motion, and the powers that change them.
+//! Energies of the motion.
 
 use super::EquationOfMotion;
 use crate::connection::Connection;
 use crate::mesh::{MeshState, Overlap};
-use crate::model::Model;
+use crate::model::{Link, Model};
 
 /// Energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,9 +25,6 @@ impl Energies {
     }
 }
 
-/// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
-pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
-
 impl<'m> EquationOfMotion<'m> {
     /// Kinetic and elastic energy.
     ///
@@ -42,15 +39,22 @@ impl<'m> EquationOfMotion<'m> {
         Ok(Energies {
             kinetic: self.model.kinetic_form(v) / 2.0,
             shafts,
-            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q),
+            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q),
             meshes,
         })
+    }
+
+    /// Elastic energy that the misalignment of couplings adds to that of their displacements, J.
+    fn rest_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
+        let energy =
+            |link: &Link| link.rest.as_ref().map_or(0.0, |rest| link.rest_energy(self.phasor(rest.shaft, elapsed), q));
+        self.model.links.iter().map(energy).sum()
     }
 
     /// Elastic energy of all connections except meshes, J.
     fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
-            Connection::Mesh(..) => 0.0,
+            Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Journal(journal) => journal.energy(q),
             Connection::Spring(spring) => spring.energy(q),
@@ -70,73 +74,6 @@ impl<'m> EquationOfMotion<'m> {
             sum += contact.map_err(|overlap| (index, overlap))?.energy;
         }
         Ok(sum)
-    }
-
-    /// Power of the [`SOURCES`], W: torque; gravity; the drive, which turns bowed shafts and changes the stiffness of
-    /// bearings with the speed; unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with
-    /// the cross-coupling of bearings.
-    ///
-    /// # Errors
-    /// [`Overlap`] of the base circles of the mesh named.
-    pub fn powers(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
-        let model = self.model;
-        let torques = model.scene.torques.iter();
-        let torque: f64 =
-            torques.map(|torque| torque.value * model.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
-        let constant: f64 = model.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum();
-        let (mut drive, mut unbalance) = (0.0, 0.0);
-        let mut unbent = std::mem::take(&mut self.scratch);
-        self.subtract_bow(elapsed, q, &mut unbent);
-        for (index, shaft) in model.shafts.iter().enumerate() {
-            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
-                let mut force = vec![0.0; chain.coordinates::<2>().len()];
-                chain.subtract_elastic::<2>(&unbent[chain.start..], &mut force);
-                for (value, pair) in bow.iter().zip(force.chunks_exact(2)) {
-                    let free = value * phasor;
-                    drive += spin * (pair[1] * free.re - pair[0] * free.im);
-                }
-            }
-            for excitation in &shaft.excitations {
-                let force = excitation.unbalance_amplitude(spin, rate) * phasor;
-                unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
-            }
-        }
-        self.scratch = unbent;
-        let mut damping = self.model.damping_form(v);
-        for support in &model.supports {
-            let (i, k) = (support.index, &support.stiffness);
-            let skew = (k[0][1] - k[1][0]) / 2.0;
-            damping += skew * (v[i] * q[i + 1] - v[i + 1] * q[i]);
-        }
-        if let Some(modal) = &self.modal_damping {
-            for (column, rate) in modal.column_iter().zip(v) {
-                damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
-            }
-        }
-        let mut teeth = 0.0;
-        for connection in self.connections() {
-            match connection {
-                Connection::Mesh(index, mesh, _) => {
-                    let pose = self.phases(index, elapsed);
-                    let contact = mesh.contact(&self.pose(index, &pose, q, v), &self.contact_modes[index]);
-                    let contact = contact.map_err(|overlap| (index, overlap))?;
-                    teeth += contact.drive_power;
-                    damping += contact.damping_power;
-                }
-                Connection::Bearing(bearing) => {
-                    let (speed, acceleration) = self.reference_speed(elapsed);
-                    let [stiffening, damped] = bearing.powers(speed, acceleration, q, v);
-                    drive += stiffening;
-                    damping += damped;
-                }
-                Connection::Journal(journal) => {
-                    damping += journal.damping_power(self.reference_speed(elapsed).0, q, v);
-                }
-                Connection::Spring(spring) => damping += spring.damping_power(v),
-            }
-        }
-        Ok([torque, constant - torque, drive, unbalance, teeth, -damping])
     }
 
     /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.

@@ -11,12 +11,12 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::shaft_rotation::{RotationState, ShaftRotation, VariableSpeed};
-use crate::connection::{Connection, Instant};
+use crate::connection::{AppliedLoad, Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
-use crate::model::{Model, ShaftModel, Support};
-use crate::scene::Node;
+use crate::model::{Link, Model, ShaftModel};
+use crate::scene::{LoadLaw, Node};
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +37,20 @@ pub(super) struct RotatingForces {
     pub forces: Vec<RotatingForce>,
 }
 
+/// Numbers that a run does not change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RunConstants {
+    /// Speed of the reference shaft, rad/s, if it is constant.
+    pub speed: f64,
+    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
+    pub linear_speed: f64,
+    /// Time at which elapsed time is zero, s.
+    pub origin: f64,
+    /// Energy norm, √J, below which tolerances are absolute: a share of the response to the loads over time within one
+    /// interval of their series. Without it, no step is short enough for a load that sets a body at rest in motion.
+    pub smallest_size: f64,
+}
+
 /// The equation of motion of a model at a given speed.
 #[derive(Clone, Debug)]
 pub struct EquationOfMotion<'m> {
@@ -45,8 +59,7 @@ pub struct EquationOfMotion<'m> {
     pub(super) sigma: Vec<f64>,
     /// Signed spin of each shaft, rad/s, if the speed is constant.
     pub(super) spins: Vec<f64>,
-    /// Speed of the reference shaft, rad/s, if it is constant.
-    speed: f64,
+    pub(super) constants: RunConstants,
     /// Speed of the reference shaft, if it is variable.
     pub(super) variable_speed: Option<VariableSpeed>,
     /// Phasor e^{iϑ} of each shaft at elapsed time zero.
@@ -59,12 +72,11 @@ pub struct EquationOfMotion<'m> {
     pub(super) switching: Vec<usize>,
     /// Rotating forces of the shafts with bow or unbalance; empty if the speed is variable.
     pub(super) rotating_forces: Vec<RotatingForces>,
-    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping. Runs at a constant speed do not use
-    /// it, because they use modal coordinates.
+    /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping, or if nothing needs it.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
     /// must be constant during a run.
-    norm_supports: Vec<Support>,
+    norm_bearings: Vec<Link>,
     pub(super) equilibrium: DVector<f64>,
     /// Scratch memory for one vector of displacements.
     pub(super) scratch: Vec<f64>,
@@ -80,16 +92,29 @@ impl<'m> EquationOfMotion<'m> {
         origin: f64,
         equilibrium: DVector<f64>,
     ) -> Result<Self, DecompositionError> {
-        Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium)
+        Self::along(cached, geometry, &ShaftRotation::constant(speed, origin), equilibrium).with_modal_damping(cached)
     }
 
-    /// Creates the motion with the `rotation` of the reference shaft.
+    /// Adds the matrix of modal damping, which forces and powers in displacements need; modal coordinates do not. It needs
+    /// all undamped modes.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the modes cannot be computed.
+    pub fn with_modal_damping(self, cached: &CachedModel) -> Result<Self, DecompositionError> {
+        if self.model.scene.modal_damping == 0.0 {
+            return Ok(self);
+        }
+        let cached = cached.at_speed(self.constants.speed).map_err(|_| DecompositionError::SpeedDependent)?;
+        Ok(Self { modal_damping: cached.modal_damping_matrix(self.constants.speed)?, ..self })
+    }
+
+    /// Creates the motion with the `rotation` of the reference shaft, without modal damping.
     pub fn along(
         cached: &'m CachedModel,
         geometry: Geometry,
         rotation: &ShaftRotation,
         equilibrium: DVector<f64>,
-    ) -> Result<Self, DecompositionError> {
+    ) -> Self {
         let (model, speed) = (&cached.model, rotation.fastest);
         let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
         let at_origin: Vec<_> = model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
@@ -109,41 +134,39 @@ impl<'m> EquationOfMotion<'m> {
         let excited = model.shafts.iter().enumerate().map(excited);
         let rotating_forces: Vec<_> =
             excited.filter(|excited| rotation.is_constant() && !excited.forces.is_empty()).collect();
-        let modal_damping = match model.scene.modal_damping {
-            0.0 => None,
-            _ => {
-                let cached = cached.at_speed(speed).map_err(|_| DecompositionError::SpeedDependent)?;
-                cached.modal_damping_matrix(speed)?
-            }
-        };
-        let norm_supports = model.bearings.iter().map(|bearing| {
+        let norm_bearings = model.bearings.iter().map(|bearing| {
             let [stiffness, damping] = bearing.at(speed);
-            Support::new(bearing.index, stiffness, damping)
+            Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
         });
         let angles: Vec<f64> = at_origin.iter().map(|phasor| phasor.arg()).collect();
-        Ok(Self {
+        Self {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
             spins,
-            speed,
+            constants: RunConstants {
+                speed,
+                linear_speed: speed,
+                origin: rotation.origin,
+                smallest_size: smallest_size(model),
+            },
             variable_speed: rotation.variable_speed(),
             angles,
             at_origin,
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             rotating_forces,
-            modal_damping,
-            norm_supports: norm_supports.collect(),
+            modal_damping: None,
+            norm_bearings: norm_bearings.collect(),
             equilibrium,
             scratch: vec![0.0; model.len()],
-        })
+        }
     }
 
     /// Quadratic form qᵀKq, with each mesh linearised at rest.
     pub(super) fn elastic_form(&self, q: &[f64]) -> f64 {
         let constant = self.model.elastic_form(q, |mesh| self.sigma[mesh]);
-        self.norm_supports.iter().fold(constant, |sum, support| sum + support.elastic_form(q))
+        self.norm_bearings.iter().fold(constant, |sum, link| sum + link.local.elastic_form(&link.scalars(q)))
     }
 
     /// All connections of the model, meshes first.
@@ -152,14 +175,17 @@ impl<'m> EquationOfMotion<'m> {
         self.model.connections_with(|mesh| self.sigma[mesh])
     }
 
-    /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh.
+    /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh, the
+    /// shaft of a load, the time, and the speed for all but meshes.
     #[inline(always)]
-    pub fn instant(&self, mesh: Option<usize>, elapsed: f64) -> Instant {
-        let (phases, speed) = match mesh {
-            Some(mesh) => (self.phases(mesh, elapsed), 0.0),
-            None => (Default::default(), self.reference_speed(elapsed).0),
+    pub fn instant(&self, mesh: Option<usize>, shaft: Option<usize>, elapsed: f64) -> Instant {
+        let phases = match (mesh, shaft) {
+            (Some(mesh), _) => self.phases(mesh, elapsed),
+            (None, Some(shaft)) => [self.phase(shaft, elapsed), ShaftPhase::default()],
+            (None, None) => Default::default(),
         };
-        Instant { phases, contact_mode: *self.contact_mode(mesh), speed }
+        let speed = if mesh.is_some() { 0.0 } else { self.reference_speed(elapsed).0 };
+        Instant { time: self.constants.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh), speed }
     }
 
     /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
@@ -177,7 +203,7 @@ impl<'m> EquationOfMotion<'m> {
     #[inline]
     pub(super) fn reference_speed(&self, elapsed: f64) -> (f64, f64) {
         match &self.variable_speed {
-            None => (self.speed, 0.0),
+            None => (self.constants.speed, 0.0),
             Some(variable_speed) => {
                 let now = variable_speed.at(elapsed);
                 (now.speed, now.acceleration)
@@ -220,11 +246,6 @@ impl<'m> EquationOfMotion<'m> {
             force = [force[0] + own[0], force[1] + own[1]];
         }
         force
-    }
-
-    /// Largest speed of the reference shaft, rad/s, with its sign.
-    pub fn largest_speed(&self) -> f64 {
-        self.speed
     }
 
     /// Phasor e^{iϑ} of a shaft.
@@ -330,10 +351,25 @@ impl<'m> EquationOfMotion<'m> {
     /// Angles and spins of the two shafts of a mesh.
     #[inline(always)]
     pub fn phases(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
-        self.model.meshes[mesh].shafts.map(|shaft| {
-            let (angle, spin) = self.angle_and_spin(shaft, elapsed);
-            ShaftPhase { angle: self.angles[shaft] + angle, spin }
-        })
+        self.model.meshes[mesh].shafts.map(|shaft| self.phase(shaft, elapsed))
+    }
+
+    /// Angle and spin of a shaft.
+    #[inline(always)]
+    fn phase(&self, shaft: usize, elapsed: f64) -> ShaftPhase {
+        let (angle, spin) = self.angle_and_spin(shaft, elapsed);
+        ShaftPhase { angle: self.angles[shaft] + angle, spin }
+    }
+
+    /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
+    pub fn linear_speed(&self) -> f64 {
+        self.constants.linear_speed
+    }
+
+    /// Sets the speed of the reference shaft at which the linear motion contains the connections, rad/s; by default the
+    /// largest one of the run.
+    pub fn linearise_at(&mut self, speed: f64) {
+        self.constants.linear_speed = speed;
     }
 
     /// Pose of a mesh.
@@ -341,4 +377,25 @@ impl<'m> EquationOfMotion<'m> {
     pub(super) fn pose<'a>(&self, mesh: usize, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], phases, q, v)
     }
+}
+
+/// Share of the impulse of a load over time within one interval of its series that counts as a motion.
+const IMPULSE_SHARE: f64 = 0.1;
+
+/// Energy norm, √J, of the velocities after an impulse of the loads over time: √(wᵀM⁻¹w)·F·Δt with the largest value F and
+/// the mean interval Δt of each; zero without such loads.
+fn smallest_size(model: &Model) -> f64 {
+    let impulse = |load: &AppliedLoad| {
+        let (size, interval) = match &load.law {
+            LoadLaw::Force([y, z]) => (y.largest().hypot(z.largest()), y.mean_spacing()),
+            LoadLaw::Torque(curve) => (curve.largest(), curve.mean_spacing()),
+            LoadLaw::Turning { .. } | LoadLaw::SpeedTorque { .. } => return 0.0,
+        };
+        let mut column = vec![0.0; model.len()];
+        load.rows[0].iter().for_each(|(index, coefficient)| column[*index] += coefficient);
+        model.solve_mass(&mut column);
+        let mobility: f64 = load.rows[0].iter().map(|(index, coefficient)| coefficient * column[*index]).sum();
+        mobility.sqrt() * size * interval
+    };
+    IMPULSE_SHARE * model.loads.iter().map(impulse).fold(0.0, f64::max)
 }

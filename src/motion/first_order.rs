@@ -43,6 +43,9 @@ impl EquationOfMotion<'_> {
                 force[support.index + row] -= value;
             }
         }
+        for link in &self.model.links {
+            link.subtract(link.force(q, v), force);
+        }
         self.connections().try_for_each(|connection| {
             match connection {
                 Connection::Mesh(index, mesh, _) => {
@@ -52,9 +55,10 @@ impl EquationOfMotion<'_> {
                     mesh.apply(&contact, force);
                 }
                 Connection::Bearing(bearing) => {
-                    let [y, z] = bearing.force(self.reference_speed(elapsed).0, q, v);
-                    force[bearing.index] -= y;
-                    force[bearing.index + 1] -= z;
+                    let values = bearing.force(self.reference_speed(elapsed).0, q, v);
+                    for (row, value) in bearing.rows.iter().zip(values) {
+                        row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
+                    }
                 }
                 Connection::Journal(journal) => {
                     let [y, z] = journal.force(self.reference_speed(elapsed).0, q, v).map_err(Halt::Touch)?;
@@ -62,6 +66,7 @@ impl EquationOfMotion<'_> {
                     force[journal.index + 1] -= z;
                 }
                 Connection::Spring(spring) => spring.apply(q, v, force),
+                Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
             }
             Ok(())
         })?;
@@ -129,6 +134,7 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
             let spin = speed.map_or(*spin, |speed| shaft.ratio * speed);
             accelerate(shaft, spin, q, v, acceleration);
         }
+        self.model.housings.solve_mass(acceleration);
         Ok(())
     }
 
@@ -174,6 +180,6 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
         }
         let square = self.elastic_form(&deviation) + self.model.kinetic_form(v);
         self.scratch = deviation;
-        square.max(0.0).sqrt()
+        square.max(0.0).sqrt().max(self.constants.smallest_size)
     }
 }

@@ -4,11 +4,13 @@ mod energy;
 mod equation;
 mod first_order;
 mod phase;
+mod power;
 mod shaft_rotation;
 mod speed;
 
-pub use energy::{Energies, SOURCES};
+pub use energy::Energies;
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phasor};
+pub use power::{PowerCoordinates, SOURCES};
 pub use shaft_rotation::{Anchor, RotationState, ShaftRotation};
 pub use speed::{Profile, Speed};

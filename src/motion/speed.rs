@@ -48,6 +48,17 @@ impl Speed {
         }
     }
 
+    /// A time between `start` and `end` at which |Ω| is largest, s: `start` at a constant speed.
+    pub fn time_of_fastest(&self, start: f64, end: f64) -> f64 {
+        match self {
+            Self::Constant(_) => start,
+            Self::Changing(profile) => {
+                let faster = |most: (f64, f64), next: (f64, f64)| if next.1.abs() > most.1.abs() { next } else { most };
+                profile.extremes(start, end).into_iter().fold((start, 0.0), faster).0
+            }
+        }
+    }
+
     /// The smallest and the largest magnitude of the speed at all times, rad/s.
     pub fn magnitudes(&self) -> [f64; 2] {
         match self {

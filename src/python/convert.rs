@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS};
+use crate::linalg::Sparse;
 use crate::model::{Model, Numbering};
 
 /// Converts an (n, n) matrix from the coordinate order of the core to that of Python.
@@ -16,6 +17,30 @@ pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMat
     let dofs = numbering.dofs();
     let entry = |(i, j): (usize, usize)| inside[(dofs[i].index, dofs[j].index)] * dofs[i].sign * dofs[j].sign;
     Array2::from_shape_fn((dofs.len(), dofs.len()), entry).into_pyarray(py)
+}
+
+/// Entries, columns and row starts (CSR) of a sparse matrix.
+pub type Rows<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
+
+/// Converts a sparse (n, n) matrix from the coordinate order of the core to that of Python.
+pub fn outside_sparse<'py>(py: Python<'py>, numbering: &Numbering, inside: &Sparse) -> Rows<'py> {
+    let dofs = numbering.dofs();
+    let mut places = vec![(0, 1.0); dofs.len()];
+    for (place, dof) in dofs.iter().enumerate() {
+        places[dof.index] = (place, dof.sign);
+    }
+    let mut entries = Vec::with_capacity(inside.values.len());
+    inside.for_each(|row, column, value| {
+        let ((row, left), (column, right)) = (places[row], places[column]);
+        entries.push((row, column, left * right * value));
+    });
+    let outside = Sparse::new(dofs.len(), entries);
+    let integers = |values: Vec<usize>| values.into_iter().map(|value| value as i64).collect::<Vec<_>>();
+    (
+        outside.values.into_pyarray(py),
+        integers(outside.columns).into_pyarray(py),
+        integers(outside.starts).into_pyarray(py),
+    )
 }
 
 /// Converts an (n,) vector from the coordinate order of the core to that of Python.

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use crate::analysis::{self, AnalysisError, Dense, ExcitationPart, ExcitationSource};
+use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource};
 use crate::scene::{EntryPath, SceneError};
 
 /// Finds a part of the excitation by name.
@@ -46,9 +46,9 @@ pub fn campbell<'py>(
     let speeds = speeds.as_array().to_vec();
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let rows = speeds.len();
-    let found = model.run(py, Dense::Damped, move |cached, interrupt| {
-        analysis::campbell(cached, &speeds, count, harmonics, interrupt)
-    })?;
+    let memory = analysis::memory_of_modes(model.model(), count);
+    let found = model
+        .run(py, memory, move |cached, interrupt| analysis::campbell(cached, &speeds, count, harmonics, interrupt))?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
     let line = |line: &analysis::ExcitationLine| match line.source {
@@ -78,9 +78,16 @@ pub fn campbell<'py>(
 }
 
 /// Computes undamped critical speeds, rad/s, with the direction of whirl.
-pub fn critical_speeds(model: &PyModel, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
+pub fn critical_speeds(
+    model: &PyModel,
+    py: Python<'_>,
+    excitation: f64,
+    count: Option<usize>,
+) -> PyResult<Vec<(f64, String)>> {
+    let count = count.unwrap_or(usize::MAX);
+    let memory = analysis::memory_of_critical_speeds(model.model(), count);
     let found = model
-        .run(py, Dense::Undamped, move |cached, interrupt| analysis::critical_speeds(cached, excitation, interrupt))?;
+        .run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, excitation, count, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 

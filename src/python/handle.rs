@@ -46,6 +46,18 @@ impl PyModel {
         &self.cached.model
     }
 
+    /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of journal
+    /// bearings depends on the loads, so that systems with them share nothing.
+    pub fn share_linear_part(&self, other: &Self) {
+        if !self.model().journals.is_empty() {
+            return;
+        }
+        let plain = |model: &Self| model.resolved.description.without_loads();
+        if self.model().has_coordinates_of(other.model()) && plain(self) == plain(other) {
+            self.cached.share(&other.cached);
+        }
+    }
+
     /// Runs an analysis that Ctrl-C can stop. Refuses it if its dense matrices do not fit into memory.
     pub fn run<T, E>(
         &self,
@@ -74,14 +86,15 @@ impl PyModel {
         }
     }
 
-    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one at which bearings have coefficients.
+    /// Speed, rad/s, at which ill-conditioning is assessed: zero, or one at which bearings have coefficients and the tables of
+    /// torques have values.
     pub fn representative_speed(&self, fastest: f64) -> f64 {
-        if self.model().depends_on_speed() { fastest } else { 0.0 }
+        let model = self.model();
+        if model.lacks_coefficients() || !model.loads.is_empty() { fastest } else { 0.0 }
     }
 
-    /// Name of the shaft and position, m, of a node.
+    /// Name of the shaft or housing and position x, m, of a node.
     pub fn place(&self, node: Node) -> (&str, f64) {
-        let shaft = &self.model().scene.shafts[node.shaft];
-        (&shaft.name, shaft.nodes[node.node])
+        self.model().scene.place(node)
     }
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
-use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_vector, table};
+use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, table};
 use super::entries;
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
@@ -46,6 +46,11 @@ impl PyModel {
     #[staticmethod]
     fn from_toml(text: &str) -> PyResult<Self> {
         Ok(Self::build(SceneDescription::from_toml(text)?)?)
+    }
+
+    /// Uses the modes and state-space models of another system, if the two differ in loads only.
+    fn share(&self, other: &Self) {
+        self.share_linear_part(other);
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -137,10 +142,13 @@ impl PyModel {
         let model = self.model();
         let place = EntryPath::root("at");
         let node = match &at {
-            At::Body(name) => model.scene.body(name).map(|body| body.node).ok_or_else(|| {
-                let names = model.scene.bodies().map(|body| body.name.as_str());
-                place.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, names)))
-            })?,
+            At::Body(name) => {
+                let of_housing = || model.scene.housing_point(name).map(|(node, _)| node);
+                model.scene.body(name).map(|body| body.node).or_else(of_housing).ok_or_else(|| {
+                    let names = model.scene.bodies().map(|body| body.name.as_str()).chain(model.scene.housing_names());
+                    place.error(format!("no gear, disk or housing is called \"{name}\"{}", nearest(name, names)))
+                })?
+            }
             At::Position(shaft, position) => {
                 let index = model.scene.known_shaft(shaft, &place)?;
                 let node = model.scene.shafts[index].node_at(*position);
@@ -171,6 +179,30 @@ impl PyModel {
         let dict = PyDict::new(py);
         for (name, matrix) in matrices {
             dict.set_item(name, outside_matrix(py, &self.model().numbering, &matrix))?;
+        }
+        Ok(dict)
+    }
+
+    #[pyo3(signature = (speed=0.0))]
+    fn sparse_matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
+        EntryPath::root("speed").finite(speed)?;
+        if self.model().scene.modal_damping > 0.0 {
+            let message = "must be False with modal damping, whose matrix has no zeros";
+            return Err(SceneError::new("sparse", message).into());
+        }
+        let matrices = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+            let cached = cached.at_speed(speed)?;
+            let model = &cached.model;
+            Ok([
+                ("mass", model.sparse_mass()),
+                ("stiffness", model.sparse_stiffness(speed)),
+                ("damping", model.sparse_damping(speed)),
+                ("gyroscopic", model.sparse_gyroscopic()),
+            ])
+        })?;
+        let dict = PyDict::new(py);
+        for (name, matrix) in matrices {
+            dict.set_item(name, outside_sparse(py, &self.model().numbering, &matrix))?;
         }
         Ok(dict)
     }
@@ -215,8 +247,9 @@ impl PyModel {
         frequency::campbell(self, py, &speeds, count, harmonics)
     }
 
-    fn critical_speeds(&self, py: Python<'_>, excitation: f64) -> PyResult<Vec<(f64, String)>> {
-        frequency::critical_speeds(self, py, excitation)
+    #[pyo3(signature = (excitation, count=None))]
+    fn critical_speeds(&self, py: Python<'_>, excitation: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
+        frequency::critical_speeds(self, py, excitation, count)
     }
 
     #[pyo3(signature = (speeds, excitation="both"))]
@@ -249,8 +282,8 @@ impl PyModel {
         EntryPath::root("speed").finite(speed)?;
         let at_speed = self.cached.at_speed(speed)?;
         let model = &at_speed.model;
-        self.warn_of_ill_conditioning(py, speed, Dense::Undamped)?;
-        let found = self.run(py, Dense::Undamped, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
+        self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
+        let found = self.run(py, Dense::Bands, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {

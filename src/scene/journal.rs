@@ -47,7 +47,7 @@ impl Journal {
     /// Checks the entries of a bearing at the entry `at`; none for a linear bearing.
     ///
     /// # Errors
-    /// [`SceneError`] for a bearing with both stiffness and film or with none, a missing entry, a value that is not
+    /// [`SceneError`] for a bearing with both stiffness and film or with none, a film on a support, a missing entry, a value that is not
     /// positive, a clearance that is not below the radius, and grooves that do not leave a pad.
     pub(super) fn new(given: &description::Bearing, at: &EntryPath) -> Result<Option<Self>, SceneError> {
         let entries = [
@@ -69,6 +69,10 @@ impl Journal {
                 let message = "a journal bearing takes none, its film has it; leave it out, or leave out diameter, length, clearance, viscosity, film and grooves";
                 return Err(at.field(name).error(message));
             }
+        }
+        if given.support.is_some() {
+            let message = "a journal bearing stands on the ground; leave support out, or give a gb.Bearing with the stiffness and damping of JournalBearing.coefficients";
+            return Err(at.field("support").error(message));
         }
         let read = |(name, value): (&str, Option<f64>)| {
             let missing = || at.error(format!("missing field `{name}` of the journal bearing"));

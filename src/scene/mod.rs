@@ -6,10 +6,13 @@
 
 mod bow;
 mod contact;
+mod curve;
 pub mod description;
 mod error;
 mod gear;
+mod housing;
 mod journal;
+mod loads;
 mod material;
 mod mesh;
 mod place;
@@ -24,10 +27,13 @@ use num_complex::Complex64;
 
 pub use bow::Bow;
 pub(crate) use contact::path_of_contact;
+pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
+pub use housing::{Attachment, Housing};
 pub use journal::{FilmKind, Journal, journal};
+pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use shaft::{Element, MAX_DEGREE, Shaft};
@@ -42,10 +48,10 @@ pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 /// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
 pub const MAX_ELEMENTS: usize = 10_000;
 
-/// A node of a shaft.
+/// A node of a shaft, or the centre of mass of a housing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node {
-    /// Index of the shaft.
+    /// Index of the shaft. A housing counts as a shaft with one node; its index follows those of the shafts.
     pub shaft: usize,
     /// Index of the node on the shaft; node 0 is at x = 0.
     pub node: usize,
@@ -79,6 +85,8 @@ pub struct Bearing {
     pub damping: BearingCoefficient,
     /// The oil film of a journal bearing, whose stiffness and damping follow from it; none for a linear bearing.
     pub journal: Option<Journal>,
+    /// Its place on a housing; `None` on the ground.
+    pub attachment: Option<Attachment>,
 }
 
 /// A constant torque about +x.
@@ -103,6 +111,16 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Bearings, in the order of the description.
     pub bearings: Vec<Bearing>,
+    /// Supports and housings, on which bearings stand.
+    pub housings: Vec<Housing>,
+    /// Couplings.
+    pub couplings: Vec<Coupling>,
+    /// Drives.
+    pub drives: Vec<Drive>,
+    /// Forces that are constant or turn with their shaft.
+    pub forces: Vec<Force>,
+    /// Forces and torques that depend on time, angle or speed.
+    pub varying_loads: Vec<VaryingLoad>,
     /// Torques, in the order of the description, with the value of the balancing torque.
     pub torques: Vec<Torque>,
     /// Signed speed of each shaft relative to the reference shaft.
@@ -136,11 +154,20 @@ impl Scene {
         let mut warnings = Vec::new();
         let gears = gear::gears(system, &names, &shafts)?;
         let meshes = mesh::meshes(system, &shafts, &gears, &mut warnings)?;
-        let speed_ratios = train::speed_ratios(system, &names, &gears, &meshes)?;
-        let torques = train::torques(system, &names, &shafts, &gears, &meshes)?;
+        let couplings = loads::couplings(system, &names, &shafts)?;
+        let train = (&gears[..], &meshes[..], &couplings[..]);
+        let speed_ratios = train::speed_ratios(system, &names, train)?;
+        let torques = train::torques(system, &names, &shafts, train)?;
+        let housings = housing::housings(system)?;
+        let attachments = housing::attachments(system, &names, &shafts, train, &housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
-            bearings: bearings(system, &names, &shafts)?,
+            bearings: bearings(system, &names, &shafts, &attachments)?,
+            housings,
+            drives: loads::drives(system, &names, &shafts)?,
+            forces: loads::forces(system, &names, &shafts)?,
+            varying_loads: loads::varying(system, &names, &shafts)?,
+            couplings,
             modal_damping: modal_damping(system)?,
             rayleigh: rayleigh(system)?,
             gravity: gravity(system)?,
@@ -167,6 +194,36 @@ impl Scene {
     /// Finds a gear or disk by name.
     pub fn body(&self, name: &str) -> Option<&Body> {
         self.bodies().find(|body| body.name == name)
+    }
+
+    /// Finds a housing, or a point of it, by name: its node, and the distance (x, y, z) of the point from the centre of
+    /// mass, m.
+    pub fn housing_point(&self, name: &str) -> Option<(Node, [f64; 3])> {
+        self.housings.iter().enumerate().find_map(|(index, housing)| {
+            let node = Node { shaft: self.shafts.len() + index, node: 0 };
+            let point = || housing.points.iter().find(|(point, _)| point == name).map(|(_, arm)| *arm);
+            let arm = if housing.name == name { Some([0.0; 3]) } else { point() };
+            arm.map(|arm| (node, arm))
+        })
+    }
+
+    /// Names of all supports, housings and points of housings.
+    pub fn housing_names(&self) -> impl Iterator<Item = &str> {
+        self.housings.iter().flat_map(|housing| {
+            let points = housing.points.iter().map(|(name, _)| name.as_str());
+            std::iter::once(housing.name.as_str()).chain(points)
+        })
+    }
+
+    /// Name of the shaft, or of the housing, and the position x of a node, m.
+    pub fn place(&self, node: Node) -> (&str, f64) {
+        match self.shafts.get(node.shaft) {
+            Some(shaft) => (&shaft.name, shaft.nodes[node.node]),
+            None => {
+                let housing = &self.housings[node.shaft - self.shafts.len()];
+                (&housing.name, housing.centre[0])
+            }
+        }
     }
 
     /// Nodes with bearings, each once.
@@ -219,26 +276,30 @@ impl Scene {
 
     /// Whether nodes have lateral coordinates and twist: `(lateral, torsion)`.
     ///
-    /// By default, bearings, bow, unbalance and gravity need lateral coordinates; meshes and torques need twist.
+    /// By default, bearings, bow, unbalance, gravity and forces need lateral coordinates; meshes, torques, drives and
+    /// couplings need twist.
     fn required_motion(&self, requested: Option<MotionKind>) -> Result<(bool, bool), SceneError> {
-        let twisted = !self.meshes.is_empty() || !self.torques.is_empty();
+        let varying = |torque: bool| self.varying_loads.iter().any(|load| load.law.is_torque() == torque);
+        let driven = !self.drives.is_empty() || varying(true);
+        let twisted = !self.meshes.is_empty() || !self.torques.is_empty() || driven;
         let bent = self.shafts.iter().any(|shaft| shaft.bow.is_some())
             || self.bodies().any(|body| body.unbalance.norm() > 0.0)
-            || self.gravity != [0.0; 2];
+            || self.gravity != [0.0; 2]
+            || !self.forces.is_empty()
+            || varying(false);
+        let coupled = !self.couplings.is_empty();
         let supported = !self.bearings.is_empty();
         let motion = EntryPath::root("motion");
         match requested {
             Some(MotionKind::Lateral) if twisted => {
-                Err(motion.error("\"lateral\" has no twist, on which meshes and torques act; use \"coupled\""))
+                Err(motion.error("\"lateral\" has no twist, on which meshes, torques and drives act; use \"coupled\""))
             }
-            Some(MotionKind::Torsion) if bent => {
-                Err(motion
-                    .error("\"torsion\" has no bending, on which bow, unbalance and gravity act; use \"coupled\""))
-            }
+            Some(MotionKind::Torsion) if bent => Err(motion
+                .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\"")),
             Some(MotionKind::Lateral) => Ok((true, false)),
             Some(MotionKind::Torsion) => Ok((false, true)),
             Some(MotionKind::Coupled) => Ok((true, true)),
-            None if supported || bent => Ok((true, twisted)),
+            None if supported || bent => Ok((true, twisted || coupled)),
             None => Ok((!twisted, true)),
         }
     }
@@ -259,7 +320,12 @@ fn disks(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<V
     system.disks.iter().enumerate().map(body).collect()
 }
 
-fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Bearing>, SceneError> {
+fn bearings(
+    system: &SceneDescription,
+    names: &Names,
+    shafts: &[Shaft],
+    attachments: &[Option<Attachment>],
+) -> Result<Vec<Bearing>, SceneError> {
     let bearing = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
@@ -267,6 +333,7 @@ fn bearings(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Resul
             journal: Journal::new(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
+            attachment: attachments[index],
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()

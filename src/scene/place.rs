@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::description::{Place, SceneDescription};
+use super::description::{Base, Place, SceneDescription, Support};
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
 /// The names of a description. Each name is unique.
@@ -21,16 +21,18 @@ impl<'a> Names<'a> {
             .map(|entry| ("shafts", entry))
             .chain(gears.enumerate().map(|entry| ("gears", entry)))
             .chain(disks.enumerate().map(|entry| ("disks", entry)));
-        let mut used: HashMap<&str, EntryPath> = HashMap::new();
-        for (list, (index, name)) in lists {
+        let lists = lists.map(|(list, (index, name))| {
             let at = EntryPath::entry(list, index);
+            (at.field("name"), at, name)
+        });
+        let lists = lists.chain(housing_names(system).map(|(at, name)| (at.clone(), at, name)));
+        let mut used: HashMap<&str, EntryPath> = HashMap::new();
+        for (field, at, name) in lists {
             if name.is_empty() {
-                return Err(at.field("name").error("must not be empty"));
+                return Err(field.error("must not be empty"));
             }
             if let Some(first) = used.get(name) {
-                return Err(at
-                    .field("name")
-                    .error(format!("{first} has the name \"{name}\" too; names must be unique")));
+                return Err(field.error(format!("{first} has the name \"{name}\" too; names must be unique")));
             }
             used.insert(name, at);
         }
@@ -64,20 +66,20 @@ impl<'a> Names<'a> {
         Ok(Node { shaft, node })
     }
 
-    /// The node at a gear, a disk or a position of a shaft.
+    /// The node at a gear, a disk or a position of a shaft, which the entry `at` contains.
     pub(super) fn place(&self, shafts: &[Shaft], place: &Place, at: &EntryPath) -> Result<Node, SceneError> {
         let (shaft, position) = self.shaft_and_position(place, at)?;
-        self.node(shafts, shaft, position, at)
+        let shaft = self.shaft(shaft, at)?;
+        let node =
+            shafts[shaft].node_at(position).ok_or_else(|| at.error(format!("there is no node at {position} m")))?;
+        Ok(Node { shaft, node })
     }
 
     fn shaft_and_position<'b>(&'b self, place: &'b Place, at: &EntryPath) -> Result<(&'b str, f64), SceneError> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
             Place::Body(name) => self.bodies.get(name.as_str()).copied().ok_or_else(|| {
-                at.field("at").error(format!(
-                    "no gear or disk is called \"{name}\"{}",
-                    nearest(name, self.bodies.keys().copied())
-                ))
+                at.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, self.bodies.keys().copied())))
             }),
         }
     }
@@ -98,11 +100,48 @@ impl<'a> Names<'a> {
             let shaft = self.shaft(shaft, &at.field("shaft"))?;
             stations[shaft].push((position, at.field("position")));
         }
-        for (index, torque) in system.torques.iter().enumerate() {
-            let at = EntryPath::entry("torques", index);
-            let (shaft, position) = self.shaft_and_position(&torque.at, &at)?;
-            stations[self.shaft(shaft, &at.field("at"))?].push((position, at.field("at")));
+        for (place, at) in places(system) {
+            let (shaft, position) = self.shaft_and_position(place, &at)?;
+            stations[self.shaft(shaft, &at)?].push((position, at));
         }
         Ok(stations)
     }
+}
+
+/// Places of torques, drives, forces and couplings, with their paths.
+fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, EntryPath)> {
+    let entry = |list: &'static str, field: &'static str| {
+        move |(index, place): (usize, _)| (place, EntryPath::entry(list, index).field(field))
+    };
+    let torques = system.torques.iter().map(|torque| &torque.at).enumerate().map(entry("torques", "at"));
+    let drives = system.drives.iter().map(|drive| &drive.at).enumerate().map(entry("drives", "at"));
+    let forces = system.forces.iter().map(|force| &force.at).enumerate().map(entry("forces", "at"));
+    let a = system.couplings.iter().map(|coupling| &coupling.a).enumerate().map(entry("couplings", "a"));
+    let b = system.couplings.iter().map(|coupling| &coupling.b).enumerate().map(entry("couplings", "b"));
+    torques.chain(drives).chain(forces).chain(a).chain(b)
+}
+
+/// The supports of single bearings, with the index of the bearing.
+pub(super) fn own_supports(system: &SceneDescription) -> impl Iterator<Item = (usize, &Support)> {
+    system.bearings.iter().enumerate().filter_map(|(index, bearing)| match &bearing.support {
+        Some(Base::Own(support)) => Some((index, support)),
+        _ => None,
+    })
+}
+
+/// Names of all supports, housings and points of housings, with the path of each.
+fn housing_names(system: &SceneDescription) -> impl Iterator<Item = (EntryPath, &str)> {
+    let listed = system.supports.iter().enumerate();
+    let listed = listed
+        .filter_map(|(index, given)| Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?)));
+    let own = own_supports(system).filter_map(|(index, given)| {
+        Some((EntryPath::entry("bearings", index).field("support").field("name"), given.name.as_deref()?))
+    });
+    let rigid = system.housings.iter().enumerate().flat_map(|(index, given)| {
+        let at = EntryPath::entry("housings", index);
+        let points = at.field("points");
+        let points = given.points.keys().map(move |name| (points.field(name), name.as_str()));
+        std::iter::once((at.field("name"), given.name.as_str())).chain(points)
+    });
+    listed.chain(rigid).chain(own)
 }

@@ -162,7 +162,7 @@ impl SpeedTable {
 }
 
 /// A finite 2×2 coefficient without a negative diagonal.
-fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, SceneError> {
+pub(super) fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, SceneError> {
     let rows = given.rows();
     for (i, row) in rows.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
@@ -195,7 +195,8 @@ fn slopes(speeds: &[f64], values: &[Matrix2]) -> Vec<Matrix2> {
     found
 }
 
-fn slopes_of_entry(x: &[f64], y: &[f64]) -> Vec<f64> {
+/// Slopes of a monotone cubic at the points (x, y).
+pub(super) fn slopes_of_entry(x: &[f64], y: &[f64]) -> Vec<f64> {
     let widths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let secants: Vec<f64> = y.windows(2).zip(&widths).map(|(pair, width)| (pair[1] - pair[0]) / width).collect();
     let last = secants.len() - 1;

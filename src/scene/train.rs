@@ -1,8 +1,10 @@
 //! Speed ratios of the shafts and the balance of the torques.
+//!
+//! Meshes and couplings connect the shafts. A coupling joins shafts of one speed.
 
-use super::description::SceneDescription;
+use super::description::{SceneDescription, TorqueValue};
 use super::place::Names;
-use super::{EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
+use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
 
 /// Relative difference below which speed ratios around a loop of meshes count as equal.
 const SAME: f64 = 1e-9;
@@ -11,17 +13,16 @@ const SAME: f64 = 1e-9;
 pub(super) fn speed_ratios(
     system: &SceneDescription,
     names: &Names,
-    gears: &[Gear],
-    meshes: &[Mesh],
+    (gears, meshes, couplings): Train<'_>,
 ) -> Result<Vec<f64>, SceneError> {
     let reference = reference(system, names)?;
     let teeth = |gear: usize| f64::from(gears[gear].teeth);
-    let ratios = ratios_by(system.shafts.len(), reference, gears, meshes, teeth);
+    let ratios = ratios_by(system.shafts.len(), reference, (gears, meshes, couplings), teeth);
     let of = |shaft: usize| {
         let name = |shaft: usize| &system.shafts[shaft].name;
         ratios[shaft].ok_or_else(|| {
             let message = format!(
-                "no mesh connects \"{}\" to the reference shaft \"{}\", so its speed is unknown",
+                "no mesh or coupling connects \"{}\" to the reference shaft \"{}\", so its speed is unknown",
                 name(shaft),
                 name(reference)
             );
@@ -40,6 +41,16 @@ pub(super) fn speed_ratios(
             return Err(EntryPath::entry("meshes", index).error(message));
         }
     }
+    for (index, Coupling { hubs: [a, b], .. }) in couplings.iter().enumerate() {
+        let [first, second] = [ratios[a.shaft], ratios[b.shaft]];
+        if (first - second).abs() > SAME * first.abs() {
+            let [a, b] = [a, b].map(|hub| &system.shafts[hub.shaft].name);
+            let message = format!(
+                "joins \"{a}\" and \"{b}\", whose speed ratios are {first} and {second}; a coupling needs shafts of one speed"
+            );
+            return Err(EntryPath::entry("couplings", index).error(message));
+        }
+    }
     Ok(ratios)
 }
 
@@ -51,19 +62,27 @@ pub(super) fn torques(
     system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
-    gears: &[Gear],
-    meshes: &[Mesh],
+    train: Train<'_>,
 ) -> Result<Vec<Torque>, SceneError> {
-    let radius = |gear: usize| gears[gear].base_radius;
-    let rotation = ratios_by(shafts.len(), reference(system, names)?, gears, meshes, radius);
+    let radius = |gear: usize| train.0[gear].base_radius;
+    let rotation = ratios_by(shafts.len(), reference(system, names)?, train, radius);
     let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
     let mut balance: Option<usize> = None;
     let mut power = 0.0;
     for (index, given) in system.torques.iter().enumerate() {
         let at = EntryPath::entry("torques", index);
-        let node = names.place(shafts, &given.at, &at)?;
-        let value = match (given.value, given.balance) {
-            (Some(value), false) => at.field("value").finite(value)?,
+        let node = names.place(shafts, &given.at, &at.field("at"))?;
+        let value = match (&given.value, given.balance) {
+            (Some(TorqueValue::Constant(value)), false) => at.field("value").finite(*value)?,
+            (Some(_), false) => {
+                if let Some(balance) = system.torques.iter().position(|torque| torque.balance) {
+                    let message = format!(
+                        "torques[{index}] depends on time or speed, which a constant torque cannot balance; hold the rotation with gb.Drive(at, stiffness=...) instead"
+                    );
+                    return Err(EntryPath::entry("torques", balance).error(message));
+                }
+                0.0
+            }
             (None, true) => {
                 if let Some(first) = balance.replace(index) {
                     return Err(at.error(format!("torques[{first}] is a balancing torque too; only one is possible")));
@@ -76,7 +95,7 @@ pub(super) fn torques(
         torques.push(Torque { node, value });
     }
     if let Some(index) = balance {
-        // `speed_ratios` has checked that meshes connect every shaft to the reference shaft.
+        // `speed_ratios` has checked that meshes and couplings connect every shaft to the reference shaft.
         torques[index].value = -power / rotation[torques[index].node.shaft].unwrap_or(1.0);
     }
     Ok(torques)
@@ -86,13 +105,15 @@ fn reference(system: &SceneDescription, names: &Names) -> Result<usize, SceneErr
     system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &EntryPath::root("reference")))
 }
 
-/// Speed ratio of each shaft to shaft `start`; None if no meshes connect them. `size` of a gear is its number of teeth
+/// Gears, meshes and couplings.
+type Train<'a> = (&'a [Gear], &'a [Mesh], &'a [Coupling]);
+
+/// Speed ratio of each shaft to shaft `start`; None if no meshes or couplings connect them. `size` of a gear is its number of teeth
 /// or its base radius.
 fn ratios_by(
     shafts: usize,
     start: usize,
-    gears: &[Gear],
-    meshes: &[Mesh],
+    (gears, meshes, couplings): Train<'_>,
     size: impl Fn(usize) -> f64,
 ) -> Vec<Option<f64>> {
     let mut ratios: Vec<Option<f64>> = vec![None; shafts];
@@ -105,6 +126,14 @@ fn ratios_by(
                 let (here, next) = (gears[from].body.node.shaft, gears[to].body.node.shaft);
                 if let (Some(ratio), None) = (ratios[here], ratios[next]) {
                     ratios[next] = Some(-ratio * size(from) / size(to));
+                    found = true;
+                }
+            }
+        }
+        for Coupling { hubs: [a, b], .. } in couplings {
+            for (here, next) in [(a.shaft, b.shaft), (b.shaft, a.shaft)] {
+                if let (Some(ratio), None) = (ratios[here], ratios[next]) {
+                    ratios[next] = Some(ratio);
                     found = true;
                 }
             }

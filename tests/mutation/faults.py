@@ -306,7 +306,7 @@ FAULTS: list[Fault] = [
             'bearing["stiffness"] = float(stiffness)',
             'bearing["stiffness"] = 2.0 * float(stiffness)',
         ),
-        (".critical_speeds(excitation)", ".critical_speeds(1.0)"),
+        (".critical_speeds(excitation, count)", ".critical_speeds(1.0, count)"),
         ("CriticalSpeedMap(wanted, excitation,", "CriticalSpeedMap(wanted, 1.0,"),
         (
             "self._model.campbell(wanted, count, harmonics)",
@@ -330,7 +330,6 @@ FAULTS: list[Fault] = [
         "results/modes.py",
         "elements",
         ('direction.rstrip("0123456789")', "direction[:1]"),
-        ("self.shapes[:, : len(dofs)]", "self.shapes[:, -len(dofs) :]"),
     ),
     *_faults(
         "_lookup.py",
@@ -397,6 +396,17 @@ FAULTS: list[Fault] = [
             "np.sqrt(body.polar_inertia / body.mass)",
         ),
         ("segment.outer_diameter / 2.0", "segment.outer_diameter"),
+        ("24.0 * (1.0 + ratio)", "12.0 * (1.0 + ratio)"),
+        ("(1.0 + square) / 16.0", "(1.0 - square) / 16.0"),
+        ("if not shaft.shear:", "if shaft.shear is None:"),
+    ),
+    *_faults(
+        "plotting/within_elements.py",
+        "shape_plot",
+        ('("w", "B", -1.0)', '("w", "B", 1.0)'),
+        ("_integrated(n - 1).integ(lbnd=-1.0)", "_integrated(n)"),
+        ("2.0 / length * own.deriv()", "own.deriv()"),
+        ("(xi - xi**2) * phi / 2.0),\n        3.0", "(xi - xi**2) * phi),\n        3.0"),
     ),
     *_faults(
         "plotting/mode_shape.py",
@@ -412,7 +422,7 @@ FAULTS: list[Fault] = [
     *_faults(
         "results/modes.py",
         "shape_plot frequency_plots",
-        ("draw(title, shapes[number - 1]", "draw(title, shapes[number - 2]"),
+        ("self.shapes[number - 1 : number]", "self.shapes[number : number + 1]"),
         (
             "{100.0 * self.damping_ratios[number - 1]:.2f} %",
             "{self.damping_ratios[number - 1]:.2f} %",

@@ -37,15 +37,16 @@ def train(elements=2, *, stiffness=None, torque=100.0, backlash=None, **options)
     )
 
 
-def difference(first, second):
-    """Return the errors of the first response as `errors` defines them."""
+def difference(first, second, rows=np.s_[:]):
+    """Return the errors of the first response as `errors` defines them, at some of the times."""
+    both = (first, second)
     pairs = {
-        "displacement": [(r.displacement("g1"), r.displacement("g2")) for r in (first, second)],
-        "mesh_force": [(r.mesh("g1", "g2").force[:, np.newaxis],) for r in (first, second)],
+        "displacement": [tuple(r.displacement(g)[rows] for g in ("g1", "g2")) for r in both],
+        "mesh_force": [(r.mesh("g1", "g2").force[rows, np.newaxis],) for r in both],
     }
     return {
-        kind: max(rms(a - b) / rms(b - b.mean(axis=0)) for a, b in zip(*both, strict=True))
-        for kind, both in pairs.items()
+        kind: max(rms(a - b) / rms(b - b.mean(axis=0)) for a, b in zip(*signals, strict=True))
+        for kind, signals in pairs.items()
     }
 
 
@@ -90,6 +91,47 @@ def test_errors_of_modes_are_those_against_all_modes():
     complete = system.simulate(DURATION, SPEED, method="exponential", rtol=1e-6)
     for kind, error in difference(response, complete).items():
         assert response.errors[kind].modes == pytest.approx(error, rel=0.1)
+
+
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+def test_errors_of_a_long_run_contain_the_modes_that_it_left_out(level):
+    # a run of 0.1 s, the window of the errors, keeps all modes
+    system = train(None, resolution=level)
+    response = system.simulate(0.31, SPEED, accuracy=level)
+    assert response.statistics.modes < len(system.dofs)
+    options = {"times": response.time, "method": "exponential", "rtol": 1e-7}
+    complete = system.simulate(0.31, SPEED, **options)
+    first = response.time <= 0.1
+    assert response.errors.window == 0.1
+    for kind, error in difference(response, complete, first).items():
+        found = response.errors[kind]
+        left_out = np.hypot(found.modes, found.integration)
+        assert error / 3 < left_out < 3 * error
+        assert found.modes > 0.1 * error
+
+
+@pytest.mark.filterwarnings("ignore:modes. 10 modes leave an error:gearbow.AccuracyWarning")
+@pytest.mark.parametrize(
+    "settings",
+    [{"rtol": 1e-2}, {"modes": 10, "rtol": 1e-7}, {"method": "rk45", "rtol": 1e-4}],
+    ids=["exponential", "modes", "rk45"],
+)
+def test_errors_at_a_changing_speed_contain_elements_modes_and_integration(settings):
+    system = train(3)
+    profile = ([0.0, DURATION], [SPEED, 1.5 * SPEED])
+    response = system.simulate(DURATION, profile, **settings)
+    shafts = [replace(shaft, elements=4, degree=6) for shaft in train().shafts]
+    exact = {"method": "exponential", "rtol": 1e-9}
+    complete = system.simulate(DURATION, profile, **exact)
+    fine = train().replace(shafts=shafts).simulate(DURATION, profile, **exact)
+    left_out = difference(response, complete)
+    for kind, error in difference(response, fine).items():
+        found = response.errors[kind]
+        assert error / 2 < found.total < 2 * error
+        assert found.elements == pytest.approx(difference(complete, fine)[kind], rel=0.1)
+        # at most one of both causes a difference to the run with all modes and a small tolerance
+        cause = found.modes if "modes" in settings else found.integration
+        assert cause == pytest.approx(left_out[kind], rel=0.1)
 
 
 def test_errors_belong_to_the_recorded_signals():

@@ -46,7 +46,6 @@ CALLS = {
     "synchronous": "system.synchronous(speeds)",
     "peaks": "system._model.peaks(speeds, 0, 0, 'both', None)",
     "balance": "system.balance(['disk'], speeds)",
-    "static": "system.static()",
     "matrices": "system.matrices()",
     "simulate": "system.simulate(1.0, 100.0)",
     "tradeoff": "system.tradeoff(1.0, 100.0, budget=1e6)",
@@ -154,6 +153,8 @@ wanted = coarse.synchronous([10.0, 500.0]).amplitudes
 assert response.shape == (2, 1, 6004)
 # deflection v in the middle of the shaft; elements are exact in statics
 assert np.allclose(response[:, 0, 3000], wanted[:, 0, 200], rtol=1e-4)
+found, wanted = (each.static().displacement(("rotor", 0.5)) for each in (system, coarse))
+assert np.allclose(found, wanted, rtol=1e-4)
 """
     child(program)
 

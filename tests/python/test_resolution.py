@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.accuracy.levels import LEVELS
 from test_errors import difference, train
 
 SPEED = 100.0
@@ -117,6 +118,22 @@ def test_without_meshes_the_elements_serve_bow_and_unbalance():
     assert error / 3 < response.errors["displacement"].total < 3 * error
 
 
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+@pytest.mark.parametrize("initial", ["rest", "static"])
+def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.mode(3, 1e-4))
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.3, 10.0, 0.03, 0.06)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, resolution=level)
+    options = {"record": ["disk"], "initial": initial}
+    response = system.simulate(0.1, 200.0, accuracy=level, **options)
+    fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
+    moved, known = response.displacement("disk"), fine.displacement("disk")
+    error = np.linalg.norm(moved - known) / np.linalg.norm(known - known.mean(axis=0))
+    assert error < {"draft": 1e-2, "engineering": 1e-3}[level]
+    assert error / 3 < response.errors["displacement"].total < 3 * error
+
+
 def test_elements_too_coarse_for_the_level_give_a_warning():
     with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
         train(1).simulate(1e-3, SPEED, accuracy="draft")
@@ -127,6 +144,19 @@ def test_elements_too_coarse_for_the_level_give_a_warning():
     assert "does not include the elements" in draft.simulate(1e-3, SPEED).accuracy
     assert "does not include" not in draft.simulate(1e-3, SPEED, accuracy="draft").accuracy
     assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
+
+
+def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
+    long = [gb.Shaft(name, length=2.0, outer_diameter=0.03) for name in ("input", "output")]
+    bearings = [gb.Bearing(s, x, stiffness=1e8) for s in ("input", "output") for x in (0.0, 2.0)]
+    system = automatic(resolution="reference", stiffness=gb.Stiffness.square(2e8))
+    system = system.replace(shafts=long, bearings=bearings, modal_damping=None)
+    assert system.discretisation.expected_error > system.discretisation.permitted_error
+    # `simulate` writes both into its warning; a run would take half a minute
+    level = LEVELS["reference"]
+    assert "the largest number of coordinates that gearbow chooses" in level.coarse(system._model)
+    assert "response.errors" in level.finer(system._model)
+    assert "resolution='reference'" in level.finer(automatic()._model)
 
 
 def test_bearings_with_a_speed_table_have_a_choice():

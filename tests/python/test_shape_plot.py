@@ -1,4 +1,4 @@
-"""Mode shapes in space: geometry of the displaced circles, radii, titles, axes and orbits."""
+"""Mode shapes in space: displaced circles, radii, titles, axes, orbits, and long elements."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow._lookup import nodal
 from gearbow.description.layout import layout, reference_radius
 from gearbow.plotting.mode_shape import _at_maximum, _ring
+from gearbow.plotting.within_elements import refined
 
 
 def rotor() -> gb.RotorSystem:
@@ -91,3 +93,51 @@ def test_a_mode_is_drawn_in_its_plane(number: int, moving: int):
     # it begins at its largest displacement
     first = {1: [0.3, np.abs(orbit[1]).max(), 0.0], 2: [0.3, 0.0, np.abs(orbit[2]).max()]}[moving]
     assert orbit[:, 0] == pytest.approx(first, abs=1e-3)
+
+
+def stepped(elements: int, degree: int, *, shear: bool, motion: str) -> gb.RotorSystem:
+    """Return a hollow stepped shaft with a disk on bearings that are softer along y."""
+    bore = {"inner_diameter": 0.05, "elements": elements}
+    segments = [gb.Segment(0.3, 0.06, **bore), gb.Segment(0.3, 0.04, elements=elements)]
+    return gb.RotorSystem(
+        [gb.Shaft("s", segments=segments, shear=shear, degree=degree)],
+        disks=[gb.Disk("disk", "s", 0.1, 5.0, 0.02, 0.04)],
+        bearings=[gb.Bearing("s", x, stiffness=(1e7, 2e7), damping=1e3) for x in (0.0, 0.6)],
+        motion=motion,
+    )
+
+
+@pytest.mark.parametrize("shear", [True, False])
+@pytest.mark.parametrize("motion", ["coupled", "torsion"])
+def test_a_long_element_is_drawn_as_many_short_ones(shear: bool, motion: str):
+    long, short = (
+        stepped(elements, degree, shear=shear, motion=motion).modes(speed=300.0, count=4)
+        for elements, degree in ((1, 7), (24, 2))
+    )
+    shapes, dofs = refined(long.shapes, long.dofs, long.layout)
+    places = {(round(x, 9), direction): n for n, (_, x, direction) in enumerate(dofs)}
+    at = {
+        n: places[round(x, 9), direction]
+        for n, (_, x, direction) in enumerate(nodal(short.dofs))
+        if (round(x, 9), direction) in places
+    }
+    assert len(at) > 0.5 * len(places)
+    ours, theirs = shapes[:, list(at.values())], short.shapes[:, list(at)]
+    for mine, other, frequency in zip(ours, theirs, short.frequencies_hz, strict=True):
+        if frequency > 0.0:
+            largest = int(np.argmax(np.abs(other)))
+            # The natural frequencies of the two models differ by up to 1e-6, their shapes by 3e-4.
+            np.testing.assert_allclose(mine / mine[largest], other / other[largest], atol=5e-4)
+
+
+def test_a_shaft_of_one_element_is_drawn_bent():
+    bearings = [gb.Bearing("s", x, stiffness=1e9) for x in (0.0, 1.0)]
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05)
+    modes = gb.RotorSystem([shaft], bearings=bearings, motion="lateral").modes(count=1)
+    for line in modes.plot(count=1).axes[0].get_lines():
+        middle = line.get_ydata()[line.get_xdata() == 0.5]
+        assert np.abs(line.get_ydata()).max() == pytest.approx(np.abs(middle).max())
+    # the axis of the shaft in space: its surface leaves the plane through the bearings
+    (axes,) = modes.plot(1).axes
+    mark = np.array(axes.get_lines()[1].get_data_3d())
+    assert np.ptp(mark[1:], axis=1).max() > 0.05

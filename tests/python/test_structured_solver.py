@@ -56,19 +56,161 @@ def test_published_rotors_have_the_response_of_dense_matrices(path: Path):
     assert_same_response(system, np.linspace(0.0, 2000.0, 21))
 
 
-def refined(scene: Drawn) -> gb.RotorSystem:
-    """Return the scene with so many elements that a few of its modes take band matrices."""
-    elements = tuple(max(10, 30 // len(scene.lengths)) for _ in scene.lengths)
-    return replace(scene, elements=elements).system()
+def refined(scene: Drawn, **changes: object) -> gb.RotorSystem:
+    """Return the scene with so many elements that a few of its modes take band matrices.
+
+    A dense solution then takes a tenth of a second. `tests/rust/structured.rs` has other degrees.
+    """
+    elements = tuple(max(8, 24 // len(scene.lengths)) for _ in scene.lengths)
+    degrees = tuple(1 for _ in scene.degrees)
+    return replace(scene, elements=elements, degrees=degrees, **changes).system()
+
+
+def round_off(highest: float, size: np.ndarray) -> np.ndarray:
+    """Return 1e-9, or ten times the relative round-off of dense matrices, for each frequency."""
+    part = 10 * np.finfo(float).eps * (highest / np.maximum(size, 1e-9 * highest)) ** 2
+    return np.maximum(1e-9, part)
+
+
+def assert_lowest_modes(system: gb.RotorSystem, speed: float, count: int = 8) -> None:
+    found, wanted = system.modes(speed, count=count), system.modes(speed)
+    highest, size = np.abs(wanted.eigenvalues).max(), np.abs(wanted.eigenvalues[:count])
+    difference = np.abs(found.eigenvalues - wanted.eigenvalues[:count])
+    assert np.all(difference <= round_off(highest, size) * size)
 
 
 @scenes(10)
 def test_the_lowest_modes_are_those_of_dense_matrices(scene: Drawn):
+    assert_lowest_modes(refined(scene), scene.speed)
+
+
+@scenes(5)
+def test_the_lowest_modes_of_strongly_damped_trains_are_those_of_dense_matrices(scene: Drawn):
+    stiffness = scene.bearing[:3]
+    for damping in (10.0, 100.0, 1000.0):
+        assert_lowest_modes(
+            refined(scene, bearing=(*stiffness, damping), rayleigh=0.0), scene.speed
+        )
+
+
+@pytest.mark.parametrize("path", ROTORS, ids=lambda path: path.stem)
+def test_published_rotors_with_more_elements_have_the_modes_of_dense_matrices(path: Path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gb.SceneWarning)
+        system = gb.RotorSystem.load(path)
+    shafts = []
+    for shaft in system.shafts:
+        if shaft.segments is None:
+            shafts.append(replace(shaft, elements=25))
+        else:
+            parts = [replace(segment, elements=4 * segment.elements) for segment in shaft.segments]
+            shafts.append(replace(shaft, segments=parts))
+    finer = system.replace(shafts=shafts)
+    for speed in (0.0, 300.0):
+        assert_lowest_modes(finer, speed, count=6)
+
+
+def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
+    """Return the equilibrium in frozen geometry without backlash: a linear problem."""
+    matrices = system.matrices()
+    dofs = {dof: index for index, dof in enumerate(matrices.dofs)}
+    gravity = np.zeros(len(dofs))
+    for (_, position, direction), index in dofs.items():
+        if isinstance(position, float) and direction in "vw":
+            gravity[index] = system.gravity["vw".index(direction)]
+    load = matrices.mass @ gravity
+    gears = {gear.name: gear for gear in system.gears}
+    ratios = dict(zip([s.name for s in system.shafts], system.speed_ratios, strict=True))
+    places = [gears[torque.at] for torque in system.torques]
+    given = system.torques[0].value
+    values = [given, -given * ratios[places[0].shaft] / ratios[places[-1].shaft]]
+    for gear, value in zip(places, values, strict=True):
+        load[dofs[gear.shaft, gear.position, "twist"]] += value
+    modes = system.modes()
+    rigid = modes.shapes[modes.frequencies_hz == 0.0].real.T
+    constrained = matrices.mass @ rigid * 2 * np.pi * modes.frequencies_hz[rigid.shape[1]]
+    return np.linalg.solve(matrices.stiffness + constrained @ constrained.T, load)
+
+
+@scenes(20)
+def test_the_equilibrium_is_that_of_dense_matrices(scene: Drawn):
+    system = replace(scene, backlash=None).system()
+    found = system.static("frozen").state
+    wanted = dense_equilibrium(system)
+    assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
+
+
+@scenes(5)
+def test_the_critical_speeds_are_those_of_dense_matrices(scene: Drawn):
     system = refined(scene)
-    found, wanted = system.modes(scene.speed, count=8), system.modes(scene.speed)
-    size = np.abs(wanted.eigenvalues[:8])
-    round_off = (
-        np.finfo(float).eps * (np.abs(wanted.eigenvalues).max() / np.maximum(size, 1e-9)) ** 2
-    )
-    difference = np.abs(found.eigenvalues - wanted.eigenvalues[:8])
-    assert np.all(difference <= np.maximum(1e-9, 10 * round_off) * size)
+    highest = 2 * np.pi * system.modes().frequencies_hz.max()
+    stiffnesses = [1e6, 1e8, 1e10]
+    found = system.critical_speed_map(stiffnesses, count=7)
+    wanted = system.critical_speed_map(stiffnesses)
+    for one, other in zip(found.speeds, wanted.speeds, strict=True):
+        assert len(one) == 7
+        # very stiff bearings raise the highest frequency
+        assert np.all(np.abs(one - other[:7]) <= round_off(100 * highest, other[:7]) * other[:7])
+
+
+@scenes(2)
+def test_the_campbell_diagram_is_that_of_dense_matrices(scene: Drawn):
+    system = refined(scene)
+    speeds = np.linspace(0.0, 400.0, 4)
+    found = system.campbell(speeds, count=6)
+    wanted = through_dense_matrices(system).campbell(speeds, count=6)
+    highest = 2 * np.pi * system.modes().frequencies_hz.max()
+    size = np.abs(wanted.eigenvalues)
+    assert np.all(np.abs(found.eigenvalues - wanted.eigenvalues) <= round_off(highest, size) * size)
+    assert np.array_equal(found.whirl[-1], wanted.whirl[-1])
+    assert len(found.intersections) == len(wanted.intersections)
+    for one, other in zip(found.intersections, wanted.intersections, strict=True):
+        assert (one.mode, one.line) == (other.mode, other.line)
+        assert one.speed == pytest.approx(other.speed, rel=1e-8)
+
+
+@scenes(5)
+def test_sparse_matrices_are_the_dense_ones(scene: Drawn):
+    system = scene.system()
+    sparse, dense = system.matrices(scene.speed, sparse=True), system.matrices(scene.speed)
+    assert sparse.dofs == dense.dofs
+    for name in ("mass", "stiffness", "damping", "gyroscopic"):
+        one, other = getattr(sparse, name).toarray(), getattr(dense, name)
+        # the terms of an entry are added in another order
+        assert one == pytest.approx(other, rel=1e-14, abs=1e-15 * np.abs(other).max())
+
+
+def test_sparse_matrices_are_refused_with_modal_damping():
+    system = Drawn().system().replace(modal_damping=0.01)
+    with pytest.raises(gb.SceneError, match=r"^sparse: must be False with modal damping"):
+        system.matrices(sparse=True)
+    with pytest.raises(gb.SceneError, match=r"^sparse: must be True or False, got 1"):
+        system.matrices(sparse=1)  # type: ignore[call-overload]
+
+
+def shaft_of(elements: int) -> gb.RotorSystem:
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements, degree=1)
+    bearings = [gb.Bearing("s", x, stiffness=1e7, damping=100.0) for x in (0.0, 1.0)]
+    disk = gb.Disk("d", "s", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4)
+    return gb.RotorSystem([shaft], disks=[disk], bearings=bearings, gravity=(0.0, -9.81))
+
+
+def test_nine_thousand_elements_need_memory_in_proportion():
+    # 36,004 degrees of freedom: a dense matrix would take 10 GB
+    system = shaft_of(9000)
+    with warnings.catch_warnings():
+        # one element is 0.1 mm long: round-off takes digits of the slow modes
+        warnings.simplefilter("ignore", gb.AccuracyWarning)
+        modes = system.modes(100.0, count=4)
+        sag = system.static().displacement("d")
+        orbit = system.synchronous([100.0]).displacement("d")
+    coarse = shaft_of(100)
+    expected = coarse.modes(100.0, count=4)
+    assert modes.frequencies_hz == pytest.approx(expected.frequencies_hz, rel=1e-5)
+    assert sag == pytest.approx(coarse.static().displacement("d"), rel=1e-5)
+    wanted = coarse.synchronous([100.0]).displacement("d")
+    assert np.abs(orbit - wanted).max() < 1e-5 * np.abs(wanted).max()
+    assert system.matrices(sparse=True).mass.nnz < 40 * len(system.dofs)
+    for refused in (system.matrices, system.modes):
+        with pytest.raises(gb.SceneError, match=r"36004 degrees of freedom need .* GB of memory"):
+            refused()

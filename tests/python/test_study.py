@@ -18,6 +18,12 @@ from gearbow.study.measure import measure
 from gearbow.study.table import write
 from gearbow.study.view import Study
 
+#: A run with the accuracy "reference" of a constant, sharply engaging mesh needs more elements than
+#: gearbow chooses.
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:accuracy. the elements are too coarse:gearbow.AccuracyWarning"
+)
+
 
 @pytest.fixture(scope="module")
 def tiny() -> Settings:
@@ -111,17 +117,16 @@ def test_the_name_of_a_run_tells_every_parameter(tiny):
             "phases": (1.0, 0.0),
             "geometry": "frozen",
             "accuracy": "reference",
-            "refine": 2,
         }.items()
     }
-    assert len(names) == 12
+    assert len(names) == 11
     # A parameter without influence on a run does not repeat it.
     assert key(dataclasses.replace(tiny, backlash=1.0, modes=7), case) in names
 
 
 def test_a_case_sets_bow_gear_position_and_load():
     settings = Settings.load()
-    case = Case("half", 30.0, 50.0, bow=0.04, where="middle", phases=(0.5, 0.7), refine=2)
+    case = Case("half", 30.0, 50.0, bow=0.04, where="middle", phases=(0.5, 0.7), accuracy="draft")
     made = description(settings, case)
     assert [shaft.get("bow") for shaft in made["shafts"]] == [
         None,
@@ -130,7 +135,7 @@ def test_a_case_sets_bow_gear_position_and_load():
     ]
     assert [gear["position"] for gear in made["gears"]] == [0.25, 0.25, 0.375, 0.25]
     assert made["torques"][0]["value"] == 30.0
-    assert {shaft["elements"] for shaft in made["shafts"]} == {16}
+    assert made["resolution"] == "draft"
     assert settings.scene["torques"][0]["value"] == 250.0  # the study itself stays as it is
     assert system(settings, case).shafts[1].bow == gb.Bow.half_sine(1e-3, phase=0.5)
 

@@ -104,7 +104,12 @@ fn modes_and_critical_speeds_contain_connections() {
         modes(cached, 100.0).unwrap().iter().map(|mode| mode.eigenvalue.re).take(20).collect()
     };
     let critical = |cached: &CachedModel| -> Vec<f64> {
-        critical_speeds(cached, 1.0, &interrupt).unwrap().iter().map(|critical| critical.speed).take(8).collect()
+        critical_speeds(cached, 1.0, usize::MAX, &interrupt)
+            .unwrap()
+            .iter()
+            .map(|critical| critical.speed)
+            .take(8)
+            .collect()
     };
     let meetings = |cached: &CachedModel| -> Vec<f64> {
         let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &interrupt).unwrap();

@@ -2,8 +2,8 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Gear, Gravity, Material, Mesh, Outside,
-    Place, Segment, Shaft, SpeedTable, Stiffness, Torque,
+    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, Gear, Gravity,
+    Material, Mesh, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, Torque, TorqueValue,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
@@ -179,7 +179,11 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 let (position, stiffness) = (at * length, Some(stiffness));
                 Bearing { shaft, position, stiffness, damping, ..Bearing::default() }
             };
-            let torque = |at: Place, value: Option<f64>| Torque { at, value, balance: value.is_none() };
+            let torque = |at: Place, value: Option<f64>| Torque {
+                at,
+                value: value.map(TorqueValue::Constant),
+                balance: value.is_none(),
+            };
             SceneDescription {
                 resolution: None,
                 reference: named.then(|| "two".to_owned()),
@@ -203,6 +207,15 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                     error: None,
                 }],
                 bearings: places.into_iter().map(bearing).collect(),
+                supports: Vec::new(),
+                housings: Vec::new(),
+                couplings: Vec::new(),
+                drives: vec![Drive { at: Place::Body("b".to_owned()), stiffness, damping: given(0) }],
+                forces: vec![Force {
+                    at: Place::Shaft("one".to_owned(), l2.min(l1)),
+                    value: ForceValue::Constant(Complex::Pair([stiffness, damping])),
+                    order: vector.then_some(1.0),
+                }],
                 torques: vec![
                     torque(Place::Body("a".to_owned()), Some(damping * 1e3)),
                     torque(Place::Shaft("two".to_owned(), l2), if balanced { None } else { Some(-1.0) }),

@@ -66,13 +66,15 @@ class _Signal:
     values: Array
 
 
-def estimate_errors(request: RunRequest) -> Errors:
+def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     """Estimate the errors of a run by more accurate runs.
 
     Parameters
     ----------
     request : RunRequest
         Scene and options of the run.
+    modes : int, optional
+        Number of modes that the run kept; None is all.
 
     Returns
     -------
@@ -82,7 +84,8 @@ def estimate_errors(request: RunRequest) -> Errors:
     model = Model(dict(request.description))
     options = dict(request.options)
     window = _window(model, options)
-    options["duration"] = window
+    # A run as short as the window would keep all modes.
+    options |= {"duration": window, "modes": modes or options["modes"]}
     with warnings.catch_warnings():
         # The run itself gave these warnings.
         for category in (AccuracyWarning, RunTimeWarning):
@@ -119,12 +122,11 @@ def _runs(
     own = _run(model, options, times, _recorded(request))
     yield own
     record = _items(own)
-    kept = own["statistics"]["modes"]
-    exact = {**options, **_tighter(options), "modes": kept, "reduction": None}
+    exact = {**options, **_tighter(options)}
     run = _run(model, exact, times, record)
     yield run
-    complete = {**exact, "modes": None}
-    if kept is not None:
+    complete = {**exact, "modes": None, "reduction": None}
+    if options["modes"] is not None:
         run = _run(model, complete, times, record)
     yield run
     fine = Model(refined(model.resolved()))
@@ -163,13 +165,10 @@ def _items(data: RunData) -> list[Any]:
 
 def _tighter(options: Mapping[str, Any]) -> dict[str, Any]:
     """Choose the method and the tolerance of the companions."""
-    constant = not isinstance(options["speed"], Mapping)
-    method = "exponential" if constant else "rk45"
     rtol = _OTHER_METHOD
-    if method == options["method"] and options["step"] is None:
-        rtol = _TIGHTER * (options["rtol"] or _DEFAULT_RTOL)
-    rtol = max(_SMALLEST, rtol)
-    return {"method": method, "rtol": rtol, "step": None, "stages": None}
+    if options["method"] == "exponential" and options["step"] is None:
+        rtol = max(_SMALLEST, _TIGHTER * (options["rtol"] or _DEFAULT_RTOL))
+    return {"method": "exponential", "rtol": rtol, "step": None, "stages": None}
 
 
 def _window(model: Model, options: Mapping[str, Any]) -> float:

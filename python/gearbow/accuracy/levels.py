@@ -104,11 +104,32 @@ class Level:
             if resolution.mesh_force <= self.mesh_force and model.choice[1] <= permitted:
                 return None
             reason = f"they have the resolution {resolution.name!r}"
+            if resolution.mesh_force <= self.mesh_force:
+                reason += " with the largest number of coordinates that gearbow chooses"
         elif model.expected_error() <= permitted:
             return None
         else:
             reason = "the shafts give their numbers"
-        return f"{reason}, with an expected error of {model.expected_error():.0e}"
+        return f"{reason}, and an expected error of {model.expected_error():.0e}"
+
+    def finer(self, model: Model) -> str:
+        """Say how to get elements that are fine enough for the level.
+
+        Parameters
+        ----------
+        model : Model
+            A system whose elements are too coarse.
+
+        Returns
+        -------
+        str
+            The advice.
+        """
+        if model.choice is not None and LEVELS[model.choice[0]].mesh_force <= self.mesh_force:
+            return "compare `response.errors`, which often is below it, or give the shafts elements"
+        return (
+            f"leave out the numbers of elements, and give resolution={self.name!r} to RotorSystem"
+        )
 
 
 #: Accuracy levels by name, from cheap to accurate.

@@ -55,7 +55,7 @@ class Balance(ReadOnly, Generic[S]):
     --------
     >>> import gearbow as gb
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
     >>> disk = gb.Disk("disk", "rotor", 0.5, mass=50.0, diametral_inertia=0.5, polar_inertia=1.0)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])

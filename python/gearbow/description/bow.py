@@ -173,7 +173,7 @@ class Bow(Part):
 
         >>> import gearbow as gb
         >>> bend = gb.Bow.function(lambda x: 1e-4 * max(0.0, x - 0.5))
-        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bend)
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bend)
         """
         return cls("function", curve=f)
 

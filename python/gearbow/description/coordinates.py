@@ -26,14 +26,20 @@ class Coordinates:
         Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
         Those within an element have the positions of its ends and a degree ("v2").
     bodies : mapping of {str: (str, float)}
-        Shaft and position [m] of each gear and disk.
+        Shaft and position [m] of each gear and disk; name and position of each support or housing.
     """
 
     dofs: tuple[Dof, ...]
     bodies: Mapping[str, tuple[str, float]]
 
     @classmethod
-    def of(cls, dofs: Sequence[Dof], gears: Sequence[Gear], disks: Sequence[Disk]) -> "Coordinates":
+    def of(
+        cls,
+        dofs: Sequence[Dof],
+        gears: Sequence[Gear],
+        disks: Sequence[Disk],
+        bases: Sequence[str] = (),
+    ) -> "Coordinates":
         """Collect the coordinates of a system.
 
         Parameters
@@ -44,6 +50,8 @@ class Coordinates:
             The gears.
         disks : sequence of Disk
             The disks.
+        bases : sequence of str
+            Names of supports and housings.
 
         Returns
         -------
@@ -52,6 +60,7 @@ class Coordinates:
         """
         given: list[Gear | Disk] = [*gears, *disks]
         bodies = {body.name: (body.shaft, float(body.position)) for body in given}
+        bodies |= {name: (name, x) for name, x, _ in nodal(dofs) if name in bases}
         return cls(tuple(dofs), bodies)
 
     def shaft(self, at: At) -> str:

@@ -2,15 +2,17 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array
+from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Segment, Shaft
 
 __all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]
 
@@ -27,11 +29,15 @@ class ShaftOutline(ReadOnly):
         Position (x, y, z) of the left end [m].
     steps : tuple of (float, float)
         End [m] and outer radius [m] of each segment, from the left.
+    shear_lengths : tuple of float
+        Length √(12EI/(κGA)) of each segment [m], the element length with the shear parameter 1;
+        0 without shear deformation.
     """
 
     name: str
     origin: Array
     steps: tuple[tuple[float, float], ...]
+    shear_lengths: tuple[float, ...]
 
     @property
     def length(self) -> float:
@@ -57,7 +63,27 @@ class ShaftOutline(ReadOnly):
         float
             Radius [m]; at a step, that of the segment on the left.
         """
-        return next((radius for end, radius in self.steps if position <= end), self.steps[-1][1])
+        return self.steps[self._segment(position)][1]
+
+    def shear_length(self, position: float) -> float:
+        """Look up the shear length at a position.
+
+        Parameters
+        ----------
+        position : float
+            Position on the shaft [m].
+
+        Returns
+        -------
+        float
+            Length √(12EI/(κGA)) [m]; at a step, that of the segment on the left.
+        """
+        return self.shear_lengths[self._segment(position)]
+
+    def _segment(self, position: float) -> int:
+        """Find the segment at a position; at a step, that on the left."""
+        inner = [end for end, _ in self.steps[:-1]]
+        return next((i for i, end in enumerate(inner) if position <= end), len(inner))
 
 
 @dataclass(frozen=True)
@@ -122,11 +148,13 @@ def layout(
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
     bearings: Sequence[Bearing | JournalBearing],
+    *,
+    couplings: Sequence[Coupling] = (),
 ) -> Layout:
     """Find the geometry of a train at rest.
 
-    The first shaft begins at the origin. Meshes give the positions of the shafts relative to each
-    other; a shaft without a mesh begins at the origin too.
+    The first shaft begins at the origin. Meshes and couplings give the positions of the shafts
+    relative to each other; a shaft without them begins at the origin too.
 
     Parameters
     ----------
@@ -140,6 +168,8 @@ def layout(
         The meshes.
     bearings : sequence of Bearing
         The bearings.
+    couplings : sequence of Coupling
+        The couplings.
 
     Returns
     -------
@@ -148,19 +178,28 @@ def layout(
     """
     by_name = {gear.name: gear for gear in gears}
     origins = {shafts[0].name: np.zeros(3)}
-    while found := next(_next_origin(meshes, by_name, origins), None):
+    given: list[Gear | Disk] = [*gears, *disks]
+    places = {body.name: (body.shaft, body.position) for body in given}
+    while found := next(
+        chain(_next_origin(meshes, by_name, origins), _next_coupled(couplings, places, origins)),
+        None,
+    ):
         origins[found[0]] = found[1]
     outlines = tuple(
-        ShaftOutline(shaft.name, origins.get(shaft.name, np.zeros(3)), _steps(shaft))
+        ShaftOutline(
+            shaft.name,
+            origins.get(shaft.name, np.zeros(3)),
+            _steps(shaft),
+            tuple(_shear_length(shaft, segment) for segment in _segments(shaft)),
+        )
         for shaft in shafts
     )
-    given: list[Gear | Disk] = [*gears, *disks]
     bodies = tuple(
         BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
         for body in given
     )
-    places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(outlines, bodies, places)
+    bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
+    return Layout(outlines, bodies, bearing_places)
 
 
 def reference_radius(body: Gear | Disk) -> float:
@@ -204,12 +243,47 @@ def _next_origin(
                 yield new.shaft, origins[known.shaft] + sign * offset
 
 
+def _segments(shaft: Shaft) -> Sequence[Segment]:
+    """Give the segments of a shaft; one for a uniform shaft."""
+    if shaft.segments is not None:
+        return shaft.segments
+    return (Segment(shaft.length or 0.0, shaft.outer_diameter or 0.0, shaft.inner_diameter),)
+
+
+def _next_coupled(
+    couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts that a coupling joins to a shaft whose origin is known."""
+    for coupling in couplings:
+        a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
+        for (known, x), (new, position) in ((a, b), (b, a)):
+            if known in origins and new not in origins:
+                yield new, origins[known] + np.array([x - position, 0.0, 0.0])
+
+
 def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
     """Give the end and the outer radius of every segment of a shaft."""
-    if shaft.segments is None:
-        return ((float(shaft.length or 0.0), float(shaft.outer_diameter or 0.0) / 2.0),)
-    ends = np.cumsum([segment.length for segment in shaft.segments])
+    segments = _segments(shaft)
+    ends = np.cumsum([segment.length for segment in segments])
     return tuple(
         (float(end), segment.outer_diameter / 2.0)
-        for end, segment in zip(ends, shaft.segments, strict=True)
+        for end, segment in zip(ends, segments, strict=True)
     )
+
+
+def _shear_length(shaft: Shaft, segment: Segment) -> float:
+    """Give √(12EI/(κGA)) of a hollow circular section, with κ of Cowper (1966) [m]."""
+    if not shaft.shear:
+        return 0.0
+    material = shaft.material
+    ratio = material.poisson_ratio
+    if ratio is None:
+        ratio = material.youngs_modulus / (2.0 * (material.shear_modulus or 1.0)) - 1.0
+    square = (segment.inner_diameter / segment.outer_diameter) ** 2
+    total = (1.0 + square) ** 2
+    kappa = (
+        6.0 * (1.0 + ratio) * total / ((7.0 + 6.0 * ratio) * total + (20.0 + 12.0 * ratio) * square)
+    )
+    # I/A = (d² + d_i²)/16 and E/G = 2(1 + ν).
+    gyration = segment.outer_diameter**2 * (1.0 + square) / 16.0
+    return float(np.sqrt(24.0 * (1.0 + ratio) * gyration / kappa))

@@ -1,23 +1,27 @@
 """Bearings and torques."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from gearbow._convert import real
 from gearbow._types import At, Plain
 from gearbow.description.journal import JournalBearing
+from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.speed_table import SpeedTable
+from gearbow.description.supports import Support
+from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
 
 
 @dataclass(frozen=True)
 class Bearing(Part):
-    """A bearing between a shaft and the ground, linear in displacement and velocity.
+    """A bearing between a shaft and what it stands on, linear in displacement and velocity.
 
     Parameters
     ----------
@@ -30,6 +34,9 @@ class Bearing(Part):
         of one of these against the speed of the shaft.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
+    support : str or Support, optional
+        What it stands on: the name of a support or housing of the system, or a support of its own.
+        None is the ground.
 
     Examples
     --------
@@ -42,6 +49,7 @@ class Bearing(Part):
     _: KW_ONLY
     stiffness: ArrayLike | SpeedTable
     damping: ArrayLike | SpeedTable = 0.0
+    support: str | Support | None = None
 
     @classmethod
     def _from_description(  # type: ignore[override]  # one list holds several classes
@@ -53,19 +61,24 @@ class Bearing(Part):
         for key in ("stiffness", "damping"):
             if isinstance(given.get(key), Mapping):
                 given[key] = SpeedTable._from_description(given[key])
+        if isinstance(given.get("support"), Mapping):
+            given["support"] = Support._from_description(given["support"])
         return cls(**given)
 
 
 @dataclass(frozen=True)
 class Torque(Part):
-    """A constant torque on a shaft, positive about +x.
+    """A torque on a shaft, positive about +x.
 
     Parameters
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    value : float or "balance"
-        The torque [N m]; "balance" is explained in `Torque.balance`.
+    value : float, TimeSeries, SpeedTable, callable or "balance"
+        The torque [N m]: constant; over time; over the magnitude of the actual speed Ω_s + θ̇ of the
+        shaft [rad/s], with the end values beyond the table; or a function of the time [s], which
+        `simulate` samples over the run. Static, modal and synchronous analyses do not contain a
+        torque over time. "balance" is explained in `Torque.balance`.
 
     Examples
     --------
@@ -74,11 +87,13 @@ class Torque(Part):
     """
 
     at: At
-    value: float | str
+    value: float | str | SpeedTable | TimeSeries | Callable[[Any], Any]
 
     @classmethod
     def balance(cls, at: At) -> "Torque":
         """Apply the torque that balances all other torques on the train.
+
+        Torques over time or speed cannot be balanced; hold the rotation with `gearbow.Drive`.
 
         Parameters
         ----------
@@ -96,10 +111,21 @@ class Torque(Part):
         at = place(self.at, f"{path}.at")
         if isinstance(self.value, str) and self.value == "balance":
             return {"at": at, "balance": True}
-        return {"at": at, "value": real(self.value, f"{path}.value", 'a number [N m] or "balance"')}
+
+        def number(value: object, path: str) -> Plain:
+            wanted = 'a number [N m], a TimeSeries, a SpeedTable, a function of time or "balance"'
+            return real(value, path, wanted)
+
+        return {"at": at, "value": described_value(self.value, f"{path}.value", number)}
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Torque":
         at = description["at"]
         at = at if isinstance(at, str) else (at[0], at[1])
-        return cls.balance(at) if description.get("balance") else cls(at, description["value"])
+        if description.get("balance"):
+            return cls.balance(at)
+        value = description["value"]
+        if isinstance(value, Mapping):
+            kind: type[Part] = SpeedTable if "speeds" in value else TimeSeries
+            value = kind._from_description(value)
+        return cls(at, value)

@@ -5,9 +5,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from gearbow._convert import real, shown
+from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
 
-__all__ = ["is_pair", "is_place", "place", "place_label", "places"]
+__all__ = ["is_pair", "is_place", "names_of_bases", "place", "place_label", "places"]
 
 
 def place(at: object, path: str = "at") -> Any:
@@ -54,3 +55,9 @@ def places(given: object, path: str) -> tuple[Any, ...]:
 def place_label(at: str | tuple[str, float]) -> str:
     """Give the label of a place in figures, e.g. "rotor at 0.5 m"."""
     return at if isinstance(at, str) else f"{at[0]} at {at[1]:g} m"
+
+
+def names_of_bases(own: Iterable[object], *listed: Support | Housing) -> list[str]:
+    """Give the names of what bearings stand on: their own supports, and those that are listed."""
+    bases = [*listed, *(base for base in own if isinstance(base, Support))]
+    return [base.name for base in bases if base.name is not None]

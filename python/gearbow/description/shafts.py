@@ -115,8 +115,8 @@ class Shaft(Part):
     --------
     >>> import gearbow as gb
     >>> bow = gb.Bow.half_sine(1.5e-4)
-    >>> shaft = gb.Shaft("input", length=0.5, outer_diameter=0.05, elements=8, bow=bow)
-    >>> steps = [gb.Segment(0.1, 0.04), gb.Segment(0.4, 0.05, elements=4)]
+    >>> shaft = gb.Shaft("input", length=0.5, outer_diameter=0.05, bow=bow)
+    >>> steps = [gb.Segment(0.1, 0.04), gb.Segment(0.4, 0.05)]
     >>> stepped = gb.Shaft("output", segments=steps)
     """
 

@@ -13,7 +13,7 @@ from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
-__all__ = ["SpeedProfile", "plain_speed", "read_speed"]
+__all__ = ["SpeedProfile", "plain_speed", "read_speed", "sampled"]
 
 #: Tolerance of the sampling of a function, relative to the largest speed. Each cubic piece is
 #: compared with the function at two points; elsewhere the error is at most twice as large.
@@ -159,7 +159,7 @@ class SpeedProfile(ReadOnly):
         begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
         if not duration > 0.0:
             raise SceneError(f"speed.duration: must be positive, got {duration!r}")
-        left, coefficients = _sampled(f, np.linspace(begin, begin + duration, _FIRST + 1))
+        left, coefficients = sampled(f, np.linspace(begin, begin + duration, _FIRST + 1), "speed")
         return cls(np.append(left, begin + duration), coefficients)
 
     def __call__(self, times: ArrayLike) -> Array:
@@ -226,10 +226,31 @@ def read_speed(plain: Plain) -> float | SpeedProfile:
     return SpeedProfile(**plain) if isinstance(plain, dict) else float(plain)
 
 
-def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:
+def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, Array]:
     """Approximate a function by cubic pieces, each through four of its values.
 
     A piece is bisected until it agrees with the function at two further points.
+
+    Parameters
+    ----------
+    f : callable
+        Gives a real number at a time [s], or at an array of times.
+    breaks : ndarray, shape (m + 1,)
+        Ends of the first pieces, ascending [s].
+    path : str
+        Beginning of error messages.
+
+    Returns
+    -------
+    left : ndarray, shape (p,)
+        Beginning of each piece [s].
+    coefficients : ndarray, shape (4, p)
+        Coefficients in the time since the beginning of the piece, the highest power first.
+
+    Raises
+    ------
+    SceneError
+        If the function is discontinuous, or has a value that is not finite.
     """
     shortest = max(_SHORTEST * (breaks[-1] - breaks[0]), 1e-15 * np.abs(breaks).max())
     left, right = breaks[:-1], breaks[1:]
@@ -240,7 +261,7 @@ def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:
         parts = np.array([0.0, 1 / 3, 2 / 3, 1.0, 1 / 6, 1 / 2])[:, np.newaxis]
         times = left + (right - left) * parts
         times[3] = right  # exactly the beginning of the next piece
-        values = _evaluated(f, times)
+        values = _evaluated(f, times, path)
         largest = max(largest, float(np.abs(values).max()))
         a, b, c, d = values[:4]
         h = right - left
@@ -260,7 +281,7 @@ def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:
         left, right = left[~good], right[~good]
         if left.size and (h.min() < shortest or pieces + left.size > _MOST):
             raise SceneError(
-                f"speed: the function is discontinuous or not smooth enough at {left[0]:g} s"
+                f"{path}: the function is discontinuous or not smooth enough at {left[0]:g} s"
             )
         middle = (left + right) / 2.0
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -271,7 +292,7 @@ def _sampled(f: Callable[[Any], Any], breaks: Array) -> tuple[Array, Array]:
     )
 
 
-def _evaluated(f: Callable[[Any], Any], times: Array) -> Array:
+def _evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
     """Evaluate a function that takes one time or an array of times."""
     flat = times.reshape(-1)
     try:
@@ -283,8 +304,8 @@ def _evaluated(f: Callable[[Any], Any], times: Array) -> Array:
     try:
         values = values.astype(np.float64)
     except (TypeError, ValueError):
-        raise SceneError(f"speed: the function must give a number, got {values[0]!r}") from None
+        raise SceneError(f"{path}: the function must give a number, got {values[0]!r}") from None
     if not np.isfinite(values).all():
         at = int(np.argmin(np.isfinite(values)))
-        raise SceneError(f"speed: the function gives {values[at]} at {flat[at]:g} s")
+        raise SceneError(f"{path}: the function gives {values[at]} at {flat[at]:g} s")
     return values.reshape(times.shape)

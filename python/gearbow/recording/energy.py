@@ -61,7 +61,7 @@ class EnergyBalance(ReadOnly):
 
     >>> import gearbow as gb
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> response = system.simulate(0.01, speed=0.0, initial="rest", record="energy", rtol=1e-8)

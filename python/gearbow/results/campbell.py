@@ -108,7 +108,7 @@ class Campbell(ReadOnly):
     --------
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
     >>> disk = gb.Disk("disk", "rotor", 0.3, mass=20.0, diametral_inertia=0.3, polar_inertia=0.6)
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, disks=[disk])

@@ -38,7 +38,7 @@ class CriticalSpeedMap(ReadOnly):
     With increasing bearing stiffness, the first critical speed approaches that of a pinned shaft:
 
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> for speed in system.critical_speed_map([1e6, 1e7, 1e12]).lines("forward")[:, 0]:

@@ -8,7 +8,6 @@ import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
-from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof, ModesData
 from gearbow.description.layout import Layout
@@ -51,7 +50,7 @@ class Modes(ReadOnly):
     --------
     >>> import gearbow as gb
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> modes = gb.RotorSystem(shafts=[rotor], bearings=bearings).modes(speed=300.0, count=2)
     >>> modes.whirl
     ('backward', 'forward')
@@ -213,10 +212,8 @@ class Modes(ReadOnly):
             If there is no such mode.
         """
         with extra("plot"):
-            from gearbow.plotting import mode_shape, modes  # noqa: PLC0415
+            from gearbow.plotting import mode_shape, modes, within_elements  # noqa: PLC0415
 
-        dofs = nodal(self.dofs)
-        shapes = self.shapes[:, : len(dofs)]
         if number is None:
             titles = [
                 f"{frequency:.1f} Hz: {name}"
@@ -225,7 +222,9 @@ class Modes(ReadOnly):
             shares = self.energy_shares()
             twist = sum(share for (_, direction), share in shares.items() if direction == "twist")
             twists = np.broadcast_to(twist, len(self.whirl)) > 0.5
-            return modes.overview(titles[: whole(count, "count")], shapes, dofs, twists)
+            most = whole(count, "count")
+            shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
+            return modes.overview(titles[:most], shapes, dofs, twists)
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
@@ -233,7 +232,9 @@ class Modes(ReadOnly):
             f"mode {number}: {self.frequencies_hz[number - 1]:.1f} Hz, {self.whirl[number - 1]}, "
             f"damping {100.0 * self.damping_ratios[number - 1]:.2f} %\n{self.names()[number - 1]}"
         )
-        return mode_shape.draw(title, shapes[number - 1], dofs, self.layout)
+        own = self.shapes[number - 1 : number]
+        shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
+        return mode_shape.draw(title, shapes[0], dofs, self.layout)
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

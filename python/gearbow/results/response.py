@@ -56,7 +56,7 @@ class Response(Recording):
     --------
     >>> import gearbow as gb
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> middle = ("rotor", 0.5)
@@ -120,7 +120,7 @@ class Response(Recording):
                     "errors: this response does not know its system; take the errors of a response "
                     "that simulate returned or that save wrote"
                 )
-            self._errors = estimate_errors(self.request)
+            self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
     def spectrum(

@@ -72,7 +72,7 @@ class Static(ReadOnly):
     A shaft of 15.4 kg on two bearings of 1 MN/m sinks by 76 µm:
 
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.0)]
     >>> static = gb.RotorSystem(shafts=[rotor], bearings=bearings, gravity=9.81).static()
     >>> print("{:.0f} N on each, {:.1f} µm".format(

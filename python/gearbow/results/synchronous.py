@@ -54,7 +54,7 @@ class Synchronous(ReadOnly):
     >>> import gearbow as gb
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=8, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
     >>> response = gb.RotorSystem(shafts=[rotor], bearings=bearings).synchronous([1.0, 300.0])
     >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(6)
     array([0.0001  , 0.000129])
@@ -268,7 +268,8 @@ class Synchronous(ReadOnly):
         indices = self.coordinates.lateral(name)
         shaft = self.coordinates.shaft(name) if source is None else source
         if shaft not in self.shafts:
-            raise GearbowError(f"no shaft is called {shaft!r}; there are {list(self.shafts)}")
+            wanted = "name one with source=" if source is None else "see `shafts`"
+            raise GearbowError(f"no shaft is called {shaft!r}; {wanted}: {list(self.shafts)}")
         span = operating_range(operating)
         found = self._model().peaks(
             np.unique(self.speeds),

@@ -18,7 +18,7 @@ __all__ = ["ALL", "Case", "cases", "description", "key", "system"]
 ALL = "all"
 
 #: Version of the content of a run file. A new version makes old files unused.
-_FORMAT = 2
+_FORMAT = 3
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,8 @@ class Case:
     geometry : str
         Mesh geometry, "live" or "frozen".
     accuracy : str
-        Accuracy of the run, as `RotorSystem.simulate` takes it.
-    refine : int
-        Factor on the number of elements of the scene.
+        Accuracy of the run, as `RotorSystem.simulate` takes it. Where the scene gives no elements,
+        they follow from it too.
     """
 
     layout: str
@@ -55,7 +54,6 @@ class Case:
     phases: tuple[float, float] = (0.0, 0.0)
     geometry: str = "live"
     accuracy: str = "engineering"
-    refine: int = 1
 
 
 def cases(settings: Settings) -> tuple[Case, ...]:
@@ -76,7 +74,7 @@ def cases(settings: Settings) -> tuple[Case, ...]:
     --------
     >>> from gearbow.study import Settings, cases
     >>> len(cases(Settings.load()))
-    344
+    342
     """
     return tuple(dict.fromkeys(_all(settings)))
 
@@ -138,7 +136,7 @@ def _all(settings: Settings) -> Iterator[Case]:
 
 
 def checks(settings: Settings) -> Iterator[Case]:
-    """List the runs that measure the integration and the discretisation error.
+    """List the runs that measure the error of the study.
 
     Parameters
     ----------
@@ -148,15 +146,13 @@ def checks(settings: Settings) -> Iterator[Case]:
     Yields
     ------
     Case
-        One run with the accuracy "reference", and one with twice as many elements at the accuracy
-        of the study. Both use the first layout, the largest torque and the middle speed, once
-        without bow and once with `phase_bow`.
+        Runs with the accuracy "reference" in the first layout, at the largest torque and the middle
+        speed: one without bow, one with `phase_bow`.
     """
     first = next(iter(settings.layouts))
     for bow in (0.0, settings.phase_bow):
-        case = Case(first, max(settings.torques), middle(settings.speeds), bow)
-        yield replace(case, accuracy="reference")
-        yield replace(case, accuracy=settings.accuracy, refine=2)
+        speed = middle(settings.speeds)
+        yield Case(first, max(settings.torques), speed, bow, accuracy="reference")
 
 
 def description(settings: Settings, case: Case) -> dict[str, Plain]:
@@ -179,10 +175,10 @@ def description(settings: Settings, case: Case) -> dict[str, Plain]:
         if case.bow and case.where in (ALL, shaft["name"]):
             radius = shaft["outer_diameter"] / 2.0
             shaft["bow"] = {"shape": "half_sine", "amplitude": case.bow * radius, "phase": phase}
-        shaft["elements"] *= case.refine
     for gear in scene["gears"]:
         gear["position"] = settings.layouts[case.layout][gear["name"]]
     scene["torques"][0]["value"] = case.torque
+    scene["resolution"] = case.accuracy
     return scene
 
 

@@ -318,7 +318,7 @@ def over_phases(study: Study) -> Figure:
 
 
 def modes(study: Study) -> Figure:
-    """Draw the first mode shapes at rest, without the rigid-body rotation.
+    """Draw the first mode shapes at rest.
 
     Parameters
     ----------

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearbow._types import Array
-from gearbow.accuracy.levels import LEVELS
 from gearbow.recording.channels import MESH, POINT
 from gearbow.study.case import Case, system
 from gearbow.study.settings import Settings
@@ -202,8 +201,7 @@ def measure(settings: Settings, case: Case) -> Measured:
         case.speed,
         # Rounding must not put the last output time after the end of the run.
         times=np.minimum(begin + parts * turn, begin + turn),
-        # The scene gives its elements, whose error the study measures itself.
-        rtol=LEVELS[case.accuracy].rtol,
+        accuracy=case.accuracy,
         geometry=case.geometry,
     )
     events = {

@@ -26,7 +26,6 @@ _CASE = (
     "bow phase, third shaft [rad]",
     "geometry",
     "accuracy",
-    "element factor",
 )
 
 _MODES = ("layout", "mode", "frequency [Hz]", "damping ratio", "whirl", "largest motion")
@@ -111,7 +110,6 @@ def _row(case: Case) -> tuple[object, ...]:
         *(f"{phase:.6g}" for phase in case.phases),
         case.geometry,
         case.accuracy,
-        case.refine,
     )
 
 

@@ -13,12 +13,16 @@ from gearbow._files import replacing
 from gearbow._lookup import nearest
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
+from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
+from gearbow.description.load_values import functions, over_time, refuse_functions
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
+from gearbow.description.places import names_of_bases
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
+from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
 from gearbow.system.run import SpeedLike, given_speed
@@ -35,7 +39,14 @@ _PARTS: dict[str, type[Part]] = {
     "bearings": Bearing,
     "torques": Torque,
     "disks": Disk,
+    "supports": Support,
+    "housings": Housing,
+    "couplings": Coupling,
+    "drives": Drive,
+    "forces": Force,
 }
+#: Further classes of a list of parts.
+_OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing,)}
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
@@ -61,6 +72,11 @@ class SystemDescription:
     bearings: tuple[Bearing | JournalBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    supports: tuple[Support, ...]
+    housings: tuple[Housing, ...]
+    couplings: tuple[Coupling, ...]
+    drives: tuple[Drive, ...]
+    forces: tuple[Force, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
@@ -77,6 +93,11 @@ class SystemDescription:
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),
+        supports: Sequence[Support] = (),
+        housings: Sequence[Housing] = (),
+        couplings: Sequence[Coupling] = (),
+        drives: Sequence[Drive] = (),
+        forces: Sequence[Force] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
@@ -84,12 +105,10 @@ class SystemDescription:
         motion: str | None = None,
         resolution: str = "engineering",
     ) -> None:
-        self.shafts = parts(shafts, Shaft, "shafts")
-        self.gears = parts(gears, Gear, "gears")
-        self.meshes = parts(meshes, Mesh, "meshes")
-        self.bearings = parts(bearings, Bearing, "bearings", JournalBearing)
-        self.torques = parts(torques, Torque, "torques")
-        self.disks = parts(disks, Disk, "disks")
+        lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
+        lists = (*lists, supports, housings, couplings, drives, forces)
+        for (key, kind), given in zip(_PARTS.items(), lists, strict=True):
+            setattr(self, key, parts(given, kind, key, *_OTHERS.get(key, ())))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -172,6 +191,9 @@ class SystemDescription:
     def replace(self, **changes: Any) -> "Self":
         """Make a system with other parts or options. All others stay the same.
 
+        The new system shares the modes of this one if they differ only in forces, torques (except
+        over the speed), gravity, bows and unbalances.
+
         Parameters
         ----------
         **changes
@@ -197,7 +219,7 @@ class SystemDescription:
         --------
         >>> from dataclasses import replace
         >>> import gearbow as gb
-        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+        >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
         >>> system = gb.RotorSystem(shafts=[shaft], gravity=9.81)
         >>> bent = system.replace(shafts=[replace(shaft, bow=gb.Bow.half_sine(1e-4))])
         >>> bent.shafts[0].bow.amplitude, bent.gravity
@@ -211,7 +233,9 @@ class SystemDescription:
                 raise SceneError(
                     f"replace: {key!r} is not a parameter of a system{nearest(key, names)}"
                 )
-        return type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
+        system = type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
+        system._model.share(self._model)
+        return system
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Self":
@@ -258,6 +282,7 @@ class SystemDescription:
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
+        refuse_functions(torques=self.torques, forces=self.forces)
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())
@@ -270,8 +295,21 @@ class SystemDescription:
         -------
         dict
             The keys are the names of the parameters. Options that were not given are absent.
+
+        Raises
+        ------
+        SceneError
+            If a force or torque is a function of time, which has no plain form.
         """
+        refuse_functions(torques=self.torques, forces=self.forces)
         return self._model.description()
+
+    def _over_time(self, begin: float, duration: float) -> "Self":
+        """Replace functions of time by their samples over a run."""
+        lists = {"torques": self.torques, "forces": self.forces}
+        if not functions(**lists):
+            return self
+        return self.replace(**{k: over_time(v, begin, duration, k) for k, v in lists.items()})
 
     @property
     def discretisation(self) -> Discretisation:
@@ -318,7 +356,8 @@ class SystemDescription:
             First those of the nodes: shaft, position [m] and "v", "w" (translation along y, z),
             "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
             1: shaft, positions of the two ends of the element [m], and the direction with the
-            degree of the shape function, for example "v2".
+            degree of the shape function, for example "v2". Last come supports and housings: name,
+            x of the centre of mass [m] and "v", "w", with "B", "G", "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 
@@ -331,7 +370,9 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        return Coordinates.of(self.dofs, self.gears, self.disks)
+        own = (bearing.support for bearing in self.bearings if isinstance(bearing, Bearing))
+        bases = names_of_bases(own, *self.supports, *self.housings)
+        return Coordinates.of(self.dofs, self.gears, self.disks, bases)
 
     def default_output_step(self, duration: float, speed: SpeedLike) -> float:
         """Give the default time between recorded instants.

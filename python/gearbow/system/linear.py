@@ -1,14 +1,16 @@
 """Linear and static analyses of a system."""
 
+from typing import Literal, overload
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, text, whole
+from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import Model
 from gearbow.description.layout import layout
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.matrices import Matrices
+from gearbow.results.matrices import Matrices, SparseMatrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
@@ -20,7 +22,17 @@ __all__ = ["LinearAnalyses"]
 class LinearAnalyses(SystemDescription):
     """Matrices, modes, equilibrium and linear response of a system."""
 
-    def matrices(self, speed: float = 0.0) -> Matrices:
+    @overload
+    def matrices(  # numpydoc ignore=GL08
+        self, speed: float = 0.0, sparse: Literal[False] = False
+    ) -> Matrices: ...
+
+    @overload
+    def matrices(  # numpydoc ignore=GL08
+        self, speed: float = 0.0, *, sparse: Literal[True]
+    ) -> SparseMatrices: ...
+
+    def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices | SparseMatrices:
         """Assemble the matrices of the linear equations of motion.
 
         Parameters
@@ -28,18 +40,27 @@ class LinearAnalyses(SystemDescription):
         speed : float
             Speed of the reference shaft [rad/s]. Its sign determines the flanks in contact. At
             speed 0 the torques determine them.
+        sparse : bool
+            Whether the matrices are sparse ones of SciPy, which need memory in proportion to the
+            number of degrees of freedom.
 
         Returns
         -------
-        Matrices
+        Matrices or SparseMatrices
             Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
             flank in contact at this speed.
 
         Raises
         ------
         SceneError
-            If the speed is not finite.
+            If the speed is not finite, the dense matrices do not fit into memory, or sparse ones
+            are asked for with modal damping, whose matrix has no zeros.
+        MissingExtraError
+            If sparse matrices are asked for, and SciPy is not installed.
         """
+        if truth(sparse, "sparse"):
+            data = self._model.sparse_matrices(number(speed, "speed"))
+            return SparseMatrices.from_data(data, self.dofs)
         return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
     def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
@@ -64,7 +85,14 @@ class LinearAnalyses(SystemDescription):
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
-        parts = layout(self.shafts, self.gears, self.disks, self.meshes, self.bearings)
+        parts = layout(
+            self.shafts,
+            self.gears,
+            self.disks,
+            self.meshes,
+            self.bearings,
+            couplings=self.couplings,
+        )
         return Modes.from_data(data, speed, self.dofs, parts)
 
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
@@ -128,7 +156,7 @@ class LinearAnalyses(SystemDescription):
         return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
 
     def critical_speed_map(
-        self, stiffnesses: ArrayLike, *, excitation: float = 1.0
+        self, stiffnesses: ArrayLike, *, excitation: float = 1.0, count: int | None = None
     ) -> CriticalSpeedMap:
         """Find the undamped critical speeds against the bearing stiffness.
 
@@ -139,6 +167,9 @@ class LinearAnalyses(SystemDescription):
         excitation : float
             Order of the excitation. At a critical speed, an undamped mode has the frequency
             excitation·Ω. The order is 1 for unbalance of the reference shaft.
+        count : int, optional
+            Number of the lowest critical speeds at each stiffness; None is all. Time and memory
+            then grow linearly with the number of elements.
 
         Returns
         -------
@@ -148,18 +179,20 @@ class LinearAnalyses(SystemDescription):
         Raises
         ------
         SceneError
-            If the excitation is not positive, or a stiffness is invalid.
+            If the excitation is not positive, or a stiffness or the count is invalid.
         """
         wanted = array(stiffnesses, "stiffnesses")
         excitation = number(excitation, "excitation")
+        count = None if count is None else whole(count, "count")
         speeds, whirl = [], []
         for stiffness in wanted:
             description = self.description
             for bearing in description.get("bearings", ()):
-                place = {"shaft": bearing["shaft"], "position": bearing["position"]}
+                kept = ("shaft", "position", "support")
+                place = {key: bearing[key] for key in kept if key in bearing}
                 bearing.clear()
                 bearing.update(place, stiffness=float(stiffness))
-            found = Model(description).critical_speeds(excitation)
+            found = Model(description).critical_speeds(excitation, count)
             speeds.append(np.array([speed for speed, _ in found]))
             whirl.append(tuple(name for _, name in found))
         return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl))

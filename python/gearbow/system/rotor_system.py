@@ -24,6 +24,16 @@ class RotorSystem(Simulation):
         Torques on the shafts.
     disks : sequence of Disk
         Rigid disks.
+    supports : sequence of Support
+        Supports that bearings refer to by name.
+    housings : sequence of Housing
+        Housings, which carry several bearings.
+    couplings : sequence of Coupling
+        Couplings between shafts of one speed.
+    drives : sequence of Drive
+        Drives, which hold the rotation.
+    forces : sequence of Force
+        Lateral forces.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
     modal_damping : float, optional
@@ -41,6 +51,8 @@ class RotorSystem(Simulation):
     Attributes
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
+        The given parts.
+    supports, housings, couplings, drives, forces : tuple
         The given parts.
     reference, modal_damping, rayleigh, gravity, motion, resolution
         The given options; None if not given.
@@ -61,8 +73,8 @@ class RotorSystem(Simulation):
     >>> bow = gb.Bow.half_sine(1.5e-4)
     >>> system = gb.RotorSystem(
     ...     shafts=[
-    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, elements=8, bow=bow),
-    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05, elements=8),
+    ...         gb.Shaft("input", length=0.5, outer_diameter=0.05, bow=bow),
+    ...         gb.Shaft("output", length=0.5, outer_diameter=0.05),
     ...     ],
     ...     gears=[
     ...         gb.Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),

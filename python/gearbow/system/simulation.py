@@ -99,9 +99,10 @@ class Simulation(LinearAnalyses):
         times : array_like, shape (k,), optional
             Recorded times [s] instead, absolute and in any order.
         record : sequence of str or tuple
-            Recorded items: names of gears, disks or shafts (all their nodes), (shaft, position),
-            (driver, driven), ("bearing", shaft, position), and the groups "gears", "disks",
-            "meshes", "bearings", "nodes", "energy".
+            Recorded items: names of gears, disks or shafts (all their nodes), of supports, housings
+            and points of housings, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), and the groups "gears", "disks", "meshes", "bearings", "housings", "nodes",
+            "energy".
         geometry : {"live", "frozen"}
             "live": line of action and tooth engagement follow the moving centres. "frozen": they
             are those of the centres at rest.
@@ -152,7 +153,7 @@ class Simulation(LinearAnalyses):
 
         >>> import gearbow as gb
         >>> bow = gb.Bow.half_sine(1e-4)
-        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
         >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
         >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
         >>> middle = ("rotor", 0.5)
@@ -164,10 +165,11 @@ class Simulation(LinearAnalyses):
         duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         profile = given_speed(speed, begin, duration)
+        system = self._over_time(begin, duration)
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
             given |= {"stages": stages}
-        level, coarse = self._level(accuracy, given)
+        level, coarse = system._level(accuracy, given)
         rtol = rtol if level is None else level.rtol
         if method is None:
             method = "exponential"
@@ -185,12 +187,12 @@ class Simulation(LinearAnalyses):
             "start": begin,
         }
         arguments["reduction"] = None if level is None else level.reduction
-        wanted, rows = self._times(arguments, output_step, times)
+        wanted, rows = system._times(arguments, output_step, times)
         identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
-        with self._checkpoint(checkpoint, checkpoint_interval, identity) as file:
+        with system._checkpoint(checkpoint, checkpoint_interval, identity) as file:
             if file is not None and file.complete is not None:
                 return Response.from_record(file.complete)
-            response = self._run(arguments, profile, (wanted, rows), progress, file)
+            response = system._run(arguments, profile, (wanted, rows), progress, file)
             if level is not None and stages is None and modes is None:
                 response.accuracy = level.explanation(response.events, coarse)
             if modes is not None:
@@ -209,10 +211,10 @@ class Simulation(LinearAnalyses):
         """
         level = find_level(accuracy, given)
         coarse = None if level is None else level.coarse(self._model)
-        if accuracy is not None and coarse is not None:
+        if accuracy is not None and level is not None and coarse is not None:
             message = (
-                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; leave out the "
-                f"numbers of elements, and give resolution={accuracy!r} to RotorSystem"
+                f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; "
+                f"{level.finer(self._model)}"
             )
             warnings.warn(message, AccuracyWarning, stacklevel=3)
         return level, coarse

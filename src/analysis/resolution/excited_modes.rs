@@ -5,8 +5,11 @@ use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
 
-/// Step of a mesh force, relative to the static force, that its teeth excite.
-const STEP: f64 = 0.3;
+/// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
+/// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
+const STEP: f64 = 0.6;
+/// A displacement below this fraction of the largest one under the same load is round-off.
+const ROUND_OFF: f64 = 1e-9;
 
 /// A mode of the mean mesh stiffness that the loads excite.
 #[derive(Clone, Debug)]
@@ -39,8 +42,8 @@ pub struct Excitation {
     pub modes: Vec<ExcitedMode>,
 }
 
-/// The response of the mesh forces and of the gears to steps of the mesh forces. Without meshes, that of the shafts to
-/// loads like those of bow and unbalance: a uniform and a linear acceleration of each shaft.
+/// The response of the mesh forces and of the gears to steps of the mesh forces, and of gears and disks to the loads of a
+/// run that starts from rest. Without meshes, also that of the shafts to a uniform and a linear acceleration of each shaft.
 pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
     let model = &cached.model;
     let modes = cached.real_modes(0.0)?;
@@ -51,6 +54,9 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
     let (mut signals, mut squares) = (Vec::new(), vec![Vec::new(); elastic.len()]);
     for mesh in 0..model.meshes.len() {
         add_mesh(model, mesh, &elastic, &mut signals, &mut squares);
+    }
+    for load in released_loads(model) {
+        add_release(model, &load, &elastic, &mut signals, &mut squares);
     }
     if model.meshes.is_empty() {
         for load in inertia_loads(model) {
@@ -97,6 +103,58 @@ fn add_mesh(
             squares.push((shape[v].hypot(shape[v + 1]) * value * step / (w * w)).powi(2));
         }
     }
+}
+
+/// Adds the displacements of gears and disks after a step of a load; without gears and disks, the RMS displacement of all
+/// masses.
+fn add_release(
+    model: &Model,
+    load: &[f64],
+    elastic: &[(f64, &[f64])],
+    signals: &mut Vec<Signal>,
+    squares: &mut [Vec<f64>],
+) {
+    let amplitudes: Vec<f64> = elastic.iter().map(|(w, shape)| dot(load, shape) / (w * w)).collect();
+    let bodies =
+        model.scene.gears.iter().map(|gear| gear.body.node).chain(model.scene.disks.iter().map(|disk| disk.node));
+    let moved: Vec<Vec<f64>> = bodies
+        .filter_map(|node| model.numbering.translation(node))
+        .map(|v| {
+            let displacement =
+                |((_, shape), amplitude): (&(f64, &[f64]), &f64)| shape[v].hypot(shape[v + 1]) * amplitude;
+            elastic.iter().zip(&amplitudes).map(|pair| displacement(pair).powi(2)).collect()
+        })
+        .collect();
+    let sizes: Vec<f64> = moved.iter().map(|each| each.iter().sum()).collect();
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    for (each, size) in moved.iter().zip(sizes) {
+        if size > largest * ROUND_OFF * ROUND_OFF {
+            signals.push(Signal { steady: 0.0, displacement: true });
+            squares.iter_mut().zip(each).for_each(|(squares, square)| squares.push(*square));
+        }
+    }
+    if moved.is_empty() {
+        // The modes have unit modal mass, so that the sum of these squares is the mean weighted with the mass.
+        signals.push(Signal { steady: 0.0, displacement: true });
+        squares.iter_mut().zip(&amplitudes).for_each(|(squares, amplitude)| squares.push(amplitude.powi(2)));
+    }
+}
+
+/// Loads that a run releases at its start, n entries each: bow, torques and gravity of a run from rest, the bow of a run
+/// from the static equilibrium, and unbalance, whose size depends on the speed.
+fn released_loads(model: &Model) -> Vec<Vec<f64>> {
+    let (mut bow, mut unbalance) = (vec![0.0; model.len()], vec![0.0; model.len()]);
+    for excitation in model.shafts.iter().flat_map(|shaft| &shaft.excitations) {
+        for (load, amplitude) in [(&mut bow, excitation.steady_amplitude()), (&mut unbalance, excitation.unbalance)] {
+            load[excitation.index] += amplitude.re;
+            load[excitation.index + 1] += amplitude.im;
+        }
+    }
+    let all: Vec<f64> = bow.iter().zip(&model.constant_load).map(|(bow, constant)| bow + constant).collect();
+    let acts = |load: &Vec<f64>| load.iter().any(|force| *force != 0.0);
+    let has_constant = model.constant_load.iter().any(|force| *force != 0.0);
+    let loads = [has_constant.then_some(all), Some(bow), Some(unbalance)];
+    loads.into_iter().flatten().filter(acts).collect()
 }
 
 /// φᵀCφ of a mode, 1/s.

@@ -1,9 +1,12 @@
 //! Elements of a shaft of which the scene gives neither number nor degree, and their dispersion error.
 
+use crate::element::shear_coefficient;
 use crate::scene::{Material, Shaft, description};
 
 /// Largest number of elements of a segment.
 const MAX_ELEMENTS: f64 = 100.0;
+/// Largest κ = wavenumber × element length that an element of degree p represents, divided by p.
+const RESOLVED_WAVENUMBER: f64 = 2.5;
 
 /// A segment of a shaft: a uniform cross-section, with nodes at given positions.
 #[derive(Clone, Debug)]
@@ -12,10 +15,41 @@ struct Segment {
     length: f64,
     /// Positions in the segment that are nodes, m.
     stations: Vec<f64>,
-    /// Angular frequency of a bending wave over the square of its wavenumber, m²/s.
-    bending: f64,
+    /// Waves of bending.
+    bending: BendingWave,
     /// Speed of a torsion wave, m/s.
     torsion: f64,
+}
+
+/// Dispersion of the bending waves of a Timoshenko beam: with the longitudinal speed c, the speed s of shear waves and the
+/// radius of gyration r, k⁴ − (1/c² + 1/s²) ω²k² + ω⁴/(c²s²) − ω²/(c²r²) = 0 (Graff 1975, Wave motion in elastic solids,
+/// section 3.4).
+#[derive(Clone, Copy, Debug)]
+struct BendingWave {
+    /// 1/c², s²/m².
+    longitudinal: f64,
+    /// 1/s², s²/m²; zero without shear deformation.
+    shear: f64,
+    /// 1/(c²r²), s²/m⁴.
+    flexural: f64,
+}
+
+impl BendingWave {
+    /// Largest wavenumber at the angular frequency ω, rad/s, in 1/m.
+    fn wavenumber(&self, frequency: f64) -> f64 {
+        let square = frequency * frequency;
+        let (sum, difference) = (self.longitudinal + self.shear, self.longitudinal - self.shear);
+        let root = (square * square * difference * difference + 4.0 * square * self.flexural).sqrt();
+        (0.5 * (square * sum + root)).sqrt()
+    }
+
+    /// Lowest angular frequency, rad/s, with the wavenumber k, 1/m.
+    fn frequency(&self, wavenumber: f64) -> f64 {
+        let square = wavenumber * wavenumber;
+        let linear = square * (self.longitudinal + self.shear) + self.flexural;
+        let root = (linear * linear - 4.0 * self.longitudinal * self.shear * square * square).max(0.0).sqrt();
+        square * (2.0 / (linear + root)).sqrt()
+    }
 }
 
 /// Segments of a shaft.
@@ -41,15 +75,16 @@ impl Layout {
             let stations: Vec<f64> = shaft.nodes.iter().copied().filter(inside).map(|x| x - start).collect();
             let element = shaft.nodes.partition_point(|x| *x <= start + tolerance).max(1) - 1;
             let element = shaft.elements[element.min(shaft.elements.len() - 1)];
-            let Material { youngs_modulus, shear_modulus, density, .. } = shaft.material;
-            // Radius of gyration of the section.
+            let Material { youngs_modulus, shear_modulus, density, poisson_ratio } = shaft.material;
             let gyration = element.outer_radius.hypot(element.inner_radius) / 2.0;
-            segments.push(Segment {
-                length,
-                stations,
-                bending: (youngs_modulus / density).sqrt() * gyration,
-                torsion: (shear_modulus / density).sqrt(),
-            });
+            let kappa = shear_coefficient(poisson_ratio, element.inner_radius / element.outer_radius);
+            let longitudinal = density / youngs_modulus;
+            let bending = BendingWave {
+                longitudinal,
+                shear: if shaft.shear { density / (kappa * shear_modulus) } else { 0.0 },
+                flexural: longitudinal / (gyration * gyration),
+            };
+            segments.push(Segment { length, stations, bending, torsion: (shear_modulus / density).sqrt() });
             start += length;
         }
         Self { segments, length: shaft.length() }
@@ -91,11 +126,11 @@ impl Layout {
 
     /// Highest frequency, rad/s, at which no element has a larger relative error than `error`.
     pub fn highest_frequency(&self, lengths: &[Vec<f64>], degree: usize, error: f64) -> f64 {
-        let most = (error / dispersion(degree, 1.0)).powf(0.5 / degree as f64);
+        let most = (error / leading(degree, 1.0)).powf(0.5 / degree as f64);
         let highest = |(segment, lengths): (&Segment, &Vec<f64>)| {
             let length = lengths.iter().copied().fold(0.0, f64::max);
             let wavenumber = most / length;
-            (segment.torsion * wavenumber).min(segment.bending * wavenumber * wavenumber)
+            (segment.torsion * wavenumber).min(segment.bending.frequency(wavenumber))
         };
         self.segments.iter().zip(lengths).map(highest).fold(f64::INFINITY, f64::min)
     }
@@ -124,15 +159,25 @@ impl Segment {
 
     /// Wavenumbers of bending and torsion waves, 1/m.
     fn wavenumbers(&self, frequency: f64) -> [f64; 2] {
-        [(frequency / self.bending).sqrt(), frequency / self.torsion]
+        [self.bending.wavenumber(frequency), frequency / self.torsion]
     }
 }
 
 /// Relative error of the frequency of a wave in elements of degree p, with κ = wavenumber × element length:
-/// ½ (p!/(2p)!)² κ^{2p}/(2p + 1), the leading term of the dispersion of elements of degree p (Ainsworth, *Discrete
+/// ½ (p!/(2p)!)² κ^{2p}/(2p + 1) is the leading term of the dispersion of elements of degree p (Ainsworth, *Discrete
 /// dispersion relation for hp-version finite element approximation at high wave number*, SIAM J. Numer. Anal. 42, 2004).
-/// Bending has the same error for p ≥ 2, within a factor of two.
+/// The factor exp(−κ²/(9p)) is fitted to the dispersion of p = 2…8 up to κ = 2.5p, within a factor of two; beyond, elements
+/// represent no wave. Bending has the same error for p ≥ 2, or a smaller one.
 fn dispersion(degree: usize, kappa: f64) -> f64 {
+    let p = degree as f64;
+    if kappa > RESOLVED_WAVENUMBER * p {
+        return 1.0;
+    }
+    (leading(degree, kappa) * (-kappa * kappa / (9.0 * p)).exp()).min(1.0)
+}
+
+/// Leading term of the dispersion.
+fn leading(degree: usize, kappa: f64) -> f64 {
     // (2p)!/p! = (p + 1)(p + 2) … 2p.
     let ratio: f64 = (degree + 1..=2 * degree).map(|factor| factor as f64).product();
     let power = kappa.powi(degree as i32) / ratio;

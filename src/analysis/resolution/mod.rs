@@ -1,10 +1,12 @@
 //! Number and degree of the shaft elements, chosen from the scene where it does not give them.
 //!
-//! Teeth that enter and leave contact are steps of the load on the meshes. The response to a step shows which modes the
-//! teeth excite, with which amplitude, and how fast they decay. An element changes the natural frequencies. Within the
+//! Teeth that enter and leave contact are steps of the load on the meshes. A run from rest or from the equilibrium begins
+//! with a step of bow, unbalance, torques and gravity. The response to a step shows which modes it excites, with which
+//! amplitude, and how fast they decay. An element changes the natural frequencies. Within the
 //! time T, the change Δω of a frequency becomes a phase error Δω·T, unless damping decays the mode before. The expected
 //! error is the RMS of the difference between the step responses with ω and with ω + Δω, relative to the RMS of the
-//! response. Of all numbers and degrees that meet the level, those with the fewest coordinates are chosen.
+//! response. Of all degrees and element lengths that meet the level, those with the fewest coordinates are chosen; then
+//! the degree of single shafts and the number of elements of single segments decrease while the level is met.
 
 mod excited_modes;
 mod layout;
@@ -25,12 +27,15 @@ const TIME: f64 = 0.1;
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
 const PROBE_LENGTH: f64 = 10.0;
+/// Both for [`Resolution::Reference`], where modes of higher frequencies contribute to the permitted error.
+const FINE_PROBE_DEGREE: usize = 7;
+const FINE_PROBE_LENGTH: f64 = 5.0;
 /// Largest number of elements of a shaft of that model that is due to this length.
 const PROBE_ELEMENTS: f64 = 8.0;
-/// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/20 and
-/// 1/1.3 of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to
-/// a lightly damped natural frequency, it is up to 1.2 times as large.
-const SAFETY: f64 = 1.25;
+/// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/200 and 0.9
+/// of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to a
+/// lightly damped natural frequency, the responses to successive steps add up, and it is up to 1.2 times as large.
+const SAFETY: f64 = 2.0;
 /// Ratio between successive element lengths that are examined.
 const FINER: f64 = 0.8;
 /// Number of element lengths that are examined.
@@ -79,10 +84,14 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
+    let (probe_degree, probe_length) = match level {
+        Resolution::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
+        Resolution::Draft | Resolution::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
+    };
     let probe = with_elements(given, &automatic, |i| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
-        (layouts[i].counts((PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS)), PROBE_DEGREE)
+        (layouts[i].counts((probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS)), probe_degree)
     });
     let model = Model::new(Scene::new(&probe)?)?;
     let permitted_error = permitted(level, model.meshes.is_empty());
@@ -103,15 +112,14 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
         model: &cached.model,
     };
     let best = search.best(permitted_error);
-    let highest =
-        |(layout, lengths): (&Layout, &Vec<Vec<f64>>)| layout.highest_frequency(lengths, best.degree, RESOLVED);
+    let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], best.degrees[i], RESOLVED);
     let choice = Choice {
         level,
         expected_error: best.error.min(1.0),
         permitted_error,
-        highest_frequency: layouts.iter().zip(&best.lengths).map(highest).fold(f64::INFINITY, f64::min),
+        highest_frequency: (0..layouts.len()).map(highest).fold(f64::INFINITY, f64::min),
     };
-    let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), search.degree(i, best.degree)));
+    let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), best.degrees[i]));
     Ok(Resolved { description, choice: Some(choice) })
 }
 
@@ -154,7 +162,7 @@ pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, 
         ratio,
         model: &cached.model,
     };
-    Ok(search.candidate(1, f64::INFINITY).error.min(1.0))
+    Ok(search.uniform(1, f64::INFINITY).error.min(1.0))
 }
 
 /// Permitted error of mesh forces over that of displacements; 1 for a scene without meshes, whose errors are those of
@@ -212,7 +220,8 @@ struct Search<'a> {
 
 /// Elements of the automatic shafts.
 struct Candidate {
-    degree: usize,
+    /// Degree of each shaft.
+    degrees: Vec<usize>,
     /// Number of elements of each segment of each shaft.
     counts: Vec<Vec<usize>>,
     /// Lengths of the elements of each segment of each shaft, m.
@@ -231,7 +240,7 @@ impl Search<'_> {
         let longest = self.layouts.iter().map(Layout::longest).fold(0.0, f64::max);
         for degree in 2..=MAX_DEGREE {
             for i in 0..LENGTHS {
-                let candidate = self.candidate(degree, longest * FINER.powi(i as i32));
+                let candidate = self.uniform(degree, longest * FINER.powi(i as i32));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
                 if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
                     break;
@@ -245,25 +254,65 @@ impl Search<'_> {
                 }
             }
         }
-        best.or(most_accurate).unwrap_or_else(|| self.candidate(PROBE_DEGREE, longest))
+        let best = best.map(|best| self.trimmed(best, permitted));
+        best.or(most_accurate).unwrap_or_else(|| self.uniform(PROBE_DEGREE, longest))
     }
 
-    /// Degree of an automatic shaft: the given one, or that of the candidate.
+    /// Lowers the degree of a shaft or the number of elements of a segment, as long as the permitted error is met: first
+    /// where the error increases least for each saved coordinate.
+    fn trimmed(&self, mut best: Candidate, permitted: f64) -> Candidate {
+        loop {
+            let price = |coarser: &Candidate| {
+                (coarser.error - best.error).max(0.0) / (best.coordinates - coarser.coordinates) as f64
+            };
+            let meets = |coarser: &Candidate| coarser.error <= permitted && coarser.coordinates < best.coordinates;
+            let coarser = self.coarser(&best).into_iter().filter(meets).min_by(|a, b| price(a).total_cmp(&price(b)));
+            match coarser {
+                Some(coarser) => best = coarser,
+                None => return best,
+            }
+        }
+    }
+
+    /// The candidates with one degree less on one shaft, or one element less in one segment.
+    fn coarser(&self, given: &Candidate) -> Vec<Candidate> {
+        let mut all = Vec::new();
+        for i in 0..self.layouts.len() {
+            if given.degrees[i] > 2 {
+                let mut degrees = given.degrees.clone();
+                degrees[i] = self.degree(i, degrees[i] - 1);
+                all.push(self.candidate(degrees, given.counts.clone()));
+            }
+            for segment in (0..given.counts[i].len()).filter(|segment| given.counts[i][*segment] > 1) {
+                let mut counts = given.counts.clone();
+                counts[i][segment] -= 1;
+                all.push(self.candidate(given.degrees.clone(), counts));
+            }
+        }
+        all
+    }
+
+    /// Degree of an automatic shaft: the given one, or `degree`.
     fn degree(&self, i: usize, degree: usize) -> usize {
         self.given.shafts[self.automatic[i]].degree.unwrap_or(degree)
     }
 
-    fn candidate(&self, degree: usize, longest: f64) -> Candidate {
-        let counts: Vec<_> = self.layouts.iter().map(|layout| layout.counts(longest)).collect();
+    /// The same degree for all shafts, and no element longer than `longest`, m.
+    fn uniform(&self, degree: usize, longest: f64) -> Candidate {
+        let degrees = (0..self.layouts.len()).map(|i| self.degree(i, degree)).collect();
+        self.candidate(degrees, self.layouts.iter().map(|layout| layout.counts(longest)).collect())
+    }
+
+    fn candidate(&self, degrees: Vec<usize>, counts: Vec<Vec<usize>>) -> Candidate {
         let lengths: Vec<_> = self.layouts.iter().zip(&counts).map(|(layout, counts)| layout.lengths(counts)).collect();
-        let coordinates = (0..self.layouts.len()).map(|i| self.coordinates(i, &counts[i], degree)).sum();
-        let error = self.error(&lengths, degree);
-        Candidate { degree, counts, lengths, coordinates, error }
+        let coordinates = (0..self.layouts.len()).map(|i| self.coordinates(i, &counts[i], degrees[i])).sum();
+        let error = self.error(&lengths, &degrees);
+        Candidate { degrees, counts, lengths, coordinates, error }
     }
 
     /// Number of coordinates of an automatic shaft.
     fn coordinates(&self, i: usize, counts: &[usize], degree: usize) -> usize {
-        let (elements, degree) = (self.layouts[i].elements(counts), self.degree(i, degree));
+        let elements = self.layouts[i].elements(counts);
         let shear = self.given.shafts[self.automatic[i]].shear;
         let scene = &self.model.scene;
         let bending = 4 * (elements + 1) + 2 * BendingFunction::all(degree, shear).len() * elements;
@@ -272,11 +321,11 @@ impl Search<'_> {
     }
 
     /// Expected error of the worst load: RMS of the difference between the step responses.
-    fn error(&self, lengths: &[Vec<Vec<f64>>], degree: usize) -> f64 {
+    fn error(&self, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
         let Excitation { signals, modes } = self.excitation;
         let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * TIME]).collect();
         for mode in modes {
-            let [difference, response] = self.squares(mode, lengths, degree);
+            let [difference, response] = self.squares(mode, lengths, degrees);
             for (sum, square) in sums.iter_mut().zip(&mode.squares) {
                 sum[0] += square * difference;
                 sum[1] += square * response;
@@ -291,10 +340,10 @@ impl Search<'_> {
 
     /// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
     /// oscillation, s.
-    fn squares(&self, mode: &ExcitedMode, lengths: &[Vec<Vec<f64>>], degree: usize) -> [f64; 2] {
+    fn squares(&self, mode: &ExcitedMode, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> [f64; 2] {
         let mut error = 0.0;
         for (i, layout) in self.layouts.iter().enumerate() {
-            let errors = layout.frequency_errors(&lengths[i], self.degree(i, degree), mode.frequency);
+            let errors = layout.frequency_errors(&lengths[i], degrees[i], mode.frequency);
             let energy = mode.energy[self.automatic[i]];
             error += errors[0] * energy[0] + errors[1] * energy[1];
         }

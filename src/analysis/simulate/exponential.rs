@@ -102,8 +102,7 @@ fn time_grid(
         None => {
             let model = &cached.model;
             let at_fastest = cached.at_speed(options.fastest())?;
-            let modes = at_fastest.real_modes(options.fastest())?;
-            let slowest = modes.frequencies.iter().copied().find(|value| *value > 0.0);
+            let slowest = at_fastest.spectral_range(options.fastest())?.slowest;
             let resonant = if nonlinear_loads.is_resonant() { RESONANT_FACTOR } else { 1.0 };
             let speed = options.fastest().abs();
             // At a changing speed, the longest step is that of the slowest speed; faster speeds use shorter ones.

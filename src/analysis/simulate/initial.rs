@@ -3,15 +3,15 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
-use super::super::synchronous::{motion, with_flanks};
-use super::super::{AnalysisError, Spectrum};
+use super::super::synchronous::{motion, synchronous_in, synchronous_of};
+use super::super::{AnalysisError, ExcitationPart, Spectrum};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
     FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumSpeeds};
+use crate::modal::{CachedModel, EquilibriumSpeeds, Projected};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -23,6 +23,10 @@ const FLOOR_FRACTION: f64 = 1e-9;
 /// can contain many periods of the fastest mode, so that the limit is wide. It rejects an invalid state whose end would
 /// never be reached.
 const MAX_REMAINING_ROTATION: f64 = 1e12;
+
+/// Highest frequency of the modes that are damped in the synchronous motion of a reduced run, in multiples of the fastest
+/// speed. The damping of a mode of frequency ω changes its part of the motion by 2ζΩ/ω.
+const DAMPED: f64 = 100.0;
 
 /// Initial conditions of a run.
 #[derive(Clone, Debug)]
@@ -43,6 +47,21 @@ impl Start {
     /// Whether a run left the state that had fewer modes than the model has coordinates, and this run continues it.
     pub fn is_reduced(&self, model: &Model) -> bool {
         self.resumes && (1..2 * model.len()).contains(&self.state.modal.len())
+    }
+
+    /// Initial conditions with which the run could begin at another time, s: the same displacements and velocities if they
+    /// do not rotate, and otherwise synchronous motion, if there is one.
+    pub fn moved(&self, cached: &CachedModel, options: &Options, time: f64) -> Self {
+        let rotation = ShaftRotation { origin: time, ..self.rotation.clone() };
+        let moving = match options.initial {
+            Initial::Rest | Initial::Static => None,
+            Initial::Synchronous | Initial::Continue(_) => {
+                synchronous(cached, options, &self.equilibrium, &rotation).ok()
+            }
+        };
+        let y = moving.unwrap_or_else(|| self.state.y.clone());
+        let state = State { elapsed: time - self.rotation.origin, ..State::new(y) };
+        Self { state, resumes: false, ..self.clone() }
     }
 }
 
@@ -72,12 +91,16 @@ pub(super) fn start(
         }
         Initial::Static => {
             let found = found?;
-            let y = [equilibrium_at_start(cached, options, &found)?.as_slice(), zero().as_slice()].concat();
+            let y = [equilibrium_at(cached, options, &found, options.start)?.as_slice(), zero().as_slice()].concat();
             (found, State::new(y), absolute)
         }
-        Initial::Synchronous => synchronous(cached, options, found?, absolute)?,
+        Initial::Synchronous => {
+            let found = found?;
+            let y = synchronous(cached, options, &found, &absolute)?;
+            (found, State::new(y), absolute)
+        }
     };
-    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero())?;
+    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero());
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
     let floor = FLOOR_FRACTION * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
@@ -140,34 +163,61 @@ fn continued(
     }
 }
 
-/// Displacements of the equilibrium with the bearing coefficients of the speed at which the run starts; `found` is the
-/// equilibrium of bearings with constant coefficients.
-fn equilibrium_at_start(
+/// Displacements of the equilibrium with the bearing coefficients of the speed at a time, s; `found` is the equilibrium of
+/// bearings with constant coefficients.
+fn equilibrium_at(
     cached: &CachedModel,
     options: &Options,
     found: &DVector<f64>,
+    time: f64,
 ) -> Result<DVector<f64>, AnalysisError> {
-    let speeds = EquilibriumSpeeds { film: options.speed.at(options.start), flanks: options.fastest() };
+    let speeds = EquilibriumSpeeds { film: options.speed.at(time), flanks: options.fastest() };
     if cached.model.is_at(speeds.film) {
         return Ok(found.clone());
     }
     equilibrium_with_flanks(cached, options.geometry, speeds)
 }
 
-/// The equilibrium plus the linear synchronous motion.
+/// Complex amplitudes of the synchronous motion at `speed`, rad/s, one column for each source shaft.
+fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let (model, flank_speed) = (&cached.model, options.fastest());
+    let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
+    let sources: Vec<usize> =
+        (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
+    // The matrix of modal damping is full. In a reduced run it acts on few modes.
+    let subspace = if options.uses_components(model) && model.scene.modal_damping > 0.0 && !sources.is_empty() {
+        let at_speed = cached.at_speed(speed)?;
+        let limit = DAMPED * model.max_speed_ratio() * speed.abs();
+        let model = &at_speed.model;
+        let loaded = model.coupled_coordinates(flank_speed);
+        Some(Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit)?)
+    } else {
+        None
+    };
+    for shaft in sources {
+        let column = match &subspace {
+            Some(subspace) => synchronous_in(subspace, cached, speed, flank_speed, shaft)?,
+            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?,
+        };
+        amplitudes.set_column(shaft, &column);
+    }
+    Ok(amplitudes)
+}
+
+/// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
 fn synchronous(
     cached: &CachedModel,
     options: &Options,
-    found: DVector<f64>,
-    rotation: ShaftRotation,
-) -> Result<Beginning, AnalysisError> {
-    let speed = options.speed.at(options.start);
-    let amplitudes = with_flanks(cached, speed, options.fastest())?;
+    found: &DVector<f64>,
+    rotation: &ShaftRotation,
+) -> Result<Vec<f64>, AnalysisError> {
+    let time = rotation.origin;
+    let speed = options.speed.at(time);
+    let amplitudes = amplitudes(cached, options, speed)?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);
-    let y = [(equilibrium_at_start(cached, options, &found)? + q).as_slice(), v.as_slice()].concat();
-    Ok((found, State::new(y), rotation))
+    Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())
 }
 
 /// Refuses a synchronous motion larger than the shafts are long: its unbalance is in a wrong unit, or the speed is a
@@ -205,7 +255,8 @@ fn complete(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bo
         let rotation = last.rotation(last.origin + last.state.elapsed);
         let steps = (rest * Spectrum::new(cached, rotation.fastest)?.radius()).ceil().max(1.0);
         let control = StepControl::Fixed(rest / steps);
-        let mut motion = EquationOfMotion::along(cached, last.geometry, &rotation, DVector::zeros(n))?;
+        let motion = EquationOfMotion::along(cached, last.geometry, &rotation, DVector::zeros(n));
+        let mut motion = motion.with_modal_damping(cached)?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
         run(&mut motion, &mut method, &control, &mut state, end, &mut Heartbeat(watch), &mut Statistics::new())

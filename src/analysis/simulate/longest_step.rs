@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::mesh::GearMesh;
 use crate::model::Model;
+use crate::scene::LoadLaw;
 
 /// Smallest number of steps per revolution, per period of the slowest mode, and per tooth whose force depends on its
 /// position.
@@ -13,14 +14,24 @@ const STEPS_PER_TOOTH: f64 = 2.0;
 /// Steps per revolution where bow and unbalance act as loads, in multiples of [`STEPS_PER_CYCLE`].
 pub(super) const RESONANT_FACTOR: f64 = 8.0;
 
-/// Angular frequency of shafts and teeth at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
+/// Largest number of intervals of a time series in one step, so that no step misses a pulse.
+const INTERVALS: f64 = 4.0;
+
+/// Angular frequency of shafts, teeth and loads at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
 /// per revolution in multiples of [`STEPS_PER_CYCLE`].
 pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
     let speed = speed.abs();
     let turning = model.max_speed_ratio() * speed * turning;
     let travelling = model.max_mesh_order_of(GearMesh::depends_on_tooth_position) * speed;
     let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
-    turning.max(travelling).max(engaging)
+    let loads = model.loads.iter().map(|load| match &load.law {
+        LoadLaw::Turning { order, .. } => (order * load.ratio * speed).abs(),
+        LoadLaw::Force([curve, _]) | LoadLaw::Torque(curve) => {
+            TAU / (STEPS_PER_CYCLE * INTERVALS * curve.mean_spacing())
+        }
+        LoadLaw::SpeedTorque { .. } => 0.0,
+    });
+    loads.fold(turning.max(travelling).max(engaging), f64::max)
 }
 
 /// Rotation of the reference shaft within the longest step at a changing speed, rad.

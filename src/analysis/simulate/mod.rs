@@ -101,7 +101,10 @@ pub fn simulate(
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
-    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone())?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
+    if plan.energy || !options.in_modes(&cached.model) {
+        motion = motion.with_modal_damping(cached)?;
+    }
     if options.method == Method::Exponential {
         motion.join_smooth_pieces();
     }
@@ -109,8 +112,9 @@ pub fn simulate(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
+    let during = (options.start - origin, tolerance(options, &motion));
     let mut observer = RunObserver {
-        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, options.start - origin),
+        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, during),
         watch,
         span: (options.start - origin, end),
         last_check: Instant::now() - HEARTBEAT,
@@ -140,6 +144,13 @@ pub fn simulate(
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
     }
+}
+
+/// Relative tolerance that the motion of a run follows; zero without connections, where it is exact, and with fixed steps.
+fn tolerance(options: &Options, motion: &EquationOfMotion<'_>) -> f64 {
+    let is_exact = motion.connections().next().is_none();
+    let is_fixed = options.step.is_some() || matches!(options.method, Method::Rk4 | Method::ExactRk4);
+    if is_exact || is_fixed { 0.0 } else { options.tolerance() }
 }
 
 /// The error of an initial state whose contact modes no run of this system leaves.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
-use super::super::synchronous::synchronous_of;
+use super::super::synchronous::{synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart};
 use super::initial::Start;
 use super::{Method, Options, ramp};
@@ -33,61 +33,72 @@ impl<'m> ModalSetup<'m> {
     pub fn new(
         cached: &'m CachedModel,
         options: &Options,
-        motion: EquationOfMotion<'m>,
+        mut motion: EquationOfMotion<'m>,
         start: &Start,
         selection: Selection,
         subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
-        let Speed::Constant(speed) = options.speed else {
-            return Ok(Self::recording(ramp::set_up(cached, options, motion, start)?, selection));
-        };
+        let (speed, changes) = (ramp::reference_speed(options), matches!(options.speed, Speed::Changing(_)));
+        // The linear motion contains the bearings at the largest speed, and the slopes of torques at its own.
+        motion.linearise_at(speed);
+        let at_fastest = cached.at_speed(options.fastest())?;
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
-        let linear = match options.method {
-            Method::Exponential
-                if subspace.is_none() && options.modes.is_none() && motion.varying_flanks_can_separate() =>
-            {
-                cached.linear_without_meshes(speed)?
-            }
-            _ => None,
-        };
-        let linear = match (subspace, linear) {
+        let uncoupled = options.method == Method::Exponential
+            && subspace.is_none()
+            && options.modes.is_none()
+            && motion.varying_flanks_can_separate();
+        let without_meshes = if uncoupled { at_fastest.linear_without_meshes(speed)? } else { None };
+        let linear = match (subspace, without_meshes) {
             (Some(subspace), _) => subspace.state_space()?,
             (None, Some(linear)) => linear,
-            (None, None) => cached.linear(speed)?,
+            (None, None) => at_fastest.linear(speed)?,
         };
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
+        // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
         for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
             let forces = || motion.rotating_forces(shaft);
-            let known = subspace.is_none().then(|| linear.synchronous(motion.spin(shaft), &forces())).flatten();
-            let amplitude =
-                known.map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?;
+            let amplitude = match subspace {
+                Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
+                None => linear
+                    .synchronous(motion.spin(shaft), &forces())
+                    .map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?,
+            };
             amplitudes.set_column(shaft, &amplitude);
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (nonlinear_loads, maps) = ramp::without_overlap(cached, loads)?;
-        Ok(Self::recording((linear, nonlinear_loads, maps), selection))
+        let (mut nonlinear_loads, mut maps) = loads.map_err(|(mesh, overlap)| {
+            let [driver, driven] = cached.model.gear_names(mesh);
+            AnalysisError::overlap(driver, driven, "at the beginning", overlap)
+        })?;
+        if changes {
+            let modes = subspace.map_or_else(|| at_fastest.real_modes(speed), |subspace| Ok(&subspace.modes))?;
+            let change = ramp::speed_change(&cached.model, options, modes)?;
+            nonlinear_loads.add_changing_speed(&linear, &change, &mut maps);
+        }
+        Ok(Self::recording(linear, nonlinear_loads, maps, selection))
     }
 
     /// The set-up of a linear motion with its loads that records a selection of coordinates.
-    fn recording((linear, nonlinear_loads, maps): ramp::Complete<'m>, selection: Selection) -> Self {
+    fn recording(
+        linear: Arc<ModalStateSpace>,
+        nonlinear_loads: NonlinearLoads<'m>,
+        maps: InterfaceMaps,
+        selection: Selection,
+    ) -> Self {
         let output = OutputMap::new(&nonlinear_loads, &linear, selection);
         Self { linear, nonlinear_loads, maps, output }
     }
 
     /// The same run with the linear motion of a subspace.
     pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
-        let embedding = self.linear.map_from(model, &linear);
-        let restriction = linear.map_from(model, &self.linear);
-        let row = |row: &Vec<f64>| embedding.tr_mul(&DVector::from_column_slice(row)).as_slice().to_vec();
-        let column = |column: &Vec<f64>| (&restriction * DVector::from_column_slice(column)).as_slice().to_vec();
         let maps = InterfaceMaps {
-            rows: self.maps.rows.iter().map(row).collect(),
-            columns: self.maps.columns.iter().map(column).collect(),
+            rows: linear.rows_of(model, &self.linear, &self.maps.rows),
+            columns: linear.columns_of(model, &self.linear, &self.maps.columns),
             parts: linear.parts.clone(),
             ..self.maps.clone()
         };
-        Self::recording((linear, self.nonlinear_loads.clone(), maps), selection)
+        Self::recording(linear, self.nonlinear_loads.clone(), maps, selection)
     }
 }
 

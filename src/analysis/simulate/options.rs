@@ -51,6 +51,8 @@ impl Method {
     }
 }
 
+/// Smallest number of coordinates of a model that a reduction builds from the modes of its components.
+const LARGE_MODEL: usize = 250;
 /// Default relative tolerance.
 const DEFAULT_RTOL: f64 = 1e-6;
 /// Smallest relative tolerance: the round-off of a step.
@@ -156,12 +158,23 @@ pub struct Options {
     pub checkpoint: Option<Box<Checkpoint>>,
 }
 
+/// Whether a reduction builds a model from the modes of its components. Their highest frequency is a multiple of one that
+/// teeth excite, so that the model has meshes.
+pub(super) fn is_large(model: &Model) -> bool {
+    model.len() >= LARGE_MODEL && !model.meshes.is_empty()
+}
+
 impl Options {
     /// Whether the run integrates modal coordinates. At a variable speed the modes vary, and modal damping is a matrix
     /// over all displacements.
     pub(super) fn in_modes(&self, model: &Model) -> bool {
         let modal = model.scene.modal_damping > 0.0 && matches!(self.speed, Speed::Constant(_));
         modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
+    }
+
+    /// Whether the run may use a model that is built from the modes of its components.
+    pub(super) fn uses_components(&self, model: &Model) -> bool {
+        is_large(model) && (self.modes.is_some() || self.reduction.is_some())
     }
 
     /// The dense matrices that the run needs.

@@ -1,4 +1,7 @@
-//! Pilot runs: the first part of a run, with which models of different size are compared.
+//! Pilot runs: a part of a run, with which models of different size are compared.
+//!
+//! It is the first part at a constant speed. At a changing speed it is the part around the largest speed, where the teeth
+//! excite the highest frequencies.
 
 use std::time::Instant;
 
@@ -11,44 +14,71 @@ use crate::integrate::{Halt, Observer, Statistics};
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
+/// Part of a short run that a pilot run takes, and its shortest duration, s.
+const PART: f64 = 1.0 / 3.0;
+const SHORTEST: f64 = 0.03;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The signals of the first part of a run, sampled at equal intervals; empty for a run without duration.
-pub(super) fn pilot(
-    run: &Run<'_>,
-    setup: &ModalSetup<'_>,
-    start: &Start,
-    plan: &RecordPlan,
-    observer: &mut impl Observer,
-) -> Result<Record, AnalysisError> {
-    let Run { cached, options, .. } = *run;
-    if options.duration <= 0.0 {
-        return Ok(Record::default());
+/// The part of a run that is integrated with models of different size.
+pub(super) struct Pilot {
+    /// Initial conditions.
+    start: Start,
+    /// Elapsed time at the beginning and at the end, s.
+    span: [f64; 2],
+    /// Times of the samples, at equal intervals, s; none for a run without duration.
+    times: Vec<f64>,
+}
+
+impl Pilot {
+    /// Chooses the part of a run.
+    pub fn new(run: &Run<'_>, start: &Start) -> Self {
+        let Run { cached, options, .. } = *run;
+        let duration = (PART * options.duration).clamp(SHORTEST, PILOT_DURATION).min(options.duration);
+        let end = options.start + options.duration;
+        let fastest = options.speed.time_of_fastest(options.start, end);
+        let first = (fastest - duration / 2.0).min(end - duration).max(options.start);
+        let [least, most] = PILOT_SAMPLES;
+        let intervals = (duration / sample_step(&cached.model, options.fastest())).ceil().clamp(least, most);
+        let count = if duration > 0.0 { intervals as usize } else { 0 };
+        let begin = first - start.rotation.origin;
+        Self {
+            start: if first > options.start { start.moved(cached, options, first) } else { start.clone() },
+            span: [begin, begin + duration],
+            times: (1..=count).map(|index| first + duration * index as f64 / intervals).collect(),
+        }
     }
-    let origin = start.rotation.origin;
-    let duration = options.duration.min(PILOT_DURATION);
-    let [least, most] = PILOT_SAMPLES;
-    let intervals = (duration / sample_step(&cached.model, options.fastest())).ceil().clamp(least, most);
-    let times: Vec<f64> =
-        (1..=intervals as usize).map(|index| options.start + duration * index as f64 / intervals).collect();
-    let begin = options.start - origin;
-    let plan = RecordPlan { energy: false, ..plan.clone() };
-    let mut pilot = RunObserver {
-        recorder: Recorder::new(setup.nonlinear_loads.motion.clone(), &plan, &times, origin, begin),
-        watch: &mut |_| observer.continues(begin),
-        span: (begin, begin + duration),
-        last_check: Instant::now(),
-    };
-    let end = begin + duration;
-    let mut counts = Statistics::new();
-    let (_, outcome) = exponential::run(cached, options, setup.clone(), start, end, &mut pilot, &mut counts)?;
-    if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
-        return Err(AnalysisError::Interrupted);
+
+    /// The signals of a model.
+    pub fn signals(
+        &self,
+        run: &Run<'_>,
+        setup: &ModalSetup<'_>,
+        plan: &RecordPlan,
+        observer: &mut impl Observer,
+    ) -> Result<Record, AnalysisError> {
+        if self.times.is_empty() {
+            return Ok(Record::default());
+        }
+        let [begin, end] = self.span;
+        let plan = RecordPlan { energy: false, ..plan.clone() };
+        let (motion, origin) = (setup.nonlinear_loads.motion.clone(), self.start.rotation.origin);
+        let mut pilot = RunObserver {
+            recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),
+            watch: &mut |_| observer.continues(run.options.start - origin),
+            span: (begin, end),
+            last_check: Instant::now(),
+        };
+        let mut counts = Statistics::new();
+        let (_, outcome) =
+            exponential::run(run.cached, run.options, setup.clone(), &self.start, end, &mut pilot, &mut counts)?;
+        if outcome.is_err_and(|halted| matches!(halted.halt, Halt::Interrupted)) {
+            return Err(AnalysisError::Interrupted);
+        }
+        Ok(pilot.recorder.finish().0)
     }
-    Ok(pilot.recorder.finish().0)
 }
 
 /// RMS of the difference over RMS of the variation, of displacements and of mesh forces, for the worst signal.

@@ -24,7 +24,8 @@ pub(super) fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec
     scalars
 }
 
-/// What the reduced motion carries: mesh forces, recorded displacements, and the states in which a run can begin.
+/// What the reduced motion carries: forces of connections, prescribed loads, recorded displacements, and the states in
+/// which a run can begin.
 pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
     let ModalSetup { linear, nonlinear_loads, maps, .. } = setup;
     let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
@@ -34,15 +35,19 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
         }
         sum
     };
-    let mut ports = Ports::default();
+    let (mut ports, mut of_connections) = (Ports::default(), Vec::new());
     for tangent in &maps.tangents {
-        ports.columns.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
+        of_connections.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
         ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
     }
-    for column in &maps.columns[..maps.meshes] {
-        ports.columns.push(column.iter().map(|value| ACROSS * value).collect());
+    for column in &maps.columns[..maps.scalars] {
+        of_connections.push(column.iter().map(|value| ACROSS * value).collect());
     }
-    ports.columns.extend(maps.columns[maps.meshes..].iter().cloned());
+    // A changing speed adds the differences of bearings to the loads that depend on the motion. Its gyroscopic couplings act
+    // on low modes, which every reduced model contains.
+    let bearings = model.bearings.len().min((maps.meshes - maps.scalars) / 2);
+    of_connections.extend(maps.columns[maps.scalars..].iter().take(2 * bearings).cloned());
+    ports.columns = vec![of_connections, maps.columns[maps.meshes..].to_vec()];
     let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
     let nodes = model.scene.shafts.iter().enumerate();
     for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
@@ -52,6 +57,9 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
         if let Some(twist) = model.numbering.twist(node).filter(|twist| recorded(*twist)) {
             ports.rows.push(vec![linear.row(&[(twist, 1.0)], false)]);
         }
+    }
+    for index in model.housings.coordinates().filter(|index| recorded(*index)) {
+        ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
     }
     let rest = vec![0.0; model.len()];
     ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());

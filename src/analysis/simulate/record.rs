@@ -3,7 +3,7 @@
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
-use crate::connection::{MESH_CHANNELS, mesh_values};
+use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::motion::{Energies, EquationOfMotion};
 
@@ -26,6 +26,9 @@ pub struct Record {
     pub events: Vec<Event>,
 }
 
+/// Largest number of outputs that are read together.
+const BATCH: usize = 8;
+
 /// Records a run.
 pub(super) struct Recorder<'a, 'm> {
     motion: EquationOfMotion<'m>,
@@ -35,7 +38,7 @@ pub(super) struct Recorder<'a, 'm> {
     origin: f64,
     /// Indices of the coordinates that recording needs.
     coordinates: Vec<usize>,
-    /// Scratch: displacements and velocities at an instant.
+    /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     audit: Option<Audit>,
@@ -45,8 +48,14 @@ pub(super) struct Recorder<'a, 'm> {
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
-    /// Creates a recorder of a run that starts at the elapsed time `start`, s.
-    pub fn new(motion: EquationOfMotion<'m>, plan: &'a RecordPlan, times: &'a [f64], origin: f64, start: f64) -> Self {
+    /// Creates a recorder of a run with a relative tolerance that starts at the elapsed time `start`, s.
+    pub fn new(
+        motion: EquationOfMotion<'m>,
+        plan: &'a RecordPlan,
+        times: &'a [f64],
+        origin: f64,
+        (start, tolerance): (f64, f64),
+    ) -> Self {
         let model = motion.model();
         let count = times.len();
         let room = |channels: usize| Vec::with_capacity(count * channels);
@@ -61,9 +70,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
         };
         Self {
             coordinates: plan.coordinates(model),
-            displacement: vec![0.0; model.len()],
-            velocity: vec![0.0; model.len()],
-            audit: plan.energy.then(|| Audit::new(start, model)),
+            displacement: vec![0.0; BATCH * model.len()],
+            velocity: vec![0.0; BATCH * model.len()],
+            audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
             every_step: plan.energy || EventRecorder::watches(&motion),
             motion,
@@ -81,17 +90,32 @@ impl<'a, 'm> Recorder<'a, 'm> {
 
     /// Records all outputs within a step, up to `end`.
     pub fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
-        while let Some(elapsed) = self.next().filter(|elapsed| *elapsed <= end) {
-            motion.states(&[elapsed], &self.coordinates, &mut self.displacement, &mut self.velocity);
-            let works = match &mut self.audit {
-                Some(audit) => audit.integrate(&mut self.motion, motion, elapsed)?,
-                None => [0.0; 6],
-            };
-            self.sample(elapsed, works)?;
-            self.record.time.push(self.times[self.record.time.len()]);
+        let whole = !motion.is_resolved();
+        if let Some(audit) = self.audit.as_mut().filter(|_| whole) {
+            audit.integrate(&self.motion, motion, end)?;
+        }
+        loop {
+            let mut instants = [0.0; BATCH];
+            let left = &self.times[self.record.time.len()..];
+            let due = left.iter().map(|time| time - self.origin).take_while(|elapsed| *elapsed <= end);
+            let count = instants.iter_mut().zip(due).map(|(instant, elapsed)| *instant = elapsed).count();
+            if count == 0 {
+                break;
+            }
+            let instants = &instants[..count];
+            let room = count * self.motion.model().len();
+            let (q, v) = (&mut self.displacement[..room], &mut self.velocity[..room]);
+            motion.states(instants, &self.coordinates, q, v);
+            for (index, elapsed) in instants.iter().enumerate() {
+                if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
+                    audit.integrate(&self.motion, motion, *elapsed)?;
+                }
+                self.sample(*elapsed, index)?;
+                self.record.time.push(self.times[self.record.time.len()]);
+            }
         }
         if let Some(audit) = &mut self.audit {
-            audit.integrate(&mut self.motion, motion, end)?;
+            audit.integrate(&self.motion, motion, end)?;
         }
         self.events.step(&self.motion, motion);
         Ok(())
@@ -108,21 +132,25 @@ impl<'a, 'm> Recorder<'a, 'm> {
             Some(audit) => audit.switch(&mut self.motion, elapsed, read, contact_modes),
             None => self.motion.set_contact_modes(contact_modes),
         }
-        let room = (&mut self.displacement[..], &mut self.velocity[..]);
+        let len = self.motion.model().len();
+        let room = (&mut self.displacement[..len], &mut self.velocity[..len]);
         self.events.switched(&self.motion, elapsed, read, room, contact_modes);
     }
 
-    /// Records one output from the displacements and velocities at `elapsed`.
-    fn sample(&mut self, elapsed: f64, works: [f64; 6]) -> Result<(), Halt> {
+    /// Records one output from the displacements and velocities at `elapsed`, which have this index among those that were
+    /// read.
+    fn sample(&mut self, elapsed: f64, index: usize) -> Result<(), Halt> {
         let model = self.motion.model();
-        let (q, v) = (&self.displacement, &self.velocity);
+        let own = index * model.len()..(index + 1) * model.len();
+        let (q, v) = (&self.displacement[own.clone()], &self.velocity[own]);
         // Quantities that can fail come first, so that the record holds complete outputs only.
         let mut meshes = Vec::with_capacity(self.plan.meshes.len());
         for mesh in &self.plan.meshes {
             let state = self.motion.mesh_state(*mesh, elapsed, q, v);
             meshes.push(state.map_err(|overlap| Halt::Overlap { mesh: *mesh, overlap })?);
         }
-        if self.plan.energy {
+        if let Some(audit) = &self.audit {
+            let works = audit.works_at(elapsed);
             let energies = self.motion.energies(elapsed, q, v);
             let energies = energies.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
             self.record.energy.push((energies, works));
@@ -135,7 +163,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         for point in &self.plan.points {
             let translation = model.numbering.translation(point.node);
-            self.record.displacement.extend(translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]));
+            let own = translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]);
+            let of_row = |row: &Row| row.iter().map(|(index, factor)| factor * q[*index]).sum();
+            self.record.displacement.extend(point.rows.as_ref().map_or(own, |rows| rows.each_ref().map(of_row)));
             self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
         }
         for node in &self.plan.bearings {

@@ -1,16 +1,19 @@
 //! Quantities to record, with names resolved to nodes and meshes. A run computes only the coordinates that they need.
 
+use crate::connection::Row;
 use crate::exponential::Selection;
 use crate::model::Model;
+use crate::motion::PowerCoordinates;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
-const GROUPS: [&str; 6] = ["gears", "disks", "meshes", "bearings", "nodes", "energy"];
+const GROUPS: [&str; 7] = ["gears", "disks", "meshes", "bearings", "nodes", "housings", "energy"];
 
 /// One entry of the list of quantities to record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// A gear, disk or shaft, or a group: gears, disks, meshes, bearings, nodes, energy.
+    /// A gear, disk, shaft, housing or point of a housing, or a group: gears, disks, meshes, bearings, nodes, housings,
+    /// energy.
     Name(String),
     /// A node of a shaft.
     Node(String, f64),
@@ -25,8 +28,10 @@ pub enum Request {
 pub struct Point {
     /// The node.
     pub node: Node,
-    /// Names of the gears and disks at the node.
+    /// Names of the gears and disks at the node, or of the point of the housing.
     pub names: Vec<String>,
+    /// Displacements along y and z of a point of a housing over the coordinates; `None` for a node of a shaft.
+    pub rows: Option<[Row; 2]>,
 }
 
 /// The quantities to record.
@@ -65,17 +70,19 @@ impl RecordPlan {
                 "bearings" => scene.bearings.iter().for_each(|bearing| self.add_bearing(model, bearing.node)),
                 "nodes" => (0..scene.shafts.len()).for_each(|shaft| self.add_shaft(model, shaft)),
                 "energy" => self.energy = true,
+                "housings" => scene.housing_names().for_each(|name| self.add_housing_point(model, name)),
+                _ if scene.housing_point(name).is_some() => self.add_housing_point(model, name),
                 _ => match (scene.body(name), scene.shaft(name)) {
                     (Some(body), _) => self.add_point(model, body.node),
                     (None, Some(shaft)) => self.add_shaft(model, shaft),
                     (None, None) => {
                         let bodies = scene.bodies().map(|body| body.name.as_str());
                         let shafts = scene.shafts.iter().map(|shaft| shaft.name.as_str());
-                        let near = nearest(name, bodies.chain(shafts).chain(GROUPS));
+                        let near = nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(GROUPS));
                         let groups = GROUPS.join(", ");
-                        return Err(
-                            at.error(format!("\"{name}\" is no gear, disk or shaft, and none of {groups}{near}"))
-                        );
+                        return Err(at.error(format!(
+                            "\"{name}\" is no gear, disk, shaft or housing, and none of {groups}{near}"
+                        )));
                     }
                 },
             },
@@ -110,7 +117,14 @@ impl RecordPlan {
     fn add_point(&mut self, model: &Model, node: Node) {
         if self.points.iter().all(|point| point.node != node) {
             let bodies = model.scene.bodies().filter(|body| body.node == node);
-            self.points.push(Point { node, names: bodies.map(|body| body.name.clone()).collect() });
+            self.points.push(Point { node, names: bodies.map(|body| body.name.clone()).collect(), rows: None });
+        }
+    }
+
+    fn add_housing_point(&mut self, model: &Model, name: &str) {
+        let known = self.points.iter().any(|point| point.names.iter().any(|known| known == name));
+        if let Some((node, arm)) = model.scene.housing_point(name).filter(|_| !known) {
+            self.points.push(Point { node, names: vec![name.to_owned()], rows: model.point_rows(node, arm) });
         }
     }
 
@@ -142,12 +156,16 @@ impl RecordPlan {
         };
         self.points.iter().for_each(|point| add_node(point.node));
         self.bearings.iter().for_each(|node| add_node(*node));
+        let rows = self.points.iter().flat_map(|point| &point.rows).flatten().flatten();
+        let points: Vec<usize> = rows.map(|(index, _)| *index).collect();
+        let bases: Vec<usize> = self.bearings.iter().flat_map(|node| model.bearing_coordinates(*node)).collect();
         for mesh in &self.meshes {
             let pair = &model.scene.meshes[*mesh];
             for gear in [pair.driver, pair.driven] {
                 add_node(model.scene.gears[gear].body.node);
             }
         }
+        coordinates.extend(points.into_iter().chain(bases));
         coordinates.sort_unstable();
         coordinates.dedup();
         coordinates
@@ -163,6 +181,7 @@ impl RecordPlan {
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
         Selection {
             velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
+            powers: self.energy.then(|| PowerCoordinates::new(model)),
             displacements,
         }
     }

@@ -4,32 +4,38 @@
 //! accuracy of a run needs, without a large eigenvalue problem. In it, [`Directions`] finds those displacements that
 //! carry the loads of this run to its recorded signals.
 //!
-//! The error is measured: the first part of the run is integrated with the reduced and with the unreduced motion, and
-//! the recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
+//! The error is measured: a part of the run is integrated with the reduced and with the unreduced motion, and the
+//! recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
 //! synchronous motion are those of the complete model.
 
 use std::cell::OnceCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::modal_setup::{ModalSetup, resumes};
-use super::pilot::{PILOT_DURATION, differences, pilot};
+use super::options::is_large;
+use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
+use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
 
 /// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
 const SHORT_RUN: f64 = 3.0;
-/// Smallest number of coordinates of a model that is built from the modes of its components.
-const LARGE_MODEL: usize = 250;
+/// The same for a small model ([`is_large`]) whose meshes separate and vary in stiffness. With all modes, its linear motion
+/// contains the shafts alone, which are uncoupled, so that a reduction saves less: 5 to 20 % over 1 s.
+const SHORT_SEPARATING_RUN: f64 = 10.0;
 /// Largest part of all modes that a reduced model has; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
+/// Number of modes up to which a choice among numbers of modes pays for all runs that are not short.
+const FEW_MODES: f64 = 150.0;
 /// Number of mode counts that are tried before the run keeps all modes.
 const MAX_TRIALS: usize = 4;
 /// Errors of displacements and mesh forces that determine the modes of the components without a given target.
@@ -72,16 +78,13 @@ pub(super) fn set_up<'m>(
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
     let (options, model) = (run.options, &run.cached.model);
-    let is_large = model.len() >= LARGE_MODEL;
-    let is_short = is_short(run, start);
-    // At a changing speed the set-up itself selects modes.
-    let changes = matches!(options.speed, Speed::Changing(_));
-    let keeps_all = changes
-        || match (options.modes, options.reduction) {
-            (Some(count), _) => count >= model.len(),
-            (None, Some(_)) => plan.energy || !is_large && (is_short || motion.varying_flanks_can_separate()),
-            (None, None) => true,
-        };
+    let is_large = is_large(model);
+    let is_short = is_short(run, start, &motion);
+    let keeps_all = match (options.modes, options.reduction) {
+        (Some(count), _) => count >= model.len(),
+        (None, Some(_)) => plan.energy || !is_large && is_short,
+        (None, None) => true,
+    };
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
@@ -93,7 +96,7 @@ pub(super) fn set_up<'m>(
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
     match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short => reducer.choose(target, observer),
+        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer),
         (None, _) => Ok(reducer.unreduced()),
         (Some(count), _) => {
             let setup = reducer.reduced(count)?;
@@ -104,8 +107,11 @@ pub(super) fn set_up<'m>(
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
-fn is_short(run: &Run<'_>, start: &Start) -> bool {
-    run.options.duration < SHORT_RUN * PILOT_DURATION && !start.is_reduced(&run.cached.model)
+fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool {
+    let model = &run.cached.model;
+    let separates = !is_large(model) && motion.varying_flanks_can_separate();
+    let shortest = if separates { SHORT_SEPARATING_RUN } else { SHORT_RUN };
+    run.options.duration < shortest * PILOT_DURATION && !start.is_reduced(model)
 }
 
 impl<'m> Run<'m> {
@@ -127,6 +133,8 @@ struct Reducer<'a, 'm> {
     run: &'a Run<'m>,
     start: &'a Start,
     plan: &'a RecordPlan,
+    /// The part of the run with which models are compared.
+    pilot: Rc<Pilot>,
     /// The linear motion of the complete model, or of the modes of its components.
     projected: Arc<Projected>,
     /// The set-up of a run with this linear motion.
@@ -150,12 +158,13 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<Option<Self>, AnalysisError> {
         let (options, model) = (run.options, &run.cached.model);
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
-        let prepared = |limit: f64| Self::prepared(run, motion, start, plan, limit);
-        if model.len() < LARGE_MODEL {
+        let pilot = Rc::new(Pilot::new(run, start));
+        let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
+        if !is_large(model) {
             let Some(mut reducer) = prepared(0.0)? else {
                 return Ok(None);
             };
-            reducer.exact = pilot(run, &reducer.unreduced, start, plan, observer)?;
+            reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
             return Ok(Some(reducer));
         }
         let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
@@ -181,7 +190,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             let is_accurate = reducer.excess([0.0; 2], target) <= 1.0;
             let is_complete = reducer.unreduced.linear.modes as f64 >= LARGEST_PART * model.len() as f64;
             last = Some(reducer);
-            if is_accurate || is_complete || is_short(run, start) {
+            if is_accurate || is_complete || is_short(run, start, motion) {
                 break;
             }
         }
@@ -193,24 +202,37 @@ impl<'a, 'm> Reducer<'a, 'm> {
     fn prepared(
         run: &'a Run<'m>,
         motion: &EquationOfMotion<'m>,
-        start: &'a Start,
+        (start, pilot): (&'a Start, &Rc<Pilot>),
         plan: &'a RecordPlan,
         limit: f64,
     ) -> Result<Option<Self>, AnalysisError> {
-        let is_large = limit > 0.0;
-        let projected = match is_large {
-            true => of_components(run, motion, plan, limit)?,
-            false => Arc::new(run.cached.projected(run.options.fastest())?),
+        let projected = if limit > 0.0 {
+            of_components(run, motion, plan, limit)?
+        } else {
+            Arc::new(run.cached.at_speed(run.options.fastest())?.projected(reference_speed(run.options))?)
         };
-        let unreduced = run.complete(motion.clone(), start, plan, is_large.then_some(&projected))?;
+        let unreduced = run.complete(motion.clone(), start, plan, Some(&projected))?;
         if matches!(unreduced.linear.matrix, StateMatrix::Dense(_)) {
             return Ok(None);
         }
         // A run that cannot be counted ends before its pilot.
         countable_grid(run.cached, run.options, (&unreduced.linear, &unreduced.nonlinear_loads), run.end)?;
-        let directions = OnceCell::new();
-        let exact = Record::default();
-        Ok(Some(Self { run, start, plan, projected, unreduced, exact, components: None, directions }))
+        Ok(Some(Self {
+            run,
+            start,
+            plan,
+            pilot: Rc::clone(pilot),
+            projected,
+            unreduced,
+            exact: Record::default(),
+            components: None,
+            directions: OnceCell::new(),
+        }))
+    }
+
+    /// The signals of a pilot run with a set-up.
+    fn signals(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Record, AnalysisError> {
+        self.pilot.signals(self.run, setup, self.plan, observer)
     }
 
     /// Whether this run continues bit by bit a run with the same component modes.
@@ -228,11 +250,11 @@ impl<'a, 'm> Reducer<'a, 'm> {
         limit: f64,
         observer: &mut impl Observer,
     ) -> Result<(), AnalysisError> {
-        self.exact = pilot(self.run, &self.unreduced, self.start, self.plan, observer)?;
+        self.exact = self.signals(&self.unreduced, observer)?;
         let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
         let model = &self.run.cached.model;
         let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
-        let found = differences(&pilot(self.run, &coarse, self.start, self.plan, observer)?, &self.exact);
+        let found = differences(&self.signals(&coarse, observer)?, &self.exact);
         self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
         Ok(())
     }
@@ -252,10 +274,12 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
         let null = self.projected.modes.null;
         let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
-        let first = self.directions()?.count(FIRST_SHARE * target[1]) + null;
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
-        let before = self.start.is_reduced(&self.run.cached.model).then_some(self.start.state.modal.len() / 2);
-        let (mut count, mut allowed) = before.map_or((first, 1.0), |count| (count, CONTINUED));
+        let (mut count, mut allowed) = if self.start.is_reduced(&self.run.cached.model) {
+            (self.start.state.modal.len() / 2, CONTINUED)
+        } else {
+            (self.directions()?.count(FIRST_SHARE * target[1]) + null, 1.0)
+        };
         for _ in 0..MAX_TRIALS {
             count = count.next_multiple_of(LANES);
             if count > largest {
@@ -272,6 +296,15 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let modes = self.unreduced.linear.modes;
         Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
+    }
+
+    /// Whether a choice among numbers of modes saves more time than it takes: the eigenvalue problem of a choice takes a time
+    /// in proportion to the third power of the number of modes, and a step in proportion to the number. A continued run
+    /// keeps its choice.
+    fn choice_pays(&self) -> bool {
+        let growth = (self.unreduced.linear.modes as f64 / FEW_MODES).max(1.0).powi(2);
+        self.run.options.duration >= SHORT_RUN * growth * PILOT_DURATION
+            || self.start.is_reduced(&self.run.cached.model)
     }
 
     /// Largest ratio of the errors, with those from the modes of the components, to their target.
@@ -300,14 +333,17 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let elastic = count.saturating_sub(self.projected.modes.null);
         let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
-        let linear = self.projected.restricted(model, self.run.options.fastest(), &kept)?.state_space()?;
+        // The frequencies are those with the bearings at the largest speed.
+        let at_fastest = self.run.cached.at_speed(self.run.options.fastest())?;
+        let subspace = self.projected.restricted(&at_fastest.model, reference_speed(self.run.options), &kept)?;
+        let linear = subspace.state_space()?;
         Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
 
     /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
     /// independent, so that their squares add up.
     fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
-        let found = differences(&pilot(self.run, setup, self.start, self.plan, observer)?, &self.exact);
+        let found = differences(&self.signals(setup, observer)?, &self.exact);
         let components = self.components.unwrap_or_default();
         let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
         Ok(Reduction { modes: setup.linear.modes, errors })
@@ -322,16 +358,19 @@ fn of_components(
     plan: &RecordPlan,
     limit: f64,
 ) -> Result<Arc<Projected>, AnalysisError> {
-    let (model, speed) = (&run.cached.model, run.options.fastest());
-    let ports = interface(model, speed, &plan.selection(model));
-    let mut loaded: Vec<usize> = ports.iter().flatten().map(|(index, _)| *index).collect();
-    loaded.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    let (fastest, speed) = (run.options.fastest(), reference_speed(run.options));
+    // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
+    let at_fastest = run.cached.at_speed(fastest)?;
+    let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
+    let model = &at_fastest.model;
+    let mut loaded = model.coupled_coordinates(fastest);
+    loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
     loaded.sort_unstable();
     loaded.dedup();
-    let highest = limit * excited_frequency(motion, speed);
+    let highest = limit * excited_frequency(motion, fastest);
     let share = COMPONENT_SHARE / (limit * limit);
-    let found = run.cached.subspace((speed, highest, ports), |ports| {
-        let projected = Projected::of_components(model, speed, &loaded, highest)?;
+    let found = at_fastest.subspace((speed, highest, ports), |ports| {
+        let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
         let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
         let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
         projected.restricted(model, speed, &kept)

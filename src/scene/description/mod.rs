@@ -3,6 +3,8 @@
 //! These types check the types of the entries only; [`Scene::new`](super::Scene::new) checks the values. All units are
 //! SI units and radians.
 
+mod housing;
+mod loads;
 mod reading;
 mod shaft;
 mod speed_table;
@@ -11,6 +13,8 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+pub use housing::{Base, Housing, Support};
+pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
 pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
 pub use teeth::{
@@ -60,6 +64,36 @@ pub struct SceneDescription {
     /// Torques on the shafts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torques: Vec<Torque>,
+    /// Supports of bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<Support>,
+    /// Housings, which carry several bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub housings: Vec<Housing>,
+    /// Couplings between shafts of one speed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub couplings: Vec<Coupling>,
+    /// Drives, which hold the rotation.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<Drive>,
+    /// Lateral forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<Force>,
+}
+
+impl SceneDescription {
+    /// The description without the entries that only determine loads: torques, forces, gravity, bows and unbalances. A torque
+    /// over the speed stays, because its slope is a damping.
+    pub fn without_loads(&self) -> Self {
+        let mut plain = self.clone();
+        plain.torques.retain(|torque| matches!(torque.value, Some(TorqueValue::Table(_))));
+        plain.forces.clear();
+        plain.gravity = None;
+        plain.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
+        plain.gears.iter_mut().for_each(|gear| gear.unbalance = None);
+        plain.disks.iter_mut().for_each(|disk| disk.unbalance = None);
+        plain
+    }
 }
 
 /// Degrees of freedom of a node.
@@ -242,8 +276,8 @@ impl Coefficient {
     }
 }
 
-/// A bearing between a shaft and the ground: linear with `stiffness`, or a journal bearing with `diameter` and the other
-/// entries of its film.
+/// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
+/// with `diameter` and the other entries of its film.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
@@ -275,6 +309,9 @@ pub struct Bearing {
     /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<Vec<[f64; 2]>>,
+    /// What it stands on; the ground by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<Base>,
 }
 
 /// Model of the oil film of a journal bearing.
@@ -304,9 +341,9 @@ pub enum Place {
 pub struct Torque {
     /// Place where the torque acts.
     pub at: Place,
-    /// Torque, N m.
+    /// Torque, N m, constant or over time or speed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub value: Option<f64>,
+    pub value: Option<TorqueValue>,
     /// Whether this torque balances all others.
     #[serde(default, skip_serializing_if = "is_false")]
     pub balance: bool,

@@ -51,6 +51,12 @@ impl Pins {
         }
     }
 
+    /// Part of a residual force that the springs carry, distributed like inertia forces that do the same work on the null
+    /// motions. Connections do no work on them, so that the round-off of their forces has no part in it.
+    pub fn carried(&self, residual: &DVector<f64>) -> DVector<f64> {
+        &self.weighted * self.null.tr_mul(residual)
+    }
+
     /// Subtracts the null motions of `x`, so that NᵀM x = 0.
     pub fn remove_null_motions<T: ComplexField<RealField = f64>>(&self, x: &mut DVector<T>) {
         for (null, weighted) in self.null.column_iter().zip(self.weighted.column_iter()) {

@@ -1,0 +1,154 @@
+"""Linear analyses of a scene as a careful user would write them with the sparse solvers of SciPy.
+
+The matrices come from gearbow. ARPACK finds modes by shift-invert with factors of the quadratic
+matrix polynomial, which has half the size of the first-order form. SuperLU solves linear systems.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse.linalg import LinearOperator, eigs, splu
+
+import gearbow as gb
+from programs.dense import Pair, bow_force, torques
+from programs.scenes import Array, bodies
+
+SHIFT = 100.0  # real shift of the eigenvalues, near the lowest frequencies, rad/s
+
+Complex = NDArray[np.complex128]
+
+
+class Sparse:
+    """Matrices and loads of a system with meshes linearised at rest.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        A system with bows and unbalances, without modal damping.
+    speed : float
+        Speed of the reference shaft that determines the flanks in contact [rad/s].
+    """
+
+    def __init__(self, system: gb.RotorSystem, speed: float) -> None:
+        matrices = system.matrices(speed)
+        self.mass, self.stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
+        self.damping, self.gyroscopic = (
+            csc_matrix(matrices.damping),
+            csc_matrix(matrices.gyroscopic),
+        )
+        self.index = {dof: i for i, dof in enumerate(system.dofs)}
+        self.n = len(self.index)
+        self.system, self.speed = system, speed
+        self.ratios = [float(ratio) for ratio in system.speed_ratios]
+        self.bows = [bow_force(shaft, self.index) for shaft in system.shafts]
+        self.unbalances = [self._unbalance(shaft.name) for shaft in system.shafts]
+
+    def _unbalance(self, shaft: str) -> Complex:
+        """Return the unbalance of a shaft, the force divided by the square of its speed."""
+        force = np.zeros(self.n, dtype=complex)
+        for part in bodies(self.system):
+            if part.shaft == shaft:
+                force[self.index[shaft, part.position, "v"]] += part.unbalance
+                force[self.index[shaft, part.position, "w"]] -= 1j * part.unbalance
+        return force
+
+    def eigenvalues(self, speed: float, count: int) -> tuple[Complex, Complex]:
+        """Return eigenvalues near the shift and their displacements (n, count)."""
+        damping = self.damping + speed * self.gyroscopic
+        inner = damping + SHIFT * self.mass
+        factors = splu(csc_matrix(self.stiffness + SHIFT * inner))
+
+        def inverse(y: Array) -> Array:
+            q, v = y[: self.n], y[self.n :]
+            u = -factors.solve(self.mass @ v + inner @ q)
+            return np.concatenate([u, q + SHIFT * u])
+
+        start = np.ones(2 * self.n)
+        operator = LinearOperator((2 * self.n, 2 * self.n), matvec=inverse, dtype=float)
+        inverted, vectors = eigs(operator, k=count, v0=start)
+        return SHIFT + 1.0 / inverted, vectors[: self.n]
+
+    def frequencies(self, speed: float, count: int) -> Array:
+        """Return the positive frequencies [Hz], ascending; `count` eigenvalues are computed."""
+        return positive(self.eigenvalues(speed, count)[0])
+
+    def exact_frequencies(self, speed: float, count: int) -> Array:
+        """Return the lowest frequencies [Hz], refined by inverse iteration with their own shift."""
+        values, vectors = self.eigenvalues(speed, 4 * count + 12)
+        damping = self.damping + speed * self.gyroscopic
+        kept = [i for i in np.argsort(values.imag) if values[i].imag > 1.0][: count + 2]
+        refined = []
+        for i in kept:
+            value, x = values[i], vectors[:, i]
+            for _ in range(2):
+                polynomial = self.stiffness + value * damping + value**2 * self.mass
+                slope = damping + 2.0 * value * self.mass
+                # Newton's method: the eigenvalue changes by (xᵀ x) / (xᵀ P⁻¹ P' x).
+                found = splu(csc_matrix(polynomial)).solve(slope @ x)
+                value = value - (x.conj() @ x) / (x.conj() @ found)
+                x = found / np.linalg.norm(found)
+            refined.append(value)
+        return positive(np.array(refined))[:count]
+
+    def responses(self, speeds: Sequence[float], refinements: int = 0) -> Complex:
+        """Return the response to bow and unbalance (speeds, shafts as sources, n)."""
+        found = np.zeros((len(speeds), len(self.ratios), self.n), dtype=complex)
+        for i, speed in enumerate(speeds):
+            damping = self.damping + speed * self.gyroscopic
+            for j, (ratio, bow, unbalance) in enumerate(
+                zip(self.ratios, self.bows, self.unbalances, strict=True)
+            ):
+                omega = ratio * speed
+                force = bow + omega**2 * unbalance
+                if not force.any():
+                    continue
+                dynamic = csc_matrix(self.stiffness - omega**2 * self.mass + 1j * omega * damping)
+                factors = splu(dynamic)
+                found[i, j] = factors.solve(force)
+                for _ in range(refinements):
+                    found[i, j] += factors.solve(residual(dynamic, found[i, j], force))
+        return found
+
+    def static(self, tolerance: float, *, extended: bool = False) -> Array:
+        """Return the equilibrium under the torques with live meshes, by a simplified Newton method.
+
+        Balanced torques leave the rigid-body rotation free: a spring fixes the first twist.
+        """
+        force = torques(self.system, self.index)
+        alone, pairs = self.stiffness.tolil(), []
+        for mesh in self.system.meshes:
+            pair = Pair(self.system, mesh, self.speed)
+            alone[np.ix_(pair.at, pair.at)] -= pair.mean * np.outer(pair.rest, pair.rest)
+            pairs.append(pair)
+        first = next(i for dof, i in self.index.items() if dof[2] == "twist")
+        fixed = self.stiffness.tolil()
+        fixed[first, first] *= 2.0
+        factors, without = splu(csc_matrix(fixed)), csr_matrix(alone)
+        found, still = np.zeros(self.n), [0.0] * 6
+        while True:
+            load = force.copy()
+            for pair in pairs:
+                load[pair.at] -= pair.live(found[pair.at].tolist(), still)
+            missing = residual(without, found, load) if extended else load - without @ found
+            change = factors.solve(missing)
+            found += change
+            if np.linalg.norm(change) <= tolerance * np.linalg.norm(found):
+                return found
+
+
+def positive(values: Complex) -> Array:
+    """Return the frequencies [Hz] of the eigenvalues with positive imaginary part, ascending."""
+    frequencies: Array = np.sort(values.imag[values.imag > 1.0]) / (2.0 * np.pi)
+    return frequencies
+
+
+def residual(matrix: csc_matrix | csr_matrix, x: Any, force: Any) -> Any:
+    """Return force − matrix·x in the precision of `force`, computed with extended precision."""
+    rows = csr_matrix(matrix)
+    extended = np.result_type(force.dtype, np.longdouble)
+    products = rows.data.astype(extended) * x.astype(extended)[rows.indices]
+    sums = np.add.reduceat(products, rows.indptr[:-1])
+    return (force.astype(extended) - sums).astype(force.dtype)

@@ -1,0 +1,160 @@
+"""Couplings, drives and forces."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any
+
+from gearbow._convert import complex_number
+from gearbow._types import At, Plain
+from gearbow.description.load_values import described_value
+from gearbow.description.part import Part, freeze
+from gearbow.description.places import place
+from gearbow.description.time_series import TimeSeries
+
+__all__ = ["Coupling", "Drive", "Force"]
+
+
+@dataclass(frozen=True)
+class Coupling(Part):
+    """A coupling between the ends of two coaxial shafts that turn at one speed.
+
+    Linear springs and dampers join two hubs: lateral, tilting and torsional. A large stiffness is a
+    rigid coupling. Shafts have no axial motion yet: the axial stiffness and damping have no effect.
+
+    Parameters
+    ----------
+    a, b : str or tuple of (str, float)
+        Hubs: a gear or disk by name, or (shaft, position [m]), on two shafts.
+    stiffness : (float, float, float, float)
+        Axial and lateral [N/m], tilting and torsional [N m/rad] stiffness.
+    damping : (float, float, float, float)
+        Axial and lateral [N s/m], tilting and torsional [N m s/rad] damping. It acts on the
+        velocities of the shafts relative to each other.
+    offset : complex
+        Parallel misalignment y + iz of the axis of b to that of a, fixed in space [m].
+    angle : complex
+        Angular misalignment of the axis of b to that of a, fixed in space: slopes along y + iz
+        [rad].
+    runout : complex
+        Eccentricity of the hub of b [m], which turns with the shaft; its argument is the angle in
+        the shaft.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> coupling = gb.Coupling(
+    ...     ("motor", 0.4),
+    ...     ("pump", 0.0),
+    ...     stiffness=(0.0, 1e6, 1e3, 5e4),
+    ...     damping=(0.0, 50.0, 0.1, 5.0),
+    ...     offset=1e-4,
+    ... )
+    """
+
+    a: At
+    b: At
+    _: KW_ONLY
+    stiffness: Sequence[float]
+    damping: Sequence[float] | None = None
+    offset: complex = 0.0
+    angle: complex = 0.0
+    runout: complex = 0.0
+
+    def __post_init__(self) -> None:
+        freeze(self, "stiffness", "damping")
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        at = {name: place(getattr(self, name), f"{path}.{name}") for name in ("a", "b")}
+        # Plain text stands for the places, which the annotations do not describe.
+        return super(Coupling, replace(self, a="a", b="b"))._describe(path) | at
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Coupling":
+        given = dict(description)
+        for key in ("a", "b"):
+            given[key] = _place(given[key])
+        for key in ("offset", "angle", "runout"):
+            if isinstance(given.get(key), (list, tuple)):
+                given[key] = complex(*given[key])
+        return cls(**given)
+
+
+@dataclass(frozen=True)
+class Drive(Part):
+    """A torsional spring and damper that hold the rotation of a shaft at its prescribed angle.
+
+    A drive has the torque -k θ - c θ̇. It stands for a motor with speed control, and takes the
+    torque that the other torques leave over.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]).
+    stiffness : float
+        Stiffness k [N m/rad].
+    damping : float
+        Damping c [N m s/rad].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> drive = gb.Drive("g1", stiffness=1e5, damping=20.0)
+    """
+
+    at: At
+    stiffness: float
+    damping: float = 0.0
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        at = place(self.at, f"{path}.at")
+        return super(Drive, replace(self, at="at"))._describe(path) | {"at": at}
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Drive":
+        return cls(**{**description, "at": _place(description["at"])})
+
+
+@dataclass(frozen=True)
+class Force(Part):
+    """A lateral force on a shaft.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]).
+    value : complex, TimeSeries or callable
+        Force y + iz [N]: constant, over time, or a function of the time [s]. `simulate` samples a
+        function over the run; static, modal and synchronous analyses do not contain it.
+    order : float, optional
+        The force turns with this multiple of the angle of its shaft, value·e^{i·order·ϑ}; None is
+        fixed in space. A force of order 1 belongs to the synchronous response, with its bow.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> weight, rotating = gb.Force("disk", -50j), gb.Force("disk", 10.0, order=1)
+    """
+
+    at: At
+    value: complex | TimeSeries | Callable[[Any], Any]
+    order: float | None = None
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        given: dict[str, Plain] = {"at": place(self.at, f"{path}.at")}
+        given["value"] = described_value(self.value, f"{path}.value", complex_number)
+        if self.order is not None:
+            given["order"] = complex_number(self.order, f"{path}.order")
+        return given
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Force":
+        value = description["value"]
+        if isinstance(value, Mapping):
+            value = TimeSeries._from_description(value)
+        elif isinstance(value, (list, tuple)):
+            value = complex(*value)
+        return cls(_place(description["at"]), value, description.get("order"))
+
+
+def _place(at: Plain) -> At:
+    return at if isinstance(at, str) else (at[0], at[1])

@@ -1,0 +1,64 @@
+//! A mode at one speed, with its inner product in the energy.
+
+use nalgebra::{Complex, DVector};
+
+use crate::modal::{Mode, OrderIntersection, Whirl};
+use crate::model::Model;
+
+/// One mode at one speed: its eigenvalue λ and y = (φ, λφ) of unit norm. All vectors have n entries in the order of the
+/// core.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    /// λ, rad/s.
+    pub eigenvalue: Complex<f64>,
+    /// Direction of whirl.
+    pub whirl: Whirl,
+    /// φ, divided by the norm of y; zero for a rigid-body mode.
+    position: DVector<Complex<f64>>,
+    /// λφ, divided by the norm of y; φ for a rigid-body mode.
+    velocity: DVector<Complex<f64>>,
+    /// K times `position`.
+    force: DVector<Complex<f64>>,
+    /// M times `velocity`.
+    momentum: DVector<Complex<f64>>,
+}
+
+impl State {
+    /// A mode at `speed`, rad/s, with the stiffness of `model`.
+    pub fn new(model: &Model, speed: f64, mode: Mode) -> Self {
+        Self::of_shape(model, speed, mode.eigenvalue, mode.whirl, mode.shape)
+    }
+
+    /// The mode of an intersection; its whirl is not known.
+    pub fn of_intersection(model: &Model, met: &OrderIntersection) -> Self {
+        Self::of_shape(model, met.speed, met.eigenvalue, Whirl::Coupled, met.shape.clone())
+    }
+
+    fn of_shape(
+        model: &Model,
+        speed: f64,
+        eigenvalue: Complex<f64>,
+        whirl: Whirl,
+        shape: DVector<Complex<f64>>,
+    ) -> Self {
+        let is_rigid = eigenvalue == Complex::ZERO;
+        let velocity = if is_rigid { shape.clone() } else { &shape * eigenvalue };
+        let position = if is_rigid { DVector::zeros(shape.len()) } else { shape };
+        let force = model.product(&position, |x, out| model.multiply_stiffness(speed, true, x, out));
+        let momentum = model.product(&velocity, |x, out| model.multiply_mass(x, out));
+        let norm = (position.dotc(&force).re + velocity.dotc(&momentum).re).max(f64::MIN_POSITIVE).sqrt();
+        let [position, velocity, force, momentum] =
+            [position, velocity, force, momentum].map(|vector| vector.unscale(norm));
+        Self { eigenvalue, whirl, position, velocity, force, momentum }
+    }
+
+    /// Mode shape φ with φᴴMφ = 1.
+    pub fn shape(&self) -> DVector<Complex<f64>> {
+        self.velocity.unscale(self.velocity.dotc(&self.momentum).re.sqrt())
+    }
+
+    /// Correlation |yᴴy'|² of two modes.
+    pub fn correlation(&self, other: &Self) -> f64 {
+        (self.position.dotc(&other.force) + self.velocity.dotc(&other.momentum)).norm_sqr()
+    }
+}

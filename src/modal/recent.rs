@@ -1,0 +1,56 @@
+//! A small list of results with the keys from which they follow.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Number of results that are kept. A parameter study asks repeatedly for a few speeds.
+const CAPACITY: usize = 8;
+
+/// The last results, the one that was used last at the end.
+#[derive(Debug)]
+pub(super) struct Recent<K, V>(Mutex<Vec<(K, V)>>);
+
+impl<K, V> Default for Recent<K, V> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K: PartialEq, V: Clone> Recent<K, V> {
+    /// The result of a key, if it is known.
+    pub fn get(&self, key: &K) -> Option<V> {
+        let mut list = self.lock();
+        let index = list.iter().position(|(known, _)| known == key)?;
+        let entry = list.remove(index);
+        let value = entry.1.clone();
+        list.push(entry);
+        Some(value)
+    }
+
+    /// Keeps a result; the one that was not used for the longest time makes room.
+    pub fn insert(&self, key: K, value: V) {
+        let mut list = self.lock();
+        if list.len() >= CAPACITY {
+            list.remove(0);
+        }
+        list.push((key, value));
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(K, V)>> {
+        // A panic in another thread cannot leave the list half-written, so a poisoned lock is safe to use.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CAPACITY, Recent};
+
+    #[test]
+    fn the_least_recently_used_result_makes_room() {
+        let recent = Recent::default();
+        (0..CAPACITY).for_each(|key| recent.insert(key, 10 * key));
+        assert_eq!(recent.get(&0), Some(0));
+        recent.insert(CAPACITY, 1);
+        assert_eq!([recent.get(&0), recent.get(&1), recent.get(&CAPACITY)], [Some(0), None, Some(1)]);
+    }
+}

@@ -1,0 +1,320 @@
+//! The eigenvalue problem [λ²M + λD + K] x = 0 with D = C + ΩG, and its first-order form inverted at a shift s.
+//!
+//! ```text
+//! T (x, z) = (u, x + s u),    S(s) u = −M z − (D + sM) x,    λ = s + 1/θ    for an eigenvalue θ of T
+//! ```
+//!
+//! The state is y = (x, z), z = λx. Each product with T solves one system with the band matrices of the shafts. Without
+//! damping, gyroscopic and circulatory forces T = (K + s²M)⁻¹M is half as large, and symmetric. The inner product is that
+//! of the energy, in which T is normal if nothing damps.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::SpectralRange;
+use super::contour::{self, Annulus, Contour, Known};
+use super::real::null_motions;
+use super::spectral_range::{ShiftInverse, mass_times};
+use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
+use crate::model::{Model, Weights};
+
+/// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
+const UNCOUPLED: f64 = 1e-11;
+/// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
+const MAX_CORRECTION: f64 = 1e-6;
+/// Ratio of the radii of an annulus.
+const RATIO: f64 = 4.0;
+
+/// Matrices of the problem and its rigid-body modes.
+pub(super) struct Problem<'m> {
+    pub model: &'m Model,
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
+    /// s, rad/s.
+    pub shift: f64,
+    /// D = C + ΩG.
+    rate: Sparse,
+    /// Symmetric part of K.
+    stiffness: Sparse,
+    /// Whether D and the skew part of K are zero.
+    pub undamped: bool,
+    /// Rigid-body modes, one per column, orthonormal in M.
+    pub null: DMatrix<f64>,
+    /// Numbers of the rigid-body modes whose velocity D does not act on.
+    pub free: Vec<usize>,
+    /// Bound of the eigenvalues.
+    bound: Bound,
+}
+
+impl<'m> Problem<'m> {
+    pub fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
+        let rate = model.sparse_rate(speed);
+        let circulates =
+            model.local_elements().any(|element| element.skew_part().as_flattened().iter().any(|k| *k != 0.0));
+        let null = null_motions(model, speed)?;
+        // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
+        let inertia = model.sparse_mass().diagonal();
+        let scaled = |row: usize, column: usize, value: f64| value.abs() / (inertia[row] * inertia[column]).sqrt();
+        let largest = rate.largest(scaled);
+        let acts = |column: usize| {
+            let motion: Vec<f64> = null.column(column).iter().copied().collect();
+            let mut force = vec![0.0; motion.len()];
+            rate.multiply_add(1.0, &motion, &mut force);
+            let size = motion.iter().zip(&inertia).map(|(x, m)| x.abs() * m.sqrt()).fold(0.0, f64::max);
+            force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
+        };
+        Ok(Self {
+            shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
+            undamped: rate.is_zero() && !circulates,
+            free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
+            bound: Bound::new(model, speed, range.fastest),
+            stiffness: model.sparse_symmetric_stiffness(speed),
+            model,
+            speed,
+            rate,
+            null,
+        })
+    }
+
+    /// States (x, z) of λ = 0: the positions of rigid-body modes, and the velocities on which nothing acts.
+    pub fn rigid_states(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        let n = self.model.len();
+        let state = move |column: usize, first: usize| {
+            let mut state = vec![0.0; 2 * n];
+            state[first..first + n].copy_from_slice(self.null.column(column).as_slice());
+            state
+        };
+        let positions = (0..self.null.ncols()).map(move |column| state(column, 0));
+        positions.chain(self.free.iter().map(move |column| state(*column, n)))
+    }
+
+    /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
+    pub fn damper_states(&self) -> Vec<Vec<f64>> {
+        let (n, mut rows) = (self.model.len(), Vec::new());
+        for support in self.model.supports.iter().filter(|support| support.damping != [[0.0; 2]; 2]) {
+            rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
+        }
+        let links = self.model.links.iter().filter(|link| link.local.damping != [[0.0; 2]; 2]);
+        rows.extend(links.flat_map(|link| link.rows.iter().cloned()));
+        for connection in self.model.connections(self.speed) {
+            if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
+                rows.extend(connection.rows());
+            }
+        }
+        let state = |row: Vec<(usize, f64)>| {
+            let mut state = vec![0.0; 2 * n];
+            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
+            state
+        };
+        rows.into_iter().map(state).collect()
+    }
+
+    /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
+    pub fn missing(&self, found: impl Iterator<Item = Complex64>, contour: &Contour) -> Option<i64> {
+        let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
+        let known = Known { zeros, values: found.collect() };
+        let determinant = |at: Complex64| {
+            let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
+            let matrix = self.model.dynamic_stiffness(&Weights::dynamic(at, self.speed), self.speed);
+            matrix.factor(sense).ok().map(|factors| factors.determinant())
+        };
+        contour::missing(determinant, &known, contour)
+    }
+
+    /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
+    /// half.
+    pub fn contour(&self, radius: f64) -> Contour {
+        let Bound { damping, circulatory, stable, .. } = self.bound;
+        if damping == 0.0 && circulatory == 0.0 {
+            return Contour::of_disk(radius);
+        }
+        Contour::of_disk_and_sectors([radius, self.bound.largest().max(2.0 * radius)], !stable)
+    }
+
+    /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
+    pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
+        let radii = std::iter::successors(Some(radius), |radius| Some(radius * RATIO));
+        let radii = radii.take_while(|radius| *radius < self.bound.largest());
+        let sides = if self.bound.stable { &[true][..] } else { &[true, false] };
+        radii
+            .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
+            .collect()
+    }
+
+    /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
+    /// than K.
+    pub fn rayleigh(&self, value: Complex64, shape: &DVector<Complex64>) -> Complex64 {
+        let parts = [shape.map(|entry| entry.re), shape.map(|entry| entry.im)];
+        let elastic =
+            |part: &DVector<f64>| self.model.elastic_form(part.as_slice(), |mesh| self.model.sigma(mesh, self.speed));
+        let mut stiffness = Complex64::from(elastic(&parts[0]) + elastic(&parts[1]));
+        let supports = self.model.supports.iter();
+        let supports = supports.map(|support| (support, [shape[support.index], shape[support.index + 1]]));
+        let links = self.model.links.iter().map(|link| (&link.local, link.complex_scalars(shape.as_slice())));
+        for (element, local) in supports.chain(links) {
+            for (row, left) in element.skew_part().iter().zip(local) {
+                for (value, right) in row.iter().zip(local) {
+                    stiffness += left.conj() * right * *value;
+                }
+            }
+        }
+        let images = parts.each_ref().map(|part| {
+            let mut image = DVector::zeros(part.len());
+            self.rate.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
+            image
+        });
+        let rate = Complex64::new(
+            parts[0].dot(&images[0]) + parts[1].dot(&images[1]),
+            parts[0].dot(&images[1]) - parts[1].dot(&images[0]),
+        );
+        let root = (rate * rate - 4.0 * stiffness).sqrt();
+        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
+            Complex64::new(f64::INFINITY, 0.0),
+            |best, one| {
+                if (one - value).norm() < (best - value).norm() { one } else { best }
+            },
+        );
+        let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
+        if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
+    }
+}
+
+/// T of the first-order form.
+pub(super) struct FirstOrderInverse<'p, 'm> {
+    problem: &'p Problem<'m>,
+    factors: CoupledFactors,
+    /// s, rad/s.
+    shift: f64,
+}
+
+impl<'p, 'm> FirstOrderInverse<'p, 'm> {
+    /// T at the real shift `shift`, rad/s.
+    pub fn new(problem: &'p Problem<'m>, shift: f64) -> Result<Self, DecompositionError> {
+        let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
+        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(shift.signum())?;
+        Ok(Self { problem, factors, shift })
+    }
+}
+
+impl Operator for FirstOrderInverse<'_, '_> {
+    type Scalar = f64;
+    const SYMMETRIC: bool = false;
+
+    fn size(&self) -> usize {
+        2 * self.problem.model.len()
+    }
+
+    fn apply(&self, state: &[f64]) -> Result<Vec<f64>, DecompositionError> {
+        let (Problem { model, rate, .. }, shift) = (self.problem, self.shift);
+        let (x, z) = state.split_at(model.len());
+        let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
+        let mut force = mass_times(model, &momentum);
+        rate.multiply_add(-1.0, x, &mut force);
+        let mut image = model.solve_real(&self.factors, &force)?;
+        for index in 0..model.len() {
+            image.push(x[index] + shift * image[index]);
+        }
+        Ok(image)
+    }
+
+    /// The inner product is xᵀ(K + s²M)x' + zᵀMz', with the symmetric part of K.
+    fn weigh(&self, state: &[f64]) -> Vec<f64> {
+        let Problem { model, shift, stiffness, .. } = self.problem;
+        let (x, z) = state.split_at(model.len());
+        let mut weighted = mass_times(model, x);
+        weighted.iter_mut().for_each(|value| *value *= shift * shift);
+        stiffness.multiply_add(1.0, x, &mut weighted);
+        weighted.extend(mass_times(model, z));
+        weighted
+    }
+}
+
+/// An operator whose eigenvalues θ belong to eigenvalues λ of the problem.
+pub(super) trait Inverse: Operator<Scalar = f64> {
+    /// λ, rad/s.
+    fn eigenvalue(&self, value: Complex64) -> Complex64;
+
+    /// The shape x of a vector of the operator.
+    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64>;
+}
+
+impl Inverse for ShiftInverse<'_> {
+    fn eigenvalue(&self, value: Complex64) -> Complex64 {
+        Complex64::new(0.0, (1.0 / value.re - self.shift * self.shift).max(0.0).sqrt())
+    }
+
+    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64> {
+        vector
+    }
+}
+
+impl Inverse for FirstOrderInverse<'_, '_> {
+    fn eigenvalue(&self, value: Complex64) -> Complex64 {
+        self.shift + 1.0 / value
+    }
+
+    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64> {
+        vector.rows(0, vector.len() / 2).into_owned()
+    }
+}
+
+/// Bound of all eigenvalues: |λ| ≤ c + Ωg + √(k + κ) follows from xᴴS(λ)x = 0, where c, g, k and κ bound the damping, the
+/// gyroscopic matrix, the symmetric and the skew part of the stiffness relative to the mass.
+struct Bound {
+    /// c, 1/s.
+    damping: f64,
+    /// Ωg, 1/s.
+    gyroscopic: f64,
+    /// κ, 1/s².
+    circulatory: f64,
+    /// √k, rad/s.
+    fastest: f64,
+    /// Whether every eigenvalue has Re λ ≤ 0.
+    stable: bool,
+}
+
+impl Bound {
+    fn new(model: &Model, speed: f64, fastest: f64) -> Self {
+        let [alpha, beta] = model.scene.rayleigh;
+        let mut bound = Self {
+            damping: alpha.abs() + beta.abs() * fastest * fastest,
+            gyroscopic: 0.0,
+            circulatory: 0.0,
+            fastest,
+            stable: alpha >= 0.0 && beta >= 0.0,
+        };
+        // The trace of M⁻¹C bounds the largest eigenvalue.
+        let mobility = |row: &[(usize, f64)]| {
+            let mut column = vec![0.0; model.len()];
+            row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
+            model.solve_mass(&mut column);
+            row.iter().map(|(index, coefficient)| coefficient * column[*index]).sum::<f64>()
+        };
+        let supports = model.supports.iter().map(|support| (2.0 * mobility(&[(support.index, 1.0)]), support));
+        let links = model.links.iter();
+        let links = links.map(|link| (link.rows.iter().map(|row| mobility(row)).sum::<f64>(), &link.local));
+        for (mobility, support) in supports.chain(links) {
+            let [[a, b], [c, d]] = support.damping;
+            bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
+            bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
+            bound.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
+        }
+        for connection in model.connections(speed) {
+            let damping = connection.linear(speed).damping;
+            let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
+            bound.damping += mobility * damping.norm();
+            bound.stable &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
+        }
+        bound.stable &= bound.circulatory == 0.0;
+        // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
+        let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
+        let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
+        bound.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
+        bound
+    }
+
+    /// Bound of |λ|, rad/s.
+    fn largest(&self) -> f64 {
+        2.0 * (self.damping + self.gyroscopic + (self.fastest * self.fastest + self.circulatory).sqrt())
+    }
+}

@@ -1,0 +1,92 @@
+//! Inertia of supports and housings: one independent coordinate after another.
+
+use std::ops::Range;
+
+use super::{Model, Numbering};
+use crate::connection::Row;
+use crate::linalg::BandOrder;
+use crate::scene::{Housing, Node, Scene};
+
+/// Inertia of the coordinates of all supports and housings.
+#[derive(Clone, Debug, Default)]
+pub struct HousingInertia {
+    /// Index, in the order of the core, of the first coordinate.
+    pub start: usize,
+    /// Mass, kg, or moment of inertia, kg m², of each coordinate.
+    pub inertia: Vec<f64>,
+}
+
+impl HousingInertia {
+    pub(super) fn new(scene: &Scene, numbering: &Numbering) -> Self {
+        let start = numbering.end_of_shafts();
+        let mut inertia = vec![0.0; numbering.len() - start];
+        for (index, housing) in scene.housings.iter().enumerate() {
+            let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+            let Some(first) = numbering.translation(node) else { continue };
+            let own = &mut inertia[first - start..];
+            own[..2].fill(housing.mass);
+            if let Some([x, y, z]) = housing.inertia {
+                own[2..5].copy_from_slice(&[z, y, x]);
+            }
+        }
+        Self { start, inertia }
+    }
+
+    /// Indices of the coordinates, in the order of the core.
+    #[inline(always)]
+    pub fn coordinates(&self) -> Range<usize> {
+        self.start..self.start + self.inertia.len()
+    }
+
+    /// Order of the coordinates in a band matrix.
+    pub fn band_order(&self) -> BandOrder {
+        BandOrder { per_node: 1, nodes: self.inertia.len(), per_element: 0 }
+    }
+
+    /// `out += M x`.
+    pub fn multiply_mass(&self, x: &[f64], out: &mut [f64]) {
+        let range = self.coordinates();
+        for ((out, x), inertia) in out[range.clone()].iter_mut().zip(&x[range]).zip(&self.inertia) {
+            *out += inertia * x;
+        }
+    }
+
+    /// `x ← M⁻¹ x`.
+    #[inline(always)]
+    pub fn solve_mass(&self, x: &mut [f64]) {
+        for (x, inertia) in x[self.coordinates()].iter_mut().zip(&self.inertia) {
+            *x /= inertia;
+        }
+    }
+
+    /// vᵀMv, J.
+    pub fn kinetic_form(&self, v: &[f64]) -> f64 {
+        v[self.coordinates()].iter().zip(&self.inertia).map(|(v, inertia)| inertia * v * v).sum()
+    }
+}
+
+impl Model {
+    /// Nodes of supports and housings.
+    pub fn housing_nodes(&self) -> impl Iterator<Item = Node> + use<> {
+        let shafts = self.scene.shafts.len();
+        (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
+    }
+
+    /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;
+    /// `None` for a node of a shaft and without bending.
+    pub fn point_rows(&self, node: Node, arm: [f64; 3]) -> Option<[Row; 2]> {
+        let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
+        Some(point_rows(housing, self.numbering.translation(node)?, arm))
+    }
+}
+
+/// Displacements along y and z of the point of a housing at the distance `arm` (x, y, z) from its centre of mass, as
+/// entries over the coordinates: v + Γ x − θ z and w − B x + θ y. `first` is the index of v of the housing.
+pub fn point_rows(housing: &Housing, first: usize, [x, y, z]: [f64; 3]) -> [Row; 2] {
+    let mut rows = [vec![(first, 1.0)], vec![(first + 1, 1.0)]];
+    if housing.inertia.is_some() {
+        rows[0].extend([(first + 2, x), (first + 4, -z)]);
+        rows[1].extend([(first + 3, x), (first + 4, y)]);
+    }
+    rows
+}

@@ -1,0 +1,234 @@
+//! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
+//!
+//! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
+//! link: a bearing on a housing, the mount of a housing, a coupling, a drive. All are part of the matrices.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::housing::point_rows;
+use super::{Model, Numbering, Support};
+use crate::connection::Row;
+use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
+
+/// A spring and damper over one or two scalars u = Wᵀq: f = K u + C u̇, which acts as −W f.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Path of its entry in the scene.
+    pub name: String,
+    /// Node of the bearing that it represents; `None` for another element.
+    pub bearing: Option<Node>,
+    /// The scalars as entries (index of a coordinate, coefficient).
+    pub rows: Vec<Row>,
+    /// Coefficients over the scalars, with the index 0; entries beyond the number of scalars are zero.
+    pub local: Support,
+    /// Scalars at which it has no force; `None` if they are zero.
+    pub rest: Option<Rest>,
+}
+
+/// Scalars of a misaligned coupling at which it has no force: fixed + turning·e^{iϑ}, as v + iw.
+#[derive(Clone, Copy, Debug)]
+pub struct Rest {
+    /// Part that is fixed in space, m or rad.
+    pub fixed: Complex64,
+    /// Part that turns with the shaft, m.
+    pub turning: Complex64,
+    /// Index of the shaft.
+    pub shaft: usize,
+}
+
+impl Link {
+    /// An element over the scalars of `rows` that is no bearing.
+    pub fn new(name: String, rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2) -> Self {
+        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
+    }
+
+    /// The scalars u for displacements q, or u̇ for velocities; zero beyond their number.
+    #[inline]
+    pub fn scalars(&self, q: &[f64]) -> [f64; 2] {
+        let mut scalars = [0.0; 2];
+        for (scalar, row) in scalars.iter_mut().zip(&self.rows) {
+            *scalar = row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
+        }
+        scalars
+    }
+
+    /// Force K u + C u̇ over the scalars, N or N m.
+    #[inline]
+    pub fn force(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
+        self.local.force(&self.scalars(q), &self.scalars(v))
+    }
+
+    /// Subtracts a force over the scalars from the generalised forces.
+    #[inline]
+    pub fn subtract(&self, force: [f64; 2], out: &mut [f64]) {
+        for (row, force) in self.rows.iter().zip(force) {
+            row.iter().for_each(|(index, coefficient)| out[*index] -= coefficient * force);
+        }
+    }
+
+    /// Generalised forces W K u₀ of scalars u₀ = v + iw, as entries over the coordinates, N or N m.
+    pub fn rest_force(&self, rest: Complex64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let force = self.local.elastic_force(&[rest.re, rest.im]);
+        let scaled = |(row, force): (&Row, f64)| row.iter().map(|(i, c)| (*i, force * c)).collect::<Vec<_>>();
+        self.rows.iter().zip(force).flat_map(scaled)
+    }
+
+    /// ½(u − u₀)ᵀK(u − u₀) − ½uᵀKu, J, with the scalars u₀ without force at the phasor e^{iϑ} of its shaft.
+    pub fn rest_energy(&self, phasor: Complex64, q: &[f64]) -> f64 {
+        let Some(rest) = &self.rest else { return 0.0 };
+        let (at_rest, u) = (rest.fixed + rest.turning * phasor, self.scalars(q));
+        let [y, z] = self.local.elastic_force(&[at_rest.re, at_rest.im]);
+        y * (at_rest.re / 2.0 - u[0]) + z * (at_rest.im / 2.0 - u[1])
+    }
+
+    /// Powers, W: that of the constant force of the part fixed in space, and that which turns the other part, at the phasor
+    /// e^{iϑ} and the spin, rad/s, of its shaft.
+    pub fn rest_powers(&self, phasor: Complex64, spin: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let Some(rest) = &self.rest else { return [0.0; 2] };
+        let ([u, u_rate], turning) = ([q, v].map(|x| self.scalars(x)), rest.turning * phasor);
+        let fixed = self.local.elastic_force(&[rest.fixed.re, rest.fixed.im]);
+        let stretch = [u[0] - rest.fixed.re - turning.re, u[1] - rest.fixed.im - turning.im];
+        let (force, rate) = (self.local.elastic_force(&stretch), turning * Complex64::new(0.0, spin));
+        [fixed[0] * u_rate[0] + fixed[1] * u_rate[1], -(rate.re * force[0] + rate.im * force[1])]
+    }
+
+    /// Directions in which it has stiffness, as entries over the coordinates.
+    pub fn directions(&self) -> impl Iterator<Item = Row> + '_ {
+        self.local.directions().map(|direction| {
+            let scaled = |(row, factor): (&Row, f64)| row.iter().map(|(i, c)| (*i, factor * c)).collect::<Vec<_>>();
+            self.rows.iter().zip(direction).flat_map(scaled).collect()
+        })
+    }
+
+    /// The scalars of a complex vector of displacements.
+    pub fn complex_scalars(&self, shape: &[Complex64]) -> [Complex64; 2] {
+        let mut scalars = [Complex64::ZERO; 2];
+        for (scalar, row) in scalars.iter_mut().zip(&self.rows) {
+            *scalar = row.iter().map(|(index, coefficient)| shape[*index] * *coefficient).sum();
+        }
+        scalars
+    }
+
+    /// Norm of WᵀM⁻¹W, an upper bound of the acceleration of the scalars per unit force on them; `solve_mass` gives
+    /// M⁻¹x.
+    pub fn mobility(&self, len: usize, solve_mass: impl Fn(&mut [f64])) -> f64 {
+        let accelerated = |row: &Row| {
+            let mut column = vec![0.0; len];
+            row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
+            solve_mass(&mut column);
+            self.scalars(&column)
+        };
+        self.rows.iter().map(|row| accelerated(row).iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
+    }
+}
+
+impl Model {
+    /// Coefficients of all bearings with constant coefficients and of all links.
+    pub fn local_elements(&self) -> impl Iterator<Item = &Support> {
+        self.supports.iter().chain(self.links.iter().map(|link| &link.local))
+    }
+
+    /// Coordinates on which the bearings at a node act.
+    pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
+        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
+        let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
+        rows.flatten().map(|(index, _)| *index).collect()
+    }
+
+    /// Index ranges, in the order of the core, of the parts that only meshes couple.
+    pub fn uncoupled_parts(&self) -> Vec<Range<usize>> {
+        if self.links.is_empty() {
+            self.numbering.uncoupled_parts().collect()
+        } else {
+            std::iter::once(0..self.len()).collect()
+        }
+    }
+}
+
+/// The links of a scene: mounts of supports and housings, couplings, drives, and bearings with constant coefficients that stand on them.
+pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
+    let mut links = Vec::new();
+    for (index, housing) in scene.housings.iter().enumerate() {
+        let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+        if let Some(first) = numbering.translation(node) {
+            mounts(housing, first, &mut links);
+        }
+    }
+    for (number, coupling) in scene.couplings.iter().enumerate() {
+        join(coupling, number, numbering, &mut links);
+    }
+    for (number, drive) in scene.drives.iter().enumerate() {
+        if let Some(index) = numbering.twist(drive.node) {
+            let [stiffness, damping] = [drive.stiffness, drive.damping].map(|value| [[value, 0.0], [0.0, 0.0]]);
+            links.push(Link::new(format!("drives[{number}]"), vec![vec![(index, 1.0)]], stiffness, damping));
+        }
+    }
+    for (number, bearing) in scene.bearings.iter().enumerate() {
+        let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
+            continue;
+        };
+        if let Some(rows) = bearing_rows(scene, numbering, bearing).filter(|_| bearing.attachment.is_some()) {
+            let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
+            links.push(Link { bearing: Some(bearing.node), ..link });
+        }
+    }
+    links
+}
+
+/// Displacements (v, w) of the shaft relative to what its bearing stands on; `None` without bending.
+pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Option<[Row; 2]> {
+    let index = numbering.translation(bearing.node)?;
+    let mut rows = [vec![(index, 1.0)], vec![(index + 1, 1.0)]];
+    if let Some(Attachment { housing, arm }) = bearing.attachment {
+        let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
+        let base = point_rows(&scene.housings[housing], first, arm);
+        for (row, base) in rows.iter_mut().zip(base) {
+            row.extend(base.into_iter().map(|(index, coefficient)| (index, -coefficient)));
+        }
+    }
+    Some(rows)
+}
+
+/// Springs and dampers of a coupling, over the displacements of hub a relative to hub b.
+fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut Vec<Link>) {
+    let (name, [a, b]) = (format!("couplings[{number}]"), coupling.hubs);
+    let [_, lateral, tilting, torsional] =
+        std::array::from_fn(|kind| [coupling.stiffness[kind], coupling.damping[kind]]);
+    let both = |[k, c]: [f64; 2]| [k, c].map(|value| [[value, 0.0], [0.0, value]]);
+    let relative = |a: usize, b: usize| vec![(a, 1.0), (b, -1.0)];
+    if let (Some(v), Some(w)) = (numbering.translation(a), numbering.translation(b)) {
+        let misaligned = [
+            (lateral, 0, coupling.offset, coupling.runout),
+            // The slopes along y and z are Γ and −B.
+            (tilting, 2, coupling.angle, Complex64::ZERO),
+        ];
+        for (coefficients, at, fixed, turning) in misaligned {
+            let [stiffness, damping] = both(coefficients);
+            let rows = vec![relative(v + at, w + at), relative(v + at + 1, w + at + 1)];
+            let rest = Rest { fixed, turning, shaft: a.shaft };
+            let rest = (fixed != Complex64::ZERO || turning != Complex64::ZERO).then_some(rest);
+            links.push(Link { rest, ..Link::new(name.clone(), rows, stiffness, damping) });
+        }
+    }
+    if let (Some(a), Some(b)) = (numbering.twist(a), numbering.twist(b)) {
+        let [stiffness, damping] = torsional.map(|value| [[value, 0.0], [0.0, 0.0]]);
+        links.push(Link::new(name, vec![relative(a, b)], stiffness, damping));
+    }
+}
+
+/// Springs and dampers between a housing and the ground.
+fn mounts(housing: &Housing, first: usize, links: &mut Vec<Link>) {
+    let rows = vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]];
+    let name = format!("the mount of \"{}\"", housing.name);
+    links.push(Link::new(name.clone(), rows, housing.stiffness, housing.damping));
+    if housing.inertia.is_some() {
+        // The order of the core is −B = −rotation about y, Γ about z and θ about x.
+        for (axis, index) in [(0, first + 4), (1, first + 3), (2, first + 2)] {
+            let (k, c) = (housing.rotational_stiffness[axis], housing.rotational_damping[axis]);
+            let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
+            links.push(Link::new(name.clone(), vec![vec![(index, 1.0)]], single(k), single(c)));
+        }
+    }
+}

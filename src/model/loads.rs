@@ -1,0 +1,94 @@
+//! Loads of the scene: torques, forces, gravity, misaligned couplings.
+
+use nalgebra::DVector;
+use num_complex::Complex64;
+
+use super::{DofKind, Excitation, Model};
+use crate::connection::AppliedLoad;
+use crate::scene::{Node, VaryingLoad};
+
+impl Model {
+    /// Forces and torques that depend on time, angle or speed, on the coordinates that the scene has.
+    pub(super) fn varying_loads(&self) -> Vec<AppliedLoad> {
+        let load = |given: &VaryingLoad| {
+            let rows = if given.law.is_torque() {
+                vec![vec![(self.numbering.twist(given.node)?, 1.0)]]
+            } else {
+                let index = self.numbering.translation(given.node)?;
+                vec![vec![(index, 1.0)], vec![(index + 1, 1.0)]]
+            };
+            let (path, shaft, law) = (given.path.clone(), given.node.shaft, given.law.clone());
+            Some(AppliedLoad { path, rows, shaft, ratio: self.scene.speed_ratios[shaft], law })
+        };
+        self.scene.varying_loads.iter().filter_map(load).collect()
+    }
+
+    /// Adds the forces that turn with a shaft, and those of eccentric hubs of couplings, to the excitations of the shafts.
+    pub(super) fn add_turning_forces(&mut self) {
+        let none = Complex64::ZERO;
+        let force = |index: usize, force: Complex64| Excitation { index, bow: none, force, unbalance: none };
+        for given in self.scene.forces.iter().filter(|force| force.turns) {
+            if let Some(index) = self.numbering.translation(given.node) {
+                self.shafts[given.node.shaft].excitations.push(force(index, given.value));
+            }
+        }
+        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
+            // The entries of each hub are a pair (v, w).
+            let [along_v, along_w] = [&link.rows[0], &link.rows[1]];
+            let amplitude = rest.turning * link.local.stiffness[0][0];
+            for ((index, coefficient), _) in along_v.iter().zip(along_w).filter(|_| amplitude != Complex64::ZERO) {
+                self.shafts[rest.shaft].excitations.push(force(*index, amplitude * *coefficient));
+            }
+        }
+    }
+
+    /// Power of a force y + iz, N, on a node that moves with the velocities v, m/s.
+    pub fn power(&self, node: Node, force: Complex64, v: &[f64]) -> f64 {
+        self.numbering.translation(node).map_or(0.0, |index| force.re * v[index] + force.im * v[index + 1])
+    }
+
+    /// Powers of the constant torques and forces, and of the whole constant load, W.
+    pub fn constant_powers(&self, v: &[f64]) -> [f64; 2] {
+        let torques = self.scene.torques.iter();
+        let torque: f64 =
+            torques.map(|torque| torque.value * self.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
+        let fixed = self.scene.forces.iter().filter(|force| !force.turns);
+        let forces: f64 = fixed.map(|force| self.power(force.node, force.value, v)).sum();
+        [torque + forces, self.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum()]
+    }
+
+    pub(super) fn assemble_constant_load(&self) -> DVector<f64> {
+        let mut load = DVector::zeros(self.len());
+        for torque in &self.scene.torques {
+            if let Some(index) = self.numbering.twist(torque.node) {
+                load[index] += torque.value;
+            }
+        }
+        for force in self.scene.forces.iter().filter(|force| !force.turns) {
+            if let Some(index) = self.numbering.translation(force.node) {
+                load[index] += force.value.re;
+                load[index + 1] += force.value.im;
+            }
+        }
+        for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
+            link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
+        }
+        if self.scene.gravity != [0.0; 2] {
+            let mut acceleration = DVector::zeros(self.len());
+            for dof in self.numbering.nodal_dofs() {
+                match dof.kind {
+                    DofKind::V => acceleration[dof.index] = self.scene.gravity[0],
+                    DofKind::W => acceleration[dof.index] = self.scene.gravity[1],
+                    _ => {}
+                }
+            }
+            for node in self.housing_nodes() {
+                if let Some(v) = self.numbering.translation(node) {
+                    (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
+                }
+            }
+            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
+        }
+        load
+    }
+}

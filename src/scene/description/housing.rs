@@ -1,0 +1,92 @@
+//! Description of what bearings stand on: supports and housings.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::Coefficient;
+
+/// A mass on a spring and a damper between a bearing and the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// Name; unique in the system.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Stiffness to the ground over (y, z), N/m.
+    pub stiffness: Coefficient,
+    /// Damping to the ground over (y, z), N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Coefficient>,
+}
+
+/// A rigid body on springs and dampers that carries several bearings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Housing {
+    /// Name; unique in the system.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Stiffness to the ground over (y, z) at the centre of mass, N/m.
+    pub stiffness: Coefficient,
+    /// Damping to the ground over (y, z) at the centre of mass, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Coefficient>,
+    /// Moments of inertia about the axes through the centre of mass parallel to x, y and z, kg m²; without them the
+    /// housing does not rotate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<[f64; 3]>,
+    /// Centre of mass (x, y, z), m; the origin is the left end of the first shaft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// Stiffness to the ground about x, y and z, N m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotational_stiffness: Option<[f64; 3]>,
+    /// Damping to the ground about x, y and z, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotational_damping: Option<[f64; 3]>,
+    /// Points (x, y, z) whose motion can be recorded, m, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub points: BTreeMap<String, [f64; 3]>,
+}
+
+/// What a bearing stands on: the name of a support or housing, or its own support.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Base {
+    /// Name of a support or housing.
+    Named(String),
+    /// A support of this bearing alone.
+    Own(Support),
+}
+
+/// Not derived: an error inside a support names the field; an untagged enum only says that no variant fits.
+impl<'de> Deserialize<'de> for Base {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        struct Reader;
+
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Base;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("the name of a support or housing, or a support")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Base, E> {
+                Ok(Base::Named(name.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Base, A::Error> {
+                Support::deserialize(MapAccessDeserializer::new(map)).map(Base::Own)
+            }
+        }
+
+        source.deserialize_any(Reader)
+    }
+}

@@ -1,0 +1,207 @@
+//! Description of couplings, drives, forces, and of torques that depend on time or speed.
+
+use std::fmt;
+
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::{Complex, Outside, Place};
+
+/// A coupling between two coaxial shafts of one speed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// Place of the first hub.
+    pub a: Place,
+    /// Place of the second hub.
+    pub b: Place,
+    /// Axial, lateral [N/m], tilting and torsional [N m/rad] stiffness.
+    pub stiffness: [f64; 4],
+    /// Axial, lateral [N s/m], tilting and torsional [N m s/rad] damping.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<[f64; 4]>,
+    /// Parallel misalignment of the axis of b to that of a, y + iz, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<Complex>,
+    /// Angular misalignment of the axis of b to that of a, slopes along y + iz, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Complex>,
+    /// Eccentricity of the hub of b, m, with its angle in the rotating shaft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub runout: Option<Complex>,
+}
+
+/// A torsional spring and damper that hold the rotation of a shaft at its prescribed angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Place where it acts.
+    pub at: Place,
+    /// Stiffness, N m/rad.
+    pub stiffness: f64,
+    /// Damping, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
+}
+
+/// A lateral force on a shaft.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Force {
+    /// Place where it acts.
+    pub at: Place,
+    /// Force y + iz, N.
+    pub value: ForceValue,
+    /// Angle of the force per angle of the shaft; a force without an order does not turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order: Option<f64>,
+}
+
+/// Values over time; between them a cubic, outside the first or the last value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeSeries {
+    /// Times, s, ascending.
+    pub times: Vec<f64>,
+    /// Value at each time.
+    pub values: Vec<Complex>,
+    /// Derivative at each time; that of a monotone cubic by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<Vec<Complex>>,
+}
+
+/// A torque over the magnitude of the speed of its shaft.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueTable {
+    /// Speeds, rad/s, ascending from zero or above.
+    pub speeds: Vec<f64>,
+    /// Torque at each speed, N m.
+    pub values: Vec<f64>,
+    /// What holds for a speed of the shaft outside the table; an error by default.
+    #[serde(default, skip_serializing_if = "is_error")]
+    pub outside: Outside,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
+fn is_error(outside: &Outside) -> bool {
+    *outside == Outside::Error
+}
+
+/// Value of a force.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ForceValue {
+    /// Constant, N.
+    Constant(Complex),
+    /// Over time, N.
+    Series(TimeSeries),
+}
+
+/// Value of a torque.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum TorqueValue {
+    /// Constant, N m.
+    Constant(f64),
+    /// Over time, N m.
+    Series(TimeSeries),
+    /// Over the speed of the shaft, N m.
+    Table(TorqueTable),
+}
+
+/// Not derived: an error inside a series names the field; an untagged enum only says that no variant fits.
+impl<'de> Deserialize<'de> for ForceValue {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        struct Reader;
+
+        impl<'de> Visitor<'de> for Reader {
+            type Value = ForceValue;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a number [N], a pair [y, z] or a time series")
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<ForceValue, E> {
+                Ok(ForceValue::Constant(Complex::Real(value)))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<ForceValue, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<ForceValue, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ForceValue, A::Error> {
+                let pair = <[f64; 2]>::deserialize(SeqAccessDeserializer::new(sequence))?;
+                Ok(ForceValue::Constant(Complex::Pair(pair)))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ForceValue, A::Error> {
+                TimeSeries::deserialize(MapAccessDeserializer::new(map)).map(ForceValue::Series)
+            }
+        }
+
+        source.deserialize_any(Reader)
+    }
+}
+
+impl<'de> Deserialize<'de> for TorqueValue {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        /// Both tables, of which the keys of the entry select one.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Either {
+            times: Option<Vec<f64>>,
+            speeds: Option<Vec<f64>>,
+            values: Vec<Complex>,
+            slopes: Option<Vec<Complex>>,
+            #[serde(default)]
+            outside: Outside,
+        }
+
+        struct Reader;
+
+        impl<'de> Visitor<'de> for Reader {
+            type Value = TorqueValue;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a number [N m], a time series or a speed table")
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<TorqueValue, E> {
+                Ok(TorqueValue::Constant(value))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<TorqueValue, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<TorqueValue, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TorqueValue, A::Error> {
+                let Either { times, speeds, values, slopes, outside } =
+                    Either::deserialize(MapAccessDeserializer::new(map))?;
+                match (times, speeds) {
+                    (Some(times), None) => Ok(TorqueValue::Series(TimeSeries { times, values, slopes })),
+                    (None, Some(speeds)) => {
+                        let real = |value: &Complex| match value {
+                            Complex::Real(value) => Ok(*value),
+                            Complex::Pair(_) => Err(A::Error::custom("a torque is a real number, got a pair")),
+                        };
+                        let values = values.iter().map(real).collect::<Result<_, _>>()?;
+                        Ok(TorqueValue::Table(TorqueTable { speeds, values, outside }))
+                    }
+                    _ => Err(A::Error::custom("needs either times or speeds")),
+                }
+            }
+        }
+
+        source.deserialize_any(Reader)
+    }
+}

@@ -1,0 +1,211 @@
+//! What bearings stand on: supports and housings, and where each bearing is attached to its housing.
+//!
+//! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
+
+use super::description::{self, Base, SceneDescription};
+use super::place::{Names, own_supports};
+use super::speed_table::checked;
+use super::{Coupling, EntryPath, Gear, Matrix2, Mesh, Node, SceneError, Shaft, nearest};
+
+/// A rigid body on springs and dampers, on which bearings stand.
+#[derive(Clone, Debug)]
+pub struct Housing {
+    /// Name; the path of its entry if it has none.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moments of inertia about x, y and z, kg m²; `None` if it does not rotate.
+    pub inertia: Option<[f64; 3]>,
+    /// Centre of mass (x, y, z), m; the origin is the left end of the first shaft.
+    pub centre: [f64; 3],
+    /// Stiffness to the ground over (y, z), N/m.
+    pub stiffness: Matrix2,
+    /// Damping to the ground over (y, z), N s/m.
+    pub damping: Matrix2,
+    /// Stiffness to the ground about x, y and z, N m/rad.
+    pub rotational_stiffness: [f64; 3],
+    /// Damping to the ground about x, y and z, N m s/rad.
+    pub rotational_damping: [f64; 3],
+    /// Names of the points whose motion can be recorded, with their distance (x, y, z) from the centre of mass, m.
+    pub points: Vec<(String, [f64; 3])>,
+}
+
+/// Place of a bearing on a housing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment {
+    /// Index of the housing.
+    pub housing: usize,
+    /// Distance (x, y, z) of the bearing from the centre of mass of the housing, m; zero if the housing does not rotate.
+    pub arm: [f64; 3],
+}
+
+/// All supports and housings: the listed supports, the listed housings, then the supports of single bearings.
+pub(super) fn housings(system: &SceneDescription) -> Result<Vec<Housing>, SceneError> {
+    let listed = system.supports.iter().enumerate();
+    let listed = listed.map(|(index, given)| support(given, &EntryPath::entry("supports", index)));
+    let rigid = system.housings.iter().enumerate();
+    let rigid = rigid.map(|(index, given)| housing(given, &EntryPath::entry("housings", index)));
+    let own = own_supports(system)
+        .map(|(index, given)| support(given, &EntryPath::entry("bearings", index).field("support")));
+    let found = listed.chain(rigid).chain(own).collect::<Result<Vec<_>, _>>()?;
+    for (index, given) in system.supports.iter().enumerate() {
+        if given.name.is_none() {
+            let message = "needs a name, which bearings refer to with support=";
+            return Err(EntryPath::entry("supports", index).field("name").error(message));
+        }
+    }
+    for (list, index, name) in named_bases(system) {
+        let carries =
+            |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base)) if base == name);
+        if !system.bearings.iter().any(carries) {
+            let message =
+                format!("no bearing stands on \"{name}\"; give gb.Bearing(..., support=\"{name}\"), or remove it");
+            return Err(EntryPath::entry(list, index).error(message));
+        }
+    }
+    Ok(found)
+}
+
+/// The listed supports and housings: list, index and name of each.
+fn named_bases(system: &SceneDescription) -> impl Iterator<Item = (&'static str, usize, &str)> {
+    let supports = system.supports.iter().enumerate();
+    let supports = supports.map(|(index, given)| ("supports", index, given.name.as_deref().unwrap_or_default()));
+    let housings = system.housings.iter().enumerate();
+    supports.chain(housings.map(|(index, given)| ("housings", index, given.name.as_str())))
+}
+
+/// Place of each bearing on its housing; `None` for a bearing on the ground.
+pub(super) fn attachments(
+    system: &SceneDescription,
+    names: &Names,
+    shafts: &[Shaft],
+    train: (&[Gear], &[Mesh], &[Coupling]),
+    housings: &[Housing],
+) -> Result<Vec<Option<Attachment>>, SceneError> {
+    let origins = origins(shafts, train);
+    let mut own = system.supports.len() + system.housings.len();
+    let attachment = |(index, bearing): (usize, &description::Bearing)| {
+        let at = EntryPath::entry("bearings", index);
+        let housing = match &bearing.support {
+            None => return Ok(None),
+            Some(Base::Own(_)) => {
+                own += 1;
+                own - 1
+            }
+            Some(Base::Named(name)) => {
+                let mut bases = named_bases(system);
+                bases.position(|(_, _, base)| base == name).ok_or_else(|| {
+                    let near = nearest(name, named_bases(system).map(|(_, _, base)| base));
+                    at.field("support").error(format!(
+                        "no support or housing is called \"{name}\"{near}; list it in supports= or housings="
+                    ))
+                })?
+            }
+        };
+        let body = &housings[housing];
+        let shaft = names.shaft(&bearing.shaft, &at.field("shaft"))?;
+        let [x, y, z] = origins[shaft];
+        let place = [x + bearing.position, y, z];
+        let arm = std::array::from_fn(|axis| place[axis] - body.centre[axis]);
+        Ok(Some(Attachment { housing, arm: if body.inertia.is_some() { arm } else { [0.0; 3] } }))
+    };
+    system.bearings.iter().enumerate().map(attachment).collect()
+}
+
+/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes and couplings give the positions of
+/// the shafts relative to each other; a shaft without them begins at the origin too.
+fn origins(shafts: &[Shaft], (gears, meshes, couplings): (&[Gear], &[Mesh], &[Coupling])) -> Vec<[f64; 3]> {
+    let mut origins: Vec<Option<[f64; 3]>> = vec![None; shafts.len()];
+    let place = |node: Node| shafts[node.shaft].nodes[node.node];
+    let position = |gear: usize| place(gears[gear].body.node);
+    while let Some(next) = origins.iter().position(Option::is_none) {
+        origins[next] = Some([0.0; 3]);
+        let mut found = true;
+        while found {
+            found = false;
+            for mesh in meshes {
+                let (sine, cosine) = mesh.centre_line_angle.sin_cos();
+                let ends = [(mesh.driver, mesh.driven, 1.0), (mesh.driven, mesh.driver, -1.0)];
+                for (from, to, sign) in ends {
+                    let (known, wanted) = (gears[from].body.node.shaft, gears[to].body.node.shaft);
+                    if let (Some([x, y, z]), None) = (origins[known], origins[wanted]) {
+                        let distance = sign * mesh.centre_distance;
+                        let x = x + position(from) - position(to);
+                        origins[wanted] = Some([x, y + distance * cosine, z + distance * sine]);
+                        found = true;
+                    }
+                }
+            }
+            for Coupling { hubs: [a, b], .. } in couplings {
+                for (known, wanted) in [(*a, *b), (*b, *a)] {
+                    if let (Some([x, y, z]), None) = (origins[known.shaft], origins[wanted.shaft]) {
+                        origins[wanted.shaft] = Some([x + place(known) - place(wanted), y, z]);
+                        found = true;
+                    }
+                }
+            }
+        }
+    }
+    origins.into_iter().flatten().collect()
+}
+
+fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, SceneError> {
+    Ok(Housing {
+        name: given.name.clone().unwrap_or_else(|| at.to_string()),
+        mass: mass(given.mass, at)?,
+        inertia: None,
+        centre: [0.0; 3],
+        stiffness: checked(given.stiffness, &at.field("stiffness"))?,
+        damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        rotational_stiffness: [0.0; 3],
+        rotational_damping: [0.0; 3],
+        points: Vec::new(),
+    })
+}
+
+fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, SceneError> {
+    let vector = |name: &str, values: Option<[f64; 3]>, check: fn(&EntryPath, f64) -> Result<f64, SceneError>| {
+        let at = at.field(name);
+        values.iter().flatten().enumerate().try_for_each(|(axis, value)| check(&at.index(axis), *value).map(drop))
+    };
+    vector("inertia", given.inertia, EntryPath::positive)?;
+    vector("position", given.position, EntryPath::finite)?;
+    vector("rotational_stiffness", given.rotational_stiffness, EntryPath::non_negative)?;
+    vector("rotational_damping", given.rotational_damping, EntryPath::non_negative)?;
+    for (name, values) in
+        [("rotational_stiffness", given.rotational_stiffness), ("rotational_damping", given.rotational_damping)]
+    {
+        if values.is_some() && given.inertia.is_none() {
+            let message =
+                "acts on rotations, which the housing does not have; give inertia=(about x, about y, about z)";
+            return Err(at.field(name).error(message));
+        }
+    }
+    let centre = given.position.unwrap_or_default();
+    let point = |(name, place): (&String, &[f64; 3])| {
+        let at = at.field("points").field(name);
+        place.iter().enumerate().try_for_each(|(axis, value)| at.index(axis).finite(*value).map(drop))?;
+        Ok((name.clone(), std::array::from_fn(|axis| place[axis] - centre[axis])))
+    };
+    Ok(Housing {
+        name: given.name.clone(),
+        mass: mass(given.mass, at)?,
+        inertia: given.inertia,
+        centre,
+        stiffness: checked(given.stiffness, &at.field("stiffness"))?,
+        damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
+        rotational_damping: given.rotational_damping.unwrap_or_default(),
+        points: given.points.iter().map(point).collect::<Result<_, _>>()?,
+    })
+}
+
+fn mass(given: f64, at: &EntryPath) -> Result<f64, SceneError> {
+    let at = at.field("mass");
+    if at.finite(given)? > 0.0 {
+        return Ok(given);
+    }
+    Err(at.error(format!(
+        "must be positive, got {given}; for a support without mass, combine its stiffness with that of the bearing: k = 1/(1/k_bearing + 1/k_support)"
+    )))
+}
