@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use super::AnalysisError;
 use crate::modal::CachedModel;
 use crate::model::{Model, Support};
-use crate::scene::Shaft;
+use crate::scene::{Bearing, Shaft};
 
 /// Relative error of the slowest mode above which a warning is given.
 const ROUND_OFF_LIMIT: f64 = 1e-6;
@@ -34,7 +34,7 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
         let k = &support.symmetric_part;
         k[0][0] * v * v + 2.0 * k[0][1] * v * w + k[1][1] * w * w
     };
-    let bearings = model.supports.iter().map(bearing);
+    let bearings = model.supports.iter().map(|support| (bearing(support), bearing_stiffness(model, support)));
     let links = model.links.iter().map(|link| {
         (link.local.elastic_form(&link.scalars(shape)), format!("{}, of {:.3e} N/m", link.name, largest(&link.local)))
     });
@@ -45,7 +45,7 @@ pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<Strin
     });
     let shafts = std::iter::once((model.shaft_form(shape), shortest_element(model)));
     let (_, cause) = shafts
-        .chain(bearings.enumerate().map(|(index, energy)| (energy, bearing_stiffness(model, index))))
+        .chain(bearings)
         .chain(links)
         .chain(connections)
         .fold((f64::NEG_INFINITY, String::new()), |most, one| if one.0 > most.0 { one } else { most });
@@ -63,8 +63,10 @@ fn shortest_element(model: &Model) -> String {
     format!("the shortest element, {length:.3e} m, on shaft \"{shaft}\" at {x} m")
 }
 
-fn bearing_stiffness(model: &Model, bearing: usize) -> String {
-    format!("bearings[{bearing}], of {:.3e} N/m", largest(&model.supports[bearing]))
+fn bearing_stiffness(model: &Model, support: &Support) -> String {
+    let stands = |bearing: &Bearing| model.numbering.translation(bearing.node) == Some(support.index);
+    let bearing = model.scene.bearings.iter().position(stands).unwrap_or(0);
+    format!("bearings[{bearing}], of {:.3e} N/m", largest(support))
 }
 
 /// Largest entry of a stiffness matrix, N/m.

@@ -235,17 +235,12 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Force of the shaft on the bearings of a node, components (y, z), N.
     pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let mut force = self.model.bearing_force(node, q, v);
-        for bearing in self.model.bearings_at(node) {
-            let own = bearing.force(self.reference_speed(elapsed).0, q, v);
-            force = [force[0] + own[0], force[1] + own[1]];
-        }
-        for journal in self.model.journals_at(node) {
-            // The integrator reports a journal that touches its bearing.
-            let own = journal.force(self.reference_speed(elapsed).0, q, v).unwrap_or([f64::NAN; 2]);
-            force = [force[0] + own[0], force[1] + own[1]];
-        }
-        force
+        let speed = self.reference_speed(elapsed).0;
+        let over_speed = self.model.bearings_at(node).map(|bearing| bearing.force(speed, q, v));
+        // The integrator reports a journal that touches its bearing.
+        let films = self.model.journals_at(node).map(|journal| journal.force(speed, q, v).unwrap_or([f64::NAN; 2]));
+        let constant = self.model.bearing_force(node, q, v);
+        over_speed.chain(films).fold(constant, |sum, own| [sum[0] + own[0], sum[1] + own[1]])
     }
 
     /// Phasor e^{iϑ} of a shaft.

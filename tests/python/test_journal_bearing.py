@@ -410,6 +410,37 @@ def test_a_run_up_follows_the_film_of_each_speed():
         assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
 
 
+def test_oil_films_work_with_supports_and_forces_over_time():
+    system = pair(20.0, THIN)
+    support = gb.Support(mass=5.0, stiffness=5e7, damping=2e3)
+    output = [
+        gb.Bearing("output", x, stiffness=1e8, damping=1e3, support=support)
+        for x in (0.0, PAIR.length)
+    ]
+    mixed = system.replace(
+        bearings=[*(b for b in system.bearings if b.shaft == "input"), *output],
+        forces=[gb.Force("g1", lambda time: 20.0 * np.sin(500.0 * time) + 0j)],
+    )
+    runs = [
+        mixed.simulate(END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
+        for m, tol in (("rk45", 1e-9), ("exponential", 1e-9))
+    ]
+    first, second = (run.displacement("g1") for run in runs)
+    # the third derivative of the interpolated force jumps at the nodes of the table
+    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
+    for run in runs:
+        balance = run.energy_balance()
+        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+
+
+def test_a_system_with_another_load_has_its_own_modes():
+    first = pair(20.0)
+    before = first.modes(SPEED).eigenvalues
+    second = first.replace(torques=pair(60.0).torques).modes(SPEED).eigenvalues
+    np.testing.assert_array_equal(second, pair(60.0).modes(SPEED).eigenvalues)
+    assert np.abs(second - before).max() > 1e-3 * np.abs(before).max()
+
+
 def test_a_reversed_speed_gives_the_mirrored_motion():
     system = rigid(0.02)
     options: dict[str, Any] = {"initial": "rest", "output_step": 1e-3, "record": ["disks"]}
@@ -490,6 +521,12 @@ def test_an_impossible_mixture_is_refused():
     description["bearings"][1]["stiffness"] = 1e8
     with pytest.raises(
         gb.SceneError, match=r"^bearings\[1\]\.stiffness: a journal bearing takes none"
+    ):
+        gb.RotorSystem.from_dict(description)
+    description = pair().description
+    description["bearings"][1]["support"] = {"mass": 10.0, "stiffness": 1e7}
+    with pytest.raises(
+        gb.SceneError, match=r"^bearings\[1\]\.support: a journal bearing stands on the ground"
     ):
         gb.RotorSystem.from_dict(description)
     description = pair().description

@@ -192,7 +192,7 @@ class SystemDescription:
         """Make a system with other parts or options. All others stay the same.
 
         The new system shares the modes of this one if they differ only in forces, torques (except
-        over the speed), gravity, bows and unbalances.
+        over the speed), gravity, bows and unbalances, and have no journal bearings.
 
         Parameters
         ----------

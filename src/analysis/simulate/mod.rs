@@ -33,7 +33,7 @@ use crate::integrate::{
     Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
     Trajectory, run,
 };
-use crate::modal::CachedModel;
+use crate::modal::{AtSpeed, CachedModel};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
@@ -93,11 +93,7 @@ pub fn simulate(
     for speed in options.speed.magnitudes() {
         cached.model.check_speed(speed)?;
     }
-    // At a constant speed bearings that depend on it belong to the matrices.
-    let constant = matches!(options.speed, Speed::Constant(_));
-    let fastest = options.fastest();
-    let at_speed = if constant { cached.at_speed(fastest) } else { cached.with_films_at(fastest) }?;
-    let cached = &*at_speed;
+    let cached = &*of_run(cached, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
@@ -143,6 +139,14 @@ pub fn simulate(
     match outcome {
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
+    }
+}
+
+/// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
+fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, SceneError> {
+    match options.speed {
+        Speed::Constant(_) => cached.at_speed(options.fastest()),
+        Speed::Changing(_) => cached.with_films_at(options.fastest()),
     }
 }
 
