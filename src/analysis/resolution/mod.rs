@@ -148,7 +148,7 @@ pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, 
     // Every node counts as a place of a part, so that the elements are those of the model.
     let layouts: Vec<Layout> =
         given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-    let excitation = if !cached.model.depends_on_speed() {
+    let excitation = if !cached.model.lacks_coefficients() {
         excitation(cached)
     } else {
         excitation(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
