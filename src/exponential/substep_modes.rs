@@ -145,8 +145,8 @@ impl WithSimd for Expand<'_> {
     }
 }
 
-/// Sum of the columns b of all loads with these coefficients, times the step, for one chunk; `columns` begins with that of
-/// the first load, and those of the others follow at a distance of `stride`.
+/// Step times Σ c_i b_i, for one chunk of slots: load i has the coefficient c_i and the column b_i, which stands at the
+/// index i × `stride` of `columns`.
 #[inline(always)]
 fn sum_loads(step: f64, coefficients: &[f64], columns: &[Lanes], stride: usize) -> Lanes {
     let mut sum = [0.0; WIDTH];

@@ -71,7 +71,7 @@ impl Directions {
         let test = (&linear.from_velocity * &weighted).transpose();
 
         let mut total = DMatrix::zeros(elastic, elastic);
-        // Adds the displacements of a Gramian, and returns it in the same scale.
+        // Adds the Gramian of the displacements with trace 1, and returns the Gramian with the same factor.
         let mut add = |map: &DMatrix<f64>, gramian: DMatrix<f64>| {
             let form = map * &gramian * map.transpose();
             let trace = form.trace();

@@ -20,7 +20,7 @@ pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
 
 /// Largest difference of the complex logarithm from its prediction.
 const MAX_ERROR: f64 = 0.5;
-/// Difference below which the next step is longer.
+/// Difference of the complex logarithm from its prediction below which the next step on the contour is longer.
 const SMALL_ERROR: f64 = 0.05;
 /// Ratio of the lengths of successive steps.
 const GROWTH: f64 = 1.5;

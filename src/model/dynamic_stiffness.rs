@@ -10,7 +10,7 @@
 
 use num_complex::Complex64;
 
-use super::shaft::ShaftModel;
+use super::shaft::{Chain, ShaftModel};
 use super::{HousingInertia, Link, Model};
 use crate::connection::Row;
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
@@ -154,12 +154,7 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     let Some(chain) = &shaft.bending else {
         return;
     };
-    let mut band = zeros(&chain.stiffness);
-    add(&mut band, &chain.stiffness, weights.stiffness);
-    add(&mut band, &chain.mass, weights.mass);
-    if let Some(damping) = &chain.damping {
-        add(&mut band, damping, weights.damping);
-    }
+    let band = weighted_sum(chain, weights);
     for sign in [-1.0, 1.0] {
         let mut band = band.clone();
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
@@ -172,13 +167,7 @@ fn push_torsion(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     let Some(chain) = &shaft.twist else {
         return;
     };
-    let mut band = zeros(&chain.stiffness);
-    add(&mut band, &chain.stiffness, weights.stiffness);
-    add(&mut band, &chain.mass, weights.mass);
-    if let Some(damping) = &chain.damping {
-        add(&mut band, damping, weights.damping);
-    }
-    sum.push(band);
+    sum.push(weighted_sum(chain, weights));
 }
 
 /// Appends the coordinates of supports and housings, whose inertia couples none of them.
@@ -192,6 +181,17 @@ fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &We
         band.add(row, row, weights.mass * *inertia);
     }
     sum.push(band);
+}
+
+/// stiffness·K + mass·M + damping·C of a chain, without gyroscopic terms.
+fn weighted_sum<const B: usize, E>(chain: &Chain<B, E>, weights: &Weights) -> BandChain {
+    let mut band = zeros(&chain.stiffness);
+    add(&mut band, &chain.stiffness, weights.stiffness);
+    add(&mut band, &chain.mass, weights.mass);
+    if let Some(damping) = &chain.damping {
+        add(&mut band, damping, weights.damping);
+    }
+    band
 }
 
 /// Zero band matrix for the coordinates of a chain.

@@ -63,8 +63,8 @@ impl ShaftRotation {
     }
 }
 
-/// Accelerations on both sides of a border whose difference is below this fraction of the largest acceleration count as
-/// equal: profiles that are sampled from a smooth function have smaller jumps.
+/// Jump of the acceleration between two pieces of a speed profile, relative to the largest acceleration, below which the
+/// acceleration is continuous. Pieces that are sampled from a smooth function have smaller jumps.
 const SMOOTH: f64 = 1e-4;
 /// Duration of a stretch, s, below which its acceleration is round-off: a function with a kink is sampled in such stretches.
 const SHORTEST: f64 = 1e-9;

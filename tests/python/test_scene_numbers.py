@@ -97,7 +97,7 @@ def test_every_numeric_field_is_in_that_scene():
     known = {key for path in numbers(SCENE) for key in path}
     for part in parts:
         for field in dataclasses.fields(part):
-            texts = {"name", "shaft", "driver", "driven", "material", "shear"}
+            texts = {"name", "shaft", "driver", "driven", "material", "shear", "support"}
             assert field.name in known | beside | texts, (part, field.name)
 
 
@@ -346,3 +346,50 @@ def test_a_file_that_is_not_text(tmp_path):
 def test_integers_beyond_64_bits_are_accepted():
     stiff = gb.Bearing("rotor", 0.0, stiffness=10**20)
     assert stiff._describe("bearings[0]")["stiffness"] == 1e20
+
+
+# --- supports, couplings, drives and forces -------------------------------------------------------
+
+#: Parts with valid numbers, and the argument of the system that takes them.
+ATTACHED: dict[str, tuple[type, dict[str, Any]]] = {
+    "supports": (gb.Support, {"name": "base", "mass": 2.0, "stiffness": 1e8, "damping": 10.0}),
+    "housings": (gb.Housing, {"name": "base", "mass": 2.0, "stiffness": 1e8, "damping": 10.0}),
+    "couplings": (
+        gb.Coupling,
+        {"a": ("rotor", 1.0), "b": ("second", 0.0), "stiffness": (1e8, 1e8, 1e4, 1e5)},
+    ),
+    "drives": (gb.Drive, {"at": "wheel", "stiffness": 1e3, "damping": 1.0}),
+    "forces": (gb.Force, {"at": "wheel", "value": 10.0, "order": 1.0}),
+}
+FIELDS = [
+    (key, name)
+    for key, (_, given) in ATTACHED.items()
+    for name, value in given.items()
+    if isinstance(value, float)
+] + [("couplings", name) for name in ("offset", "angle", "runout")]
+
+
+def with_attached(key: str, **changed: object) -> gb.RotorSystem:
+    """Return a system with one part of this kind."""
+    kind, given = ATTACHED[key]
+    bearings = [gb.Bearing("rotor", 0.0, stiffness=1e8), gb.Bearing("second", 0.5, stiffness=1e8)]
+    if key in ("supports", "housings"):
+        bearings[0] = dataclasses.replace(bearings[0], support="base")
+    shafts = [*rotor().shafts, gb.Shaft("second", length=0.5, outer_diameter=0.05, elements=2)]
+    parts: dict[str, Any] = {"couplings": [gb.Coupling(**ATTACHED["couplings"][1])]}
+    parts[key] = [kind(**given | changed)]
+    return rotor().replace(shafts=shafts, bearings=bearings, **parts)
+
+
+@pytest.mark.parametrize("key", ATTACHED)
+def test_attached_parts_with_numbers_are_valid(key: str):
+    assert len(getattr(with_attached(key), key)) == 1
+
+
+@wrong("mapping")
+@pytest.mark.parametrize(("key", "name"), FIELDS, ids=map(".".join, FIELDS))
+def test_attached_parts_reject_a_value_that_is_no_number(key: str, name: str, value: object):
+    if isinstance(value, complex) and name in ("value", "offset", "angle", "runout"):
+        return
+    with pytest.raises(gb.SceneError, match=name):
+        with_attached(key, **{name: value})

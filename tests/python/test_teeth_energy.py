@@ -102,7 +102,7 @@ def rolling(options: dict[str, Any], given: Toothed = ROLLING, **mesh: Any) -> n
     """
     scene = replace(given, mesh=given.mesh | mesh)
     system = scene.package()
-    # order of the core: shaft by shaft, bending (four per node) before twist
+    # The core stores, for each shaft, four bending coordinates of every node, then all twists.
     n, nodes = len(system.dofs), len(system.dofs) // 10
     y = np.zeros(2 * n)
     # the twists differ slightly from pure rolling, so that the mesh deflects

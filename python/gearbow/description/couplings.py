@@ -65,7 +65,7 @@ class Coupling(Part):
 
     def _describe(self, path: str) -> dict[str, Plain]:
         at = {name: place(getattr(self, name), f"{path}.{name}") for name in ("a", "b")}
-        # Plain text stands for the places, which the annotations do not describe.
+        # The inherited method cannot convert places: it gets texts, which `at` then replaces.
         return super(Coupling, replace(self, a="a", b="b"))._describe(path) | at
 
     @classmethod
