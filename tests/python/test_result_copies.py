@@ -29,6 +29,10 @@ def everything() -> dict[str, Any]:
     )
     bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
     bowed = gb.RotorSystem([rotor], bearings=bearings)
+    film = gb.JournalBearing(
+        "rotor", 0.0, diameter=0.05, length=0.02, clearance=5e-5, viscosity=0.02
+    )
+    floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
     return {
@@ -42,6 +46,8 @@ def everything() -> dict[str, Any]:
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
         "event": gb.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
+        "film coefficients": film.coefficients(100.0, 100.0),
+        "journal motion": floating.static(speed=100.0).journal("rotor", 0.0),
         "tradeoff": study,
         "trial": study.trials[0],
         "recommendation": study.recommend(1.0),

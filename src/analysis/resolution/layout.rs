@@ -7,6 +7,10 @@ use crate::scene::{Material, Shaft, description};
 const MAX_ELEMENTS: f64 = 100.0;
 /// Largest κ = wavenumber × element length that an element of degree p represents, divided by p.
 const RESOLVED_WAVENUMBER: f64 = 2.5;
+/// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
+/// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
+/// square.
+const SHORTEST: f64 = 0.1;
 
 /// A segment of a shaft: a uniform cross-section, with nodes at given positions.
 #[derive(Clone, Debug)]
@@ -95,6 +99,11 @@ impl Layout {
         self.segments.iter().map(|segment| segment.count(longest)).collect()
     }
 
+    /// The largest number of elements below `count` that a segment of this index may have; `None` for the first number.
+    pub fn fewer(&self, segment: usize, count: usize) -> Option<usize> {
+        (1..count).rev().find(|fewer| self.segments[segment].keeps_clear(*fewer))
+    }
+
     /// Number of elements of the shaft.
     pub fn elements(&self, counts: &[usize]) -> usize {
         self.segments.iter().zip(counts).map(|(segment, count)| segment.lengths(*count).len()).sum()
@@ -150,11 +159,23 @@ impl Segment {
         ends.windows(2).map(|pair| pair[1] - pair[0]).collect()
     }
 
-    /// Smallest number of parts for which no element is longer than `longest`, m.
+    /// Smallest number of parts for which no element is longer than `longest`, m, and no part ends close to a station.
     fn count(&self, longest: f64) -> usize {
         let most = (self.length / longest).ceil().clamp(1.0, MAX_ELEMENTS) as usize;
         let fits = |count: &usize| self.lengths(*count).iter().all(|length| *length <= longest * (1.0 + 1e-9));
-        (1..most).find(fits).unwrap_or(most)
+        let clear = |count: &usize| self.keeps_clear(*count);
+        (1..most).find(|count| fits(count) && clear(count)).or_else(|| (most..=2 * most).find(clear)).unwrap_or(most)
+    }
+
+    /// Whether no part ends so close to a station that a very short element remains between them.
+    fn keeps_clear(&self, count: usize) -> bool {
+        let part = self.length / count as f64;
+        self.stations.iter().all(|station| {
+            let nearest = (station / part).round();
+            let distance = (station / part - nearest).abs();
+            // The ends of the segment are places that the scene gives.
+            nearest == 0.0 || nearest == count as f64 || distance * part <= 1e-9 * self.length || distance >= SHORTEST
+        })
     }
 
     /// Wavenumbers of bending and torsion waves, 1/m.

@@ -283,10 +283,12 @@ impl Search<'_> {
                 degrees[i] = self.degree(i, degrees[i] - 1);
                 all.push(self.candidate(degrees, given.counts.clone()));
             }
-            for segment in (0..given.counts[i].len()).filter(|segment| given.counts[i][*segment] > 1) {
-                let mut counts = given.counts.clone();
-                counts[i][segment] -= 1;
-                all.push(self.candidate(given.degrees.clone(), counts));
+            for segment in 0..given.counts[i].len() {
+                if let Some(fewer) = self.layouts[i].fewer(segment, given.counts[i][segment]) {
+                    let mut counts = given.counts.clone();
+                    counts[i][segment] = fewer;
+                    all.push(self.candidate(given.degrees.clone(), counts));
+                }
             }
         }
         all
