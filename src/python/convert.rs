@@ -74,7 +74,7 @@ pub fn mesh_names(model: &Model, meshes: impl Iterator<Item = usize>) -> Vec<(&s
     meshes.map(|mesh| model.gear_names(mesh).into()).collect()
 }
 
-/// Units of the quantities that a run can record, by kind of connection ("mesh", "bearing") and name.
+/// Units of the quantities that a run can record, by kind of connection ("mesh", "bearing", "rolling") and name.
 #[pyfunction]
 pub fn connection_channels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let units = |channels: &[Channel]| {
@@ -85,6 +85,7 @@ pub fn connection_channels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("mesh", units(&MESH_CHANNELS)?)?;
     dict.set_item("bearing", units(&BEARING_CHANNELS)?)?;
+    dict.set_item("rolling", units(&ROLLING_CHANNELS)?)?;
     Ok(dict)
 }
 
