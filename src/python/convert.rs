@@ -8,7 +8,7 @@ use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS};
+use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::linalg::Sparse;
 use crate::model::{Model, Numbering};
 

@@ -11,6 +11,7 @@ from gearbow._types import Array
 from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.shafts import Segment, Shaft
 
@@ -147,7 +148,7 @@ def layout(
     gears: Sequence[Gear],
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
-    bearings: Sequence[Bearing | JournalBearing],
+    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
     *,
     couplings: Sequence[Coupling] = (),
 ) -> Layout:
