@@ -33,9 +33,9 @@ from gearbow.description.bow import Bow
 from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import FilmCoefficients, JournalBearing, JournalMotion
-from gearbow.description.rolling import RollingBearing, RollingCoefficients, RollingMotion
 from gearbow.description.kinematics import Order
 from gearbow.description.loads import Bearing, Torque
+from gearbow.description.rolling import RollingBearing, RollingCoefficients, RollingMotion
 from gearbow.description.shafts import STEEL, Material, Segment, Shaft
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.speed_table import SpeedTable

@@ -11,8 +11,8 @@ from gearbow._types import Array
 from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.rolling import RollingBearing
 from gearbow.description.loads import Bearing
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Segment, Shaft
 
 __all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import number
@@ -163,10 +164,10 @@ class RollingBearing(Part):
         cage = None if cage_angle is None else number(cage_angle, "cage_angle")
         found = rolling_coefficients(self._describe("bearing"), (0.0, -number(load, "load")), cage)
         return RollingCoefficients(
-            found["displacement"],
+            np.array(found["displacement"]),
             found["stiffness"],
             found["damping"],
-            found["contact_forces"],
+            np.array(found["contact_forces"]),
         )
 
     @property

@@ -9,8 +9,8 @@ from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Record, RunData
 from gearbow.description.journal import JournalMotion
-from gearbow.description.rolling import RollingMotion
 from gearbow.description.places import place
+from gearbow.description.rolling import RollingMotion
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
 from gearbow.recording.energy import EnergyBalance
