@@ -287,18 +287,6 @@ def journals() -> Iterable[str]:
 def rolling() -> Iterable[str]:
     """Compare deflections and contact forces of rolling bearings."""
     sizes: dict[str, Any] = {"ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
-    ball = gb.RollingBearing("s", 0.0, balls=9, **sizes)
-    source = "deep groove ball bearing 209, Harris 2001"
-    # Harris, section 6.7: K = 2.15e5 Σρ^(−1/2) δ*^(−3/2) N/mm^1.5 for each race.
-    gamma = 12.7 / 65.0
-    races = [(2.0 * gamma / (1.0 - gamma), 0.602), (-2.0 * gamma / (1.0 + gamma), 0.658)]
-    contacts = [
-        2.15e5 * ((4.0 - 1.0 / 0.52 + side) / 12.7) ** -0.5 * star**-1.5 for side, star in races
-    ]
-    stiffness = sum(contact ** (-2.0 / 3.0) for contact in contacts) ** -1.5
-    quantity = "stiffness of one ball [1e5 N/mm^1.5]"
-    yield row(source, quantity, [stiffness / 1e5], [ball.stiffness_of_contact / 1e9**0.5 / 1e5], 3)
-
     # Sjövall's integral J_r(0.5) is the load over n times the largest contact force.
     given = {"balls": 15, "hertz_stiffness": 1e10, **sizes}
     bearing = gb.RollingBearing("s", 0.0, **given)
