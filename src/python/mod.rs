@@ -1,10 +1,10 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 
 mod background;
+mod bearing;
 mod convert;
 mod entries;
 mod errors;
-mod film;
 mod frequency;
 mod handle;
 mod model;
@@ -20,9 +20,11 @@ use pyo3::pymodule;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::convert::connection_channels;
+    use super::bearing::film_coefficients;
     #[pymodule_export]
-    use super::film::film_coefficients;
+    use super::bearing::rolling_coefficients;
+    #[pymodule_export]
+    use super::convert::connection_channels;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

@@ -10,13 +10,16 @@ mod curve;
 pub mod description;
 mod error;
 mod gear;
+mod hertz;
 mod housing;
 mod journal;
 mod loads;
 mod material;
 mod mesh;
+mod nonlinear;
 mod place;
 mod plausibility;
+mod rolling;
 mod shaft;
 mod speed_table;
 mod stiffness;
@@ -31,11 +34,14 @@ pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
+pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing};
-pub use journal::{FilmKind, Journal, journal};
+pub use journal::{FilmKind, Journal};
 pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
+pub use nonlinear::{Nonlinear, bearing};
+pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
@@ -83,8 +89,8 @@ pub struct Bearing {
     pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
     pub damping: BearingCoefficient,
-    /// The oil film of a journal bearing, whose stiffness and damping follow from it; none for a linear bearing.
-    pub journal: Option<Journal>,
+    /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
+    pub nonlinear: Option<Nonlinear>,
     /// Its place on a housing; `None` on the ground.
     pub attachment: Option<Attachment>,
 }
@@ -330,7 +336,7 @@ fn bearings(
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            journal: Journal::new(bearing, &at)?,
+            nonlinear: nonlinear::nonlinear(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
             attachment: attachments[index],

@@ -55,6 +55,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
         "displacement": data["displacement"][rows],
         "twist": data["twist"][rows],
         "bearing_force": data["bearing_force"][rows],
+        "rolling_contact": data["rolling_contact"][rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
         "energy": None if energy is None else energy[rows],
         "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
