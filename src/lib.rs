@@ -12,6 +12,7 @@
 //! All quantities are in SI units and radians: m, kg, s, N, rad.
 
 pub mod analysis;
+pub mod bearing_force;
 pub mod connection;
 pub mod element;
 pub mod exponential;
@@ -24,4 +25,5 @@ pub mod model;
 pub mod motion;
 #[cfg(feature = "python")]
 mod python;
+pub mod rolling;
 pub mod scene;

@@ -35,6 +35,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import FilmCoefficients, JournalBearing, JournalMotion
 from gearbow.description.kinematics import Order
 from gearbow.description.loads import Bearing, Torque
+from gearbow.description.rolling import RollingBearing, RollingCoefficients, RollingMotion
 from gearbow.description.shafts import STEEL, Material, Segment, Shaft
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.speed_table import SpeedTable
@@ -111,6 +112,9 @@ __all__ = [
     "Peak",
     "Recommendation",
     "Response",
+    "RollingBearing",
+    "RollingCoefficients",
+    "RollingMotion",
     "RotorSystem",
     "RunTimeWarning",
     "SceneError",

@@ -16,6 +16,7 @@ from gearbow._types import (
     ModesData,
     Plain,
     Record,
+    RollingData,
     RunData,
     RunOptions,
     SparseMatricesData,
@@ -30,6 +31,7 @@ __all__ = [
     "check_speed",
     "connection_channels",
     "film_coefficients",
+    "rolling_coefficients",
 ]
 
 __version__: str
@@ -40,6 +42,9 @@ def connection_channels() -> dict[str, dict[str, str]]: ...
 def film_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], speed: float
 ) -> FilmData: ...
+def rolling_coefficients(
+    bearing: dict[str, Plain], load: tuple[float, float], cage: float | None = None
+) -> RollingData: ...
 
 @final
 class Model:

@@ -99,6 +99,17 @@ class FilmData(TypedDict):
     damping: Array
 
 
+class RollingData(TypedDict):
+    """Equilibrium of one rolling bearing; stiffness of one element, speed ratio of the cage."""
+
+    displacement: list[float]
+    stiffness: Array
+    damping: Array
+    contact_forces: list[float]
+    hertz_stiffness: float
+    cage_ratio: float
+
+
 class RunOptions(TypedDict):
     """Options of a run that are numbers and texts; `src/python/options.rs` reads them."""
 
@@ -133,6 +144,8 @@ class RunData(_Paused):
     twist: Array
     bearings: list[tuple[str, float]]
     bearing_force: Array
+    rolling_bearings: list[tuple[str, float]]
+    rolling_contact: Array
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None

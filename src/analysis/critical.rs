@@ -8,6 +8,10 @@ use crate::modal::{self, CachedModel, Quadratic, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 
+/// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
+/// direction of rotation only, which decides on the loaded flanks.
+const SLOW: f64 = 1.0;
+
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Critical {
@@ -32,11 +36,14 @@ pub fn critical_speeds(
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("excitation").positive(excitation)?;
-    if let Some(journal) = cached.model.journals.first() {
+    if let Some(journal) = cached.model.nonlinear_bearings.iter().find(|bearing| bearing.film().is_some()) {
         let message =
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
+    let lowest = cached.model.lowest_speed().unwrap_or(SLOW);
+    let at_speed = cached.with_points_of(lowest)?;
+    let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {
         let mut found = speed_dependent::critical_speeds(cached, excitation, interrupt)?;
         found.truncate(count);

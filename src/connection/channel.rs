@@ -30,6 +30,9 @@ pub const MESH_CHANNELS: [Channel; 8] = [
 /// Channels of the bearings at a node: components of the force of the shaft on them.
 pub const BEARING_CHANNELS: [Channel; 2] = [channel("force_y", "N"), channel("force_z", "N")];
 
+/// Channels of the rolling bearings at a node: number of loaded elements, and the largest contact force.
+pub const ROLLING_CHANNELS: [Channel; 2] = [channel("loaded_elements", "1"), channel("largest_contact_force", "N")];
+
 /// The value of every channel of a mesh.
 pub fn mesh_values(state: &MeshState) -> [f64; MESH_CHANNELS.len()] {
     [

@@ -7,12 +7,11 @@ use crate::mesh::{ContactMode, Geometry, Overlap, ShaftPhase};
 pub struct Instant {
     /// Time, s.
     pub time: f64,
-    /// Angles and spins of the two shafts of a mesh; the first one is the shaft of a load.
+    /// Angles and spins of the two shafts of a mesh; the first one is the shaft of a load, the shaft of an oil film or the cage
+    /// of rolling elements.
     pub phases: [ShaftPhase; 2],
     /// Contact mode of a mesh.
     pub contact_mode: ContactMode,
-    /// Speed of the reference shaft for a connection that is no mesh, rad/s.
-    pub speed: f64,
 }
 
 /// A journal that touches its bearing.

@@ -5,9 +5,9 @@
 //! linear part that the motion contains.
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
-use super::journal::JournalInterface;
 use super::load::LoadInterface;
 use super::mesh::MeshInterface;
+use super::nonlinear_bearing::NonlinearInterface;
 use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
 use crate::mesh::{Contact, ContactMode, Overlap};
@@ -19,8 +19,8 @@ pub enum Interface {
     Mesh(Box<MeshInterface>),
     /// A spring with a cubic term.
     Spring(SpringInterface),
-    /// A journal bearing.
-    Journal(Box<JournalInterface>),
+    /// An oil film or rolling elements.
+    Nonlinear(Box<NonlinearInterface>),
     /// A load that depends on time, angle or speed.
     Load(LoadInterface),
 }
@@ -38,7 +38,9 @@ impl Interface {
             // A run in modal coordinates has a constant speed.
             Connection::Bearing(_) => Ok(None),
             Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
-            Connection::Journal(journal) => Ok(Some(Self::Journal(Box::new(JournalInterface::new(journal, options))))),
+            Connection::Nonlinear(bearing) => {
+                Ok(Some(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))))
+            }
             Connection::Load(load) => Ok(Some(Self::Load(LoadInterface::new(load, options)))),
         }
     }
@@ -48,15 +50,17 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => None,
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => None,
         }
     }
 
-    /// Index of the shaft on whose angle and speed it depends, if it is a load.
+    /// Index, among the shafts and, after them, the nonlinear bearings, of that on whose angle and speed it depends; none for
+    /// a mesh, which depends on two shafts, and for a spring.
     #[inline(always)]
-    pub fn shaft(&self) -> Option<usize> {
+    pub fn turning(&self) -> Option<usize> {
         match self {
-            Self::Mesh(_) | Self::Spring(_) | Self::Journal(_) => None,
+            Self::Mesh(_) | Self::Spring(_) => None,
+            Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
         }
     }
@@ -67,7 +71,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.scalars(),
             Self::Spring(interface) => interface.spring.rows.len(),
-            Self::Journal(_) => 2,
+            Self::Nonlinear(_) => 2,
             Self::Load(interface) => interface.load.rows.len(),
         }
     }
@@ -77,7 +81,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
             Self::Spring(interface) => interface.has_rates(),
-            Self::Journal(_) => true,
+            Self::Nonlinear(_) => true,
             Self::Load(interface) => interface.has_rates(),
         }
     }
@@ -87,7 +91,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
             Self::Spring(interface) => interface.is_affine(),
-            Self::Journal(_) => false,
+            Self::Nonlinear(_) => false,
             Self::Load(interface) => interface.is_affine(),
         }
     }
@@ -98,7 +102,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.rows(),
             Self::Spring(interface) => interface.spring.rows.clone(),
-            Self::Journal(interface) => interface.rows(),
+            Self::Nonlinear(interface) => interface.bearing.rows.to_vec(),
             Self::Load(interface) => interface.load.rows.clone(),
         }
     }
@@ -108,7 +112,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
             Self::Spring(interface) => &interface.reference_force,
-            Self::Journal(interface) => &interface.reference_force,
+            Self::Nonlinear(interface) => &interface.reference_force,
             Self::Load(interface) => &interface.reference_force,
         }
     }
@@ -118,7 +122,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => self.scalars(),
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
         }
     }
 
@@ -128,7 +132,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
             Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
-            Self::Journal(interface) => Direction::of_scalars(&interface.linear().stiffness),
+            Self::Nonlinear(interface) => Direction::of_scalars(&interface.linear().stiffness),
             Self::Load(interface) => Direction::of_scalars(&interface.load.linear(0.0).stiffness),
         }
     }
@@ -146,7 +150,7 @@ impl Interface {
                 interface.load(u, rates, load);
                 Ok(Contact::default())
             }
-            Self::Journal(interface) => {
+            Self::Nonlinear(interface) => {
                 interface.load(instant, u, rates, load)?;
                 Ok(Contact::default())
             }
@@ -175,7 +179,7 @@ impl Interface {
                 damping.fill(c);
             }
             Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
-            Self::Journal(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
+            Self::Nonlinear(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
             Self::Load(interface) => {
                 stiffness.fill(0.0);
                 damping.fill(0.0);
@@ -188,7 +192,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => {
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => {
                 GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
             }
         }
@@ -199,7 +203,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => [f64::INFINITY; 2],
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -217,7 +221,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => Ok(None),
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
         }
     }
 
@@ -229,7 +233,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) | Self::Journal(_) | Self::Load(_) => Ok(()),
+            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
         }
     }
 }

@@ -22,20 +22,20 @@ mod bearing;
 mod channel;
 mod instant;
 mod interface;
-mod journal;
 mod load;
 mod mesh;
+mod nonlinear_bearing;
 mod spring;
 
 use nalgebra::DMatrix;
 
 pub use bearing::SpeedDependentBearing;
-pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, mesh_values};
+pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Touch};
 pub use interface::Interface;
-pub use journal::{JournalBearing, JournalInterface, OperatingPoint};
 pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
+pub use nonlinear_bearing::{BearingLaw, NonlinearBearing, NonlinearInterface, OperatingPoint};
 pub use spring::{Spring, SpringInterface};
 
 use crate::mesh::GearMesh;
@@ -50,8 +50,8 @@ pub enum Connection<'m> {
     Mesh(usize, &'m GearMesh, f64),
     /// A bearing whose coefficients depend on the speed.
     Bearing(&'m SpeedDependentBearing),
-    /// The film force of a journal bearing beyond its part in the matrices.
-    Journal(&'m JournalBearing),
+    /// The force of an oil film or of rolling elements beyond its part in the matrices.
+    Nonlinear(&'m NonlinearBearing),
     /// A spring with a cubic term.
     Spring(&'m Spring),
     /// A load that depends on time, angle or speed.
@@ -117,7 +117,7 @@ impl Connection<'_> {
                 vec![row]
             }
             Self::Bearing(bearing) => bearing.rows.to_vec(),
-            Self::Journal(journal) => journal.rows(),
+            Self::Nonlinear(bearing) => bearing.rows.to_vec(),
             Self::Spring(spring) => spring.rows.clone(),
             Self::Load(load) => load.rows.clone(),
         }
@@ -133,7 +133,7 @@ impl Connection<'_> {
         match self {
             Self::Mesh(_, mesh, _) => Coefficients::isotropic(1, mesh.stiffness, mesh.damping),
             Self::Bearing(bearing) => bearing.linear(speed),
-            Self::Journal(journal) => journal.linear(),
+            Self::Nonlinear(bearing) => bearing.linear(),
             Self::Spring(spring) => spring.linear(),
             Self::Load(load) => load.linear(speed),
         }
@@ -147,7 +147,7 @@ impl Connection<'_> {
                 Bounds { excess_stiffness: mesh.largest_stiffness - mesh.stiffness, damping: flanks * mesh.damping }
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
-            Self::Journal(journal) => journal.bounds(),
+            Self::Nonlinear(bearing) => bearing.bounds(),
             Self::Spring(spring) => spring.bounds(),
             Self::Load(load) => load.bounds(),
         }
@@ -157,7 +157,7 @@ impl Connection<'_> {
     pub fn channels(&self) -> &'static [Channel] {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
-            Self::Bearing(_) | Self::Journal(_) => &BEARING_CHANNELS,
+            Self::Bearing(_) | Self::Nonlinear(_) => &BEARING_CHANNELS,
             // A scene cannot contain a spring, and a run knows its loads.
             Self::Spring(_) | Self::Load(_) => &[],
         }
@@ -168,7 +168,7 @@ impl Connection<'_> {
     pub fn described(&self) -> Option<String> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
-            Self::Bearing(_) | Self::Journal(_) | Self::Load(_) => None,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
             Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }
     }

@@ -203,7 +203,7 @@ impl<'m> NonlinearLoads<'m> {
         for (interface, contact) in self.interfaces.iter().zip(contacts) {
             let to = from + interface.scalars();
             let rates = rates.get(from..to).unwrap_or_default();
-            let instant = self.motion.instant(interface.mesh(), interface.shaft(), elapsed);
+            let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             *contact = interface
                 .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
                 .map_err(|reason| Halt::out_of_range(interface.mesh(), reason))?;
@@ -247,7 +247,7 @@ impl<'m> NonlinearLoads<'m> {
         let mut from = 0;
         for ((interface, scalars, rates), contact) in self.each(u).zip(contacts) {
             let to = from + interface.direction_count().pow(2);
-            let instant = self.motion.instant(interface.mesh(), interface.shaft(), elapsed);
+            let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             let damping = damping.get_mut(from..to).unwrap_or_default();
             interface.residual_tangent(&instant, (scalars, rates), contact, [&mut stiffness[from..to], damping]);
             from = to;
@@ -303,7 +303,7 @@ impl<'m> NonlinearLoads<'m> {
         contact_modes.clear();
         for (mesh, (interface, scalars, rates)) in self.each(u).enumerate() {
             let unchanged = unchanged.get(mesh) == Some(&true);
-            let instant = self.motion.instant(interface.mesh(), interface.shaft(), elapsed);
+            let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             let contact_mode = interface
                 .contact_mode(&instant, scalars, rates, unchanged)
                 .map_err(|overlap| Halt::out_of_range(interface.mesh(), overlap.into()))?;
@@ -321,7 +321,7 @@ impl<'m> NonlinearLoads<'m> {
     pub fn path_ends(&self, elapsed: f64, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Halt> {
         ends.clear();
         for (interface, scalars, _) in self.each(u) {
-            let instant = self.motion.instant(interface.mesh(), interface.shaft(), elapsed);
+            let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             interface
                 .ends(&instant, scalars, ends)
                 .map_err(|overlap| Halt::out_of_range(interface.mesh(), overlap.into()))?;

@@ -1,6 +1,7 @@
 //! Displacement at which a film carries a given static load.
 
-use super::{Film, FilmForce, Vector};
+use super::Film;
+use crate::bearing_force::{BearingForce, Vector};
 
 /// Largest number of Newton iterations; ten are usual.
 const MAX_ITERATIONS: usize = 200;
@@ -16,10 +17,10 @@ const LEAST_FRACTION: f64 = 1e-10;
 impl Film {
     /// Displacement of the journal, m, and the film there, under a static load over (y, z), N, at a spin, rad/s. None if
     /// the journal touches the bearing, or comes closer than a hundredth of the clearance.
-    pub fn carrying(&self, load: Vector, spin: f64) -> Option<(Vector, FilmForce)> {
+    pub fn carrying(&self, load: Vector, spin: f64) -> Option<(Vector, BearingForce)> {
         let size = |v: Vector| v[0].hypot(v[1]);
         let at = |e: Vector| self.at(e, [0.0; 2], spin);
-        let residual = |film: &FilmForce| [load[0] - film.force[0], load[1] - film.force[1]];
+        let residual = |film: &BearingForce| [load[0] - film.force[0], load[1] - film.force[1]];
         let mut e = [0.0; 2];
         let mut film = at(e);
         for _ in 0..MAX_ITERATIONS {

@@ -30,12 +30,8 @@ pub use equilibrium::CLOSEST;
 pub use reynolds::Reynolds;
 pub use table::FilmTable;
 
+use crate::bearing_force::{BearingForce, Matrix, Vector};
 use crate::scene::{FilmKind, Journal};
-
-/// A vector over (y, z).
-pub type Vector = [f64; 2];
-/// A 2×2 matrix over (y, z), by rows.
-pub type Matrix = [[f64; 2]; 2];
 
 /// Dimensionless force f and its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,17 +51,6 @@ enum Law {
     Short,
     /// Film of finite length, interpolated.
     Finite(Arc<FilmTable>),
-}
-
-/// Force, stiffness and damping of a film.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FilmForce {
-    /// Force of the journal on the film over (y, z), N.
-    pub force: Vector,
-    /// Stiffness ∂F/∂e, N/m.
-    pub stiffness: Matrix,
-    /// Damping ∂F/∂ė, N s/m.
-    pub damping: Matrix,
 }
 
 /// The oil film of a journal bearing.
@@ -104,7 +89,7 @@ impl Film {
     /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and a spin of the shaft, rad/s. The
     /// eccentricity ratio must be below one.
     #[inline]
-    pub fn at(&self, displacement: Vector, velocity: Vector, spin: f64) -> FilmForce {
+    pub fn at(&self, displacement: Vector, velocity: Vector, spin: f64) -> BearingForce {
         let u = displacement.map(|value| value / self.clearance);
         let half = spin / 2.0;
         let w = [velocity[0] / self.clearance + half * u[1], velocity[1] / self.clearance - half * u[0]];
@@ -116,7 +101,7 @@ impl Film {
         let (force_scale, rate) = (self.scale, self.scale / self.clearance);
         // ∂w/∂u = (Ω/2) [[0, 1], [−1, 0]].
         let turned = [0, 1].map(|i| [-half * dw[i][1], half * dw[i][0]]);
-        FilmForce {
+        BearingForce {
             force: force.map(|value| force_scale * value),
             stiffness: [0, 1].map(|i| [0, 1].map(|j| rate * (du[i][j] + turned[i][j]))),
             damping: dw.map(|row| row.map(|value| rate * value)),

@@ -93,11 +93,11 @@ impl CachedModel {
         self.linear_part.get_or_init(Arc::default)
     }
 
-    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`]. Journal bearings have the
+    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`]. Nonlinear bearings have the
     /// coefficients of the static equilibrium at that speed, with live geometry of the meshes.
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed, or journal bearings have no
+    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed, or nonlinear bearings have no
     /// equilibrium.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
         if self.model.is_at(speed) {
@@ -118,21 +118,21 @@ impl CachedModel {
         Ok(AtSpeed::Specialised(model))
     }
 
-    /// The model whose journal bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
+    /// The model whose nonlinear bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
     /// bearings keep their dependence on the speed: the model of a run at a changing speed.
     ///
     /// # Errors
     /// As [`Self::at_speed`].
-    pub fn with_films_at(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
-        if self.model.journals.is_empty() {
+    pub fn with_points_of(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+        if self.model.nonlinear_bearings.is_empty() {
             return Ok(AtSpeed::Same(self));
         }
         let at_speed = self.at_speed(speed)?;
-        let mut points = at_speed.model.journals.iter().filter_map(|journal| journal.point);
+        let mut points = at_speed.model.nonlinear_bearings.iter().filter_map(|bearing| bearing.point);
         let model = self.model.clone();
-        let points: Vec<_> = model.journals.iter().map(|journal| journal.number).zip(&mut points).collect();
+        let points: Vec<_> = model.nonlinear_bearings.iter().map(|bearing| bearing.number).zip(&mut points).collect();
         let of = |number: usize| points.iter().find(|(known, _)| *known == number).map(|(_, point)| *point);
-        let model = model.with_points(|journal| of(journal.number).unwrap_or_default());
+        let model = model.with_points(|bearing| of(bearing.number).unwrap_or_default());
         Ok(AtSpeed::Specialised(Arc::new(Self::new(model))))
     }
 
@@ -264,16 +264,16 @@ impl CachedModel {
     }
 }
 
-/// The model with the coefficients of its journal bearings at the static equilibrium at a speed, rad/s.
+/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s.
 fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
     let model = model.with_provisional_points();
     match equilibrium(&model, Geometry::Live, speed.into()) {
         Ok(q) => Ok(model.with_points_at(speed, q.as_slice())),
         Err(EquilibriumError::Scene(error)) => Err(error),
         Err(error) => {
-            let number = model.journals.first().map_or(0, |journal| journal.number);
+            let number = model.nonlinear_bearings.first().map_or(0, |bearing| bearing.number);
             let message =
-                format!("no static equilibrium at {speed} rad/s, which the stiffness of the film needs: {error}");
+                format!("no static equilibrium at {speed} rad/s, which the stiffness of the bearing needs: {error}");
             Err(EntryPath::entry("bearings", number).error(message))
         }
     }

@@ -4,9 +4,11 @@ use nalgebra::DVector;
 
 use super::link::links;
 use super::{Model, Numbering, Support, bearing_rows};
-use crate::connection::{AppliedLoad, Connection, JournalBearing, OperatingPoint, SpeedDependentBearing};
+use super::link::Link;
+use crate::connection::{AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, SpeedDependentBearing};
 use crate::film::Film;
-use crate::scene::{Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Scene, SceneError};
+use crate::rolling::RollingElements;
+use crate::scene::{Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Nonlinear, Scene, SceneError};
 
 /// Standard gravity, m/s².
 const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -15,7 +17,7 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.journal.is_none());
+        let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.nonlinear.is_none());
         let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
             continue;
         };
@@ -32,47 +34,85 @@ pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, V
     (supports, bearings)
 }
 
-/// Journal bearings, without coefficients in the matrices.
-pub(super) fn journals(scene: &Scene, numbering: &Numbering) -> Vec<JournalBearing> {
-    let journal = |(number, bearing): (usize, &Bearing)| {
-        let (journal, index) = (bearing.journal.as_ref()?, numbering.translation(bearing.node)?);
-        let ratio = scene.speed_ratios[bearing.node.shaft];
-        Some(JournalBearing { number, index, ratio, film: Film::new(journal), point: None })
+/// Nonlinear bearings, without coefficients in the matrices.
+pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<NonlinearBearing> {
+    let law = |bearing: &Bearing| match bearing.nonlinear.as_ref()? {
+        Nonlinear::Journal(journal) => Some(BearingLaw::Film(Film::new(journal))),
+        Nonlinear::Rolling(rolling) => {
+            let damping = bearing.damping.constant().unwrap_or_default();
+            Some(BearingLaw::Rolling(RollingElements::new(rolling, damping)))
+        }
     };
-    scene.bearings.iter().enumerate().filter_map(journal).collect()
+    let mut found = Vec::new();
+    for (number, bearing) in scene.bearings.iter().enumerate() {
+        if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
+            let turning = (scene.shafts.len() + found.len(), scene.speed_ratios[bearing.node.shaft]);
+            found.push(NonlinearBearing::new(number, rows, turning, law));
+        }
+    }
+    found
 }
 
 impl Model {
     /// Whether the matrices lack the coefficients of bearings, because the model is not that of one speed.
     pub fn lacks_coefficients(&self) -> bool {
-        !self.bearings.is_empty() || self.journals.iter().any(|journal| journal.point.is_none())
+        !self.bearings.is_empty() || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
     }
 
     /// Whether this is the model at a speed of the reference shaft, rad/s.
     pub fn is_at(&self, speed: f64) -> bool {
-        let is_at = |journal: &JournalBearing| journal.point.is_some_and(|point| point.speed == Some(speed));
-        self.bearings.is_empty() && self.journals.iter().all(is_at)
+        let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
+        self.bearings.is_empty() && self.nonlinear_bearings.iter().all(is_at)
     }
 
-    /// The model with coefficients of its journal bearings in the matrices, one for each.
-    pub fn with_points(mut self, point: impl Fn(&JournalBearing) -> OperatingPoint) -> Self {
-        self.supports.truncate(self.supports.len() - self.journals.iter().filter(|it| it.point.is_some()).count());
-        for journal in &mut self.journals {
-            let found = point(journal);
-            journal.point = Some(found);
-            self.supports.push(Support::new(journal.index, found.stiffness, found.damping));
+    /// The model with coefficients of its nonlinear bearings in the matrices, one for each.
+    pub fn with_points(mut self, point: impl Fn(&NonlinearBearing) -> OperatingPoint) -> Self {
+        let number = |bearing: &NonlinearBearing| bearing.point.map(|_| bearing.number);
+        let with_point: Vec<usize> = self.nonlinear_bearings.iter().filter_map(number).collect();
+        let on_ground = with_point.iter().filter(|number| self.scene.bearings[**number].attachment.is_none()).count();
+        self.supports.truncate(self.supports.len() - on_ground);
+        self.links.truncate(self.links.len() - (with_point.len() - on_ground));
+        for bearing in &mut self.nonlinear_bearings {
+            bearing.point = Some(point(bearing));
         }
+        self.add_points();
         self
     }
 
-    /// The model with a stiffness of its journal bearings with which the search of the equilibrium starts: the film carries
-    /// the weight of its shaft at a displacement of a third of the clearance.
+    /// Adds the coefficients of the nonlinear bearings to the matrices: after the supports for a bearing on the ground, after
+    /// the links for another one.
+    fn add_points(&mut self) {
+        for bearing in &self.nonlinear_bearings {
+            let Some(OperatingPoint { stiffness, damping, .. }) = bearing.point else {
+                continue;
+            };
+            let given = &self.scene.bearings[bearing.number];
+            match given.attachment {
+                None => self.supports.push(Support::new(bearing.rows[0][0].0, stiffness, damping)),
+                Some(_) => {
+                    let name = format!("bearings[{}]", bearing.number);
+                    let link = Link::new(name, bearing.rows.to_vec(), stiffness, damping);
+                    self.links.push(Link { bearing: Some(given.node), ..link });
+                }
+            }
+        }
+    }
+
+    /// Sets the stiffness of nonlinear bearings with which a search of the equilibrium starts: that under the weight of their
+    /// shaft.
+    pub(super) fn set_initial_stiffness(&mut self) {
+        let shaft = |bearing: &NonlinearBearing| self.scene.bearings[bearing.number].node.shaft;
+        let weight = |bearing: &NonlinearBearing| STANDARD_GRAVITY * self.mass_of(shaft(bearing));
+        let weights: Vec<f64> = self.nonlinear_bearings.iter().map(weight).collect();
+        for (bearing, weight) in self.nonlinear_bearings.iter_mut().zip(weights) {
+            bearing.set_initial_stiffness(weight);
+        }
+    }
+
+    /// The model with the stiffness of its nonlinear bearings with which the search of the equilibrium starts.
     pub fn with_provisional_points(self) -> Self {
-        let weights: Vec<f64> = (0..self.shafts.len()).map(|shaft| STANDARD_GRAVITY * self.mass_of(shaft)).collect();
-        let shafts: Vec<usize> = self.scene.bearings.iter().map(|bearing| bearing.node.shaft).collect();
-        self.with_points(|journal| {
-            let stiffness = 3.0 * weights[shafts[journal.number]] / journal.film.clearance();
-            let stiffness = [[stiffness, 0.0], [0.0, stiffness]];
+        self.with_points(|bearing| {
+            let stiffness = [[bearing.initial_stiffness, 0.0], [0.0, bearing.initial_stiffness]];
             OperatingPoint { speed: None, stiffness, damping: [[0.0; 2]; 2] }
         })
     }
@@ -88,28 +128,29 @@ impl Model {
         self.kinetic_form(&motion)
     }
 
-    /// The model with the coefficients of the films at the displacements q of the equilibrium at a speed, rad/s.
+    /// The model with the coefficients of its nonlinear bearings at the displacements q of the equilibrium at a speed, rad/s.
     pub fn with_points_at(self, speed: f64, q: &[f64]) -> Self {
-        let rest = vec![0.0; q.len()];
-        self.with_points(|journal| {
-            let film = journal.film_force(speed, q, &rest);
-            OperatingPoint { speed: Some(speed), stiffness: film.stiffness, damping: film.damping }
-        })
+        self.with_points(|bearing| bearing.point_at(speed, q))
     }
 
     /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q of a system at rest and
     /// a speed of the reference shaft, rad/s; bearings with tables are those of the model.
     pub fn static_bearing_force(&self, node: Node, speed: f64, q: &[f64]) -> [f64; 2] {
         let rest = vec![0.0; q.len()];
-        self.journals_at(node).fold(self.bearing_force(node, q, &rest), |sum, journal| {
-            let own = journal.static_tangent(speed, q).0;
+        self.nonlinear_bearings_at(node).fold(self.bearing_force(node, q, &rest), |sum, bearing| {
+            let own = bearing.static_tangent(speed, q).0;
             [sum[0] + own[0], sum[1] + own[1]]
         })
     }
 
-    /// The journal bearings at a node.
-    pub fn journals_at(&self, node: Node) -> impl Iterator<Item = &JournalBearing> {
-        self.journals.iter().filter(move |journal| self.scene.bearings[journal.number].node == node)
+    /// The nonlinear bearings at a node.
+    pub fn nonlinear_bearings_at(&self, node: Node) -> impl Iterator<Item = &NonlinearBearing> {
+        self.nonlinear_bearings.iter().filter(move |bearing| self.scene.bearings[bearing.number].node == node)
+    }
+
+    /// Whether a bearing at a node has rolling elements.
+    pub fn rolls_at(&self, node: Node) -> bool {
+        self.nonlinear_bearings_at(node).any(|bearing| bearing.rolling().is_some())
     }
 
     /// All connections, meshes first, with the flanks that carry at a speed of the reference shaft, rad/s.
@@ -125,7 +166,8 @@ impl Model {
     ) -> impl Iterator<Item = Connection<'a>> + 'a {
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
-        let others = self.bearings.iter().map(Connection::Bearing).chain(self.journals.iter().map(Connection::Journal));
+        let nonlinear = self.nonlinear_bearings.iter().map(Connection::Nonlinear);
+        let others = self.bearings.iter().map(Connection::Bearing).chain(nonlinear);
         let others = others.chain(self.springs.iter().map(Connection::Spring));
         meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
@@ -135,7 +177,7 @@ impl Model {
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
-        if let Some(journal) = self.journals.iter().find(|journal| journal.stands(speed)) {
+        if let Some(journal) = self.nonlinear_bearings.iter().find(|bearing| bearing.stands(speed)) {
             let message = "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...)";
             return Err(EntryPath::entry("bearings", journal.number).error(message));
         }
@@ -174,14 +216,16 @@ impl Model {
             given.stiffness = BearingCoefficient::Constant(stiffness);
             given.damping = BearingCoefficient::Constant(damping);
         }
-        let points: Vec<_> = self.journals.iter().filter_map(|journal| journal.point).collect();
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
-        let journals = self.journals.iter().map(|journal| journal.index);
-        model
-            .supports
-            .extend(journals.zip(points).map(|(index, point)| Support::new(index, point.stiffness, point.damping)));
         model.links = links(&model.scene, &model.numbering);
+        model.add_points();
         Ok(model)
+    }
+
+    /// Lowest speed of the reference shaft that the tables of all bearings contain, rad/s; none without tables.
+    pub fn lowest_speed(&self) -> Option<f64> {
+        let first = self.bearings.iter().filter_map(|bearing| bearing.knots().min_by(f64::total_cmp));
+        first.reduce(f64::max)
     }
 
     /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.

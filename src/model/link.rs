@@ -134,6 +134,7 @@ impl Model {
     pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
         let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
         let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
+        let rows = rows.chain(self.nonlinear_bearings_at(node).flat_map(|bearing| &bearing.rows));
         rows.flatten().map(|(index, _)| *index).collect()
     }
 
@@ -169,7 +170,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
             continue;
         };
-        if let Some(rows) = bearing_rows(scene, numbering, bearing).filter(|_| bearing.attachment.is_some()) {
+        if let Some(rows) = bearing_rows(scene, numbering, bearing).filter(|_| bearing.attachment.is_some() && bearing.nonlinear.is_none()) {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
             links.push(Link { bearing: Some(bearing.node), ..link });
         }

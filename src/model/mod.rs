@@ -30,7 +30,7 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
 
-use crate::connection::{AppliedLoad, JournalBearing, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -136,8 +136,9 @@ pub struct Model {
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
     /// [`at_speed`](Self::at_speed).
     pub bearings: Vec<SpeedDependentBearing>,
-    /// Journal bearings. In a model at a speed, the last entries of `supports` are their coefficients.
-    pub journals: Vec<JournalBearing>,
+    /// Bearings with oil films or rolling elements. In a model at a speed, the last entries of `supports` and `links` are their
+    /// coefficients.
+    pub nonlinear_bearings: Vec<NonlinearBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
     /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
@@ -162,7 +163,7 @@ impl Model {
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;
         let (supports, bearings) = at_speed::bearings(&scene, &numbering);
-        let journals = at_speed::journals(&scene, &numbering);
+        let nonlinear_bearings = at_speed::nonlinear_bearings(&scene, &numbering);
         let meshes: Vec<_> = scene
             .meshes
             .iter()
@@ -187,11 +188,12 @@ impl Model {
             shafts,
             supports,
             bearings,
-            journals,
+            nonlinear_bearings,
             meshes,
             springs: Vec::new(),
             loads: Vec::new(),
         };
+        model.set_initial_stiffness();
         model.loads = model.varying_loads();
         model.add_turning_forces();
         model.constant_load = model.assemble_constant_load();

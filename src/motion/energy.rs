@@ -56,7 +56,7 @@ impl<'m> EquationOfMotion<'m> {
         let energy = |connection: Connection<'_>| match connection {
             Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
-            Connection::Journal(journal) => journal.energy(q),
+            Connection::Nonlinear(bearing) => bearing.energy(&self.phase(bearing.turning, elapsed), q),
             Connection::Spring(spring) => spring.energy(q),
         };
         self.connections().map(energy).sum()

@@ -57,14 +57,16 @@ pub struct EquationOfMotion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
-    /// Signed spin of each shaft, rad/s, if the speed is constant.
+    /// Ratio of the speed of each shaft and, after them, of what turns each nonlinear bearing to that of the reference shaft.
+    ratios: Vec<f64>,
+    /// Signed spin of the same, rad/s, if the speed is constant.
     pub(super) spins: Vec<f64>,
     pub(super) constants: RunConstants,
     /// Speed of the reference shaft, if it is variable.
     pub(super) variable_speed: Option<VariableSpeed>,
-    /// Phasor e^{iϑ} of each shaft at elapsed time zero.
+    /// Phasor e^{iϑ} of the same at elapsed time zero.
     pub(super) at_origin: Vec<Complex64>,
-    /// Angle of each shaft at elapsed time zero, rad.
+    /// Angle of the same at elapsed time zero, rad.
     angles: Vec<f64>,
     /// Contact mode of each mesh in the step.
     pub(super) contact_modes: Vec<ContactMode>,
@@ -116,8 +118,10 @@ impl<'m> EquationOfMotion<'m> {
         equilibrium: DVector<f64>,
     ) -> Self {
         let (model, speed) = (&cached.model, rotation.fastest);
-        let spins: Vec<f64> = model.shafts.iter().map(|shaft| shaft.ratio * speed).collect();
-        let at_origin: Vec<_> = model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
+        let ratios = model.shafts.iter().map(|shaft| shaft.ratio);
+        let ratios: Vec<f64> = ratios.chain(model.nonlinear_bearings.iter().map(|bearing| bearing.ratio)).collect();
+        let spins: Vec<f64> = ratios.iter().map(|ratio| ratio * speed).collect();
+        let at_origin: Vec<_> = ratios.iter().map(|ratio| rotation.phasor_at_origin(*ratio)).collect();
         let excited = |(index, shaft): (usize, &ShaftModel)| RotatingForces {
             shaft: index,
             spin: spins[index],
@@ -143,6 +147,7 @@ impl<'m> EquationOfMotion<'m> {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
+            ratios,
             spins,
             constants: RunConstants {
                 speed,
@@ -176,16 +181,15 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Quantities on which a connection depends in addition to its scalars: the shafts and the contact mode of a mesh, the
-    /// shaft of a load, the time, and the speed for all but meshes.
+    /// shaft of a load or what turns a nonlinear bearing, and the time.
     #[inline(always)]
-    pub fn instant(&self, mesh: Option<usize>, shaft: Option<usize>, elapsed: f64) -> Instant {
-        let phases = match (mesh, shaft) {
+    pub fn instant(&self, mesh: Option<usize>, turning: Option<usize>, elapsed: f64) -> Instant {
+        let phases = match (mesh, turning) {
             (Some(mesh), _) => self.phases(mesh, elapsed),
-            (None, Some(shaft)) => [self.phase(shaft, elapsed), ShaftPhase::default()],
+            (None, Some(turning)) => [self.phase(turning, elapsed), ShaftPhase::default()],
             (None, None) => Default::default(),
         };
-        let speed = if mesh.is_some() { 0.0 } else { self.reference_speed(elapsed).0 };
-        Instant { time: self.constants.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh), speed }
+        Instant { time: self.constants.origin + elapsed, phases, contact_mode: *self.contact_mode(mesh) }
     }
 
     /// The contact mode of a mesh; [`ContactMode::ALWAYS`] for other connections.
@@ -238,9 +242,24 @@ impl<'m> EquationOfMotion<'m> {
         let speed = self.reference_speed(elapsed).0;
         let over_speed = self.model.bearings_at(node).map(|bearing| bearing.force(speed, q, v));
         // The integrator reports a journal that touches its bearing.
-        let films = self.model.journals_at(node).map(|journal| journal.force(speed, q, v).unwrap_or([f64::NAN; 2]));
+        let nonlinear = self.model.nonlinear_bearings_at(node).map(|bearing| {
+            bearing.force(&self.phase(bearing.turning, elapsed), q, v).unwrap_or([f64::NAN; 2])
+        });
         let constant = self.model.bearing_force(node, q, v);
-        over_speed.chain(films).fold(constant, |sum, own| [sum[0] + own[0], sum[1] + own[1]])
+        over_speed.chain(nonlinear).fold(constant, |sum, own| [sum[0] + own[0], sum[1] + own[1]])
+    }
+
+    /// Number of loaded rolling elements of the bearings at a node, and their largest contact force, N.
+    pub fn rolling_contact(&self, node: Node, elapsed: f64, q: &[f64]) -> [f64; 2] {
+        let mut contact = [0.0, 0.0_f64];
+        for bearing in self.model.nonlinear_bearings_at(node) {
+            let angle = self.phase(bearing.turning, elapsed).angle;
+            let elements = bearing.rolling().into_iter();
+            for force in elements.flat_map(|elements| elements.contact_forces(bearing.scalars(q), angle)) {
+                contact = [contact[0] + f64::from(force > 0.0), contact[1].max(force)];
+            }
+        }
+        contact
     }
 
     /// Phasor e^{iϑ} of a shaft.
@@ -248,13 +267,13 @@ impl<'m> EquationOfMotion<'m> {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.angle_and_spin(shaft, elapsed).0)
     }
 
-    /// Angle of a shaft since elapsed time zero, rad, and its spin, rad/s.
+    /// Angle of a shaft, or of what turns a nonlinear bearing, since elapsed time zero, rad, and its spin, rad/s.
     #[inline(always)]
-    fn angle_and_spin(&self, shaft: usize, elapsed: f64) -> (f64, f64) {
+    fn angle_and_spin(&self, turning: usize, elapsed: f64) -> (f64, f64) {
         match &self.variable_speed {
-            None => (self.spins[shaft] * elapsed, self.spins[shaft]),
+            None => (self.spins[turning] * elapsed, self.spins[turning]),
             Some(variable_speed) => {
-                let (ratio, now) = (self.model.shafts[shaft].ratio, variable_speed.at(elapsed));
+                let (ratio, now) = (self.ratios[turning], variable_speed.at(elapsed));
                 (ratio * now.angle, ratio * now.speed)
             }
         }
@@ -349,11 +368,12 @@ impl<'m> EquationOfMotion<'m> {
         self.model.meshes[mesh].shafts.map(|shaft| self.phase(shaft, elapsed))
     }
 
-    /// Angle and spin of a shaft.
+    /// Angle and spin of a shaft, or of what turns a nonlinear bearing: an index among the shafts and, after them, the nonlinear
+    /// bearings.
     #[inline(always)]
-    fn phase(&self, shaft: usize, elapsed: f64) -> ShaftPhase {
-        let (angle, spin) = self.angle_and_spin(shaft, elapsed);
-        ShaftPhase { angle: self.angles[shaft] + angle, spin }
+    pub(super) fn phase(&self, turning: usize, elapsed: f64) -> ShaftPhase {
+        let (angle, spin) = self.angle_and_spin(turning, elapsed);
+        ShaftPhase { angle: self.angles[turning] + angle, spin }
     }
 
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.

@@ -60,10 +60,11 @@ impl EquationOfMotion<'_> {
                         row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
                     }
                 }
-                Connection::Journal(journal) => {
-                    let [y, z] = journal.force(self.reference_speed(elapsed).0, q, v).map_err(Halt::Touch)?;
-                    force[journal.index] -= y;
-                    force[journal.index + 1] -= z;
+                Connection::Nonlinear(bearing) => {
+                    let values = bearing.force(&self.phase(bearing.turning, elapsed), q, v).map_err(Halt::Touch)?;
+                    for (row, value) in bearing.rows.iter().zip(values) {
+                        row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
+                    }
                 }
                 Connection::Spring(spring) => spring.apply(q, v, force),
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),

@@ -30,7 +30,8 @@ impl PowerCoordinates {
         let of_springs = model.springs.iter().flat_map(|spring| spring.rows.iter().flatten().map(|(index, _)| *index));
         displacements.extend(of_meshes.chain(of_springs));
         displacements.extend(model.bearings.iter().flat_map(|bearing| bearing.rows.iter().flatten().map(|(i, _)| *i)));
-        displacements.extend(model.journals.iter().flat_map(|journal| lateral(journal.index)));
+        let nonlinear = model.nonlinear_bearings.iter().flat_map(|bearing| bearing.rows.iter().flatten());
+        displacements.extend(nonlinear.map(|(index, _)| *index));
         velocities.extend(&displacements);
         let is_crossed = |support: &Support| support.stiffness[0][1] != support.stiffness[1][0];
         let crossed = model.supports.iter().filter(|support| is_crossed(support));
@@ -77,7 +78,7 @@ fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
 
 impl EquationOfMotion<'_> {
     /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of
-    /// couplings and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
+    /// couplings, moves rolling elements and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
     /// run-out, stiffness); damping, with the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
     /// combinations.
     ///
@@ -131,8 +132,10 @@ impl EquationOfMotion<'_> {
                     drive += stiffening;
                     damping += damped;
                 }
-                Connection::Journal(journal) => {
-                    damping += journal.damping_power(self.reference_speed(elapsed).0, q, v);
+                Connection::Nonlinear(bearing) => {
+                    let [turned, damped] = bearing.powers(&self.phase(bearing.turning, elapsed), q, v);
+                    drive += turned;
+                    damping += damped;
                 }
                 Connection::Spring(spring) => damping += spring.damping_power(v),
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),

@@ -8,7 +8,7 @@ use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS};
+use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::linalg::Sparse;
 use crate::model::{Model, Numbering};
 
@@ -74,7 +74,7 @@ pub fn mesh_names(model: &Model, meshes: impl Iterator<Item = usize>) -> Vec<(&s
     meshes.map(|mesh| model.gear_names(mesh).into()).collect()
 }
 
-/// Units of the quantities that a run can record, by kind of connection ("mesh", "bearing") and name.
+/// Units of the quantities that a run can record, by kind of connection ("mesh", "bearing", "rolling") and name.
 #[pyfunction]
 pub fn connection_channels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let units = |channels: &[Channel]| {
@@ -85,6 +85,7 @@ pub fn connection_channels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("mesh", units(&MESH_CHANNELS)?)?;
     dict.set_item("bearing", units(&BEARING_CHANNELS)?)?;
+    dict.set_item("rolling", units(&ROLLING_CHANNELS)?)?;
     Ok(dict)
 }
 

@@ -46,10 +46,10 @@ impl PyModel {
         &self.cached.model
     }
 
-    /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of journal
-    /// bearings depends on the loads, so that systems with them share nothing.
+    /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of
+    /// nonlinear bearings depends on the loads, so that systems with them share nothing.
     pub fn share_linear_part(&self, other: &Self) {
-        if !self.model().journals.is_empty() {
+        if !self.model().nonlinear_bearings.is_empty() {
             return;
         }
         let plain = |model: &Self| model.resolved.description.without_loads();

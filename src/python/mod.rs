@@ -1,10 +1,10 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 
 mod background;
+mod bearing;
 mod convert;
 mod entries;
 mod errors;
-mod film;
 mod frequency;
 mod handle;
 mod model;
@@ -22,7 +22,9 @@ mod _core {
     #[pymodule_export]
     use super::convert::connection_channels;
     #[pymodule_export]
-    use super::film::film_coefficients;
+    use super::bearing::film_coefficients;
+    #[pymodule_export]
+    use super::bearing::rolling_coefficients;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

@@ -10,6 +10,7 @@ use super::convert::{mesh_fields, mesh_names, stack, table};
 use super::handle::PyModel;
 use super::state::{write_checkpoint, write_final};
 use crate::analysis::simulate::{Event, Point, RecordPlan, Response};
+use crate::connection::ROLLING_CHANNELS;
 use crate::motion::{Energies, SOURCES};
 
 /// What a run cost and what limited its steps.
@@ -83,6 +84,10 @@ pub fn response_dict<'py>(
     dict.set_item("twist", table(py, record.twist, times, points)?)?;
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
+    let rolling = plan.bearings.iter().filter(|node| model.rolls_at(**node)).map(|node| owner.place(*node));
+    let rolling: Vec<_> = rolling.collect();
+    dict.set_item("rolling_contact", stack(py, record.rolling, times, rolling.len(), ROLLING_CHANNELS.len())?)?;
+    dict.set_item("rolling_bearings", rolling)?;
     dict.set_item("meshes", mesh_names(model, plan.meshes.iter().copied()))?;
     dict.set_item("mesh", mesh_fields(py, record.mesh, times, plan.meshes.len(), false)?)?;
     dict.set_item("energy", plan.energy.then(|| energy(&record.energy, |(energies, _)| energies.total(), py)))?;

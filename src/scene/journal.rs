@@ -34,15 +34,6 @@ pub enum FilmKind {
     Finite(Vec<[f64; 2]>),
 }
 
-/// Checks a journal bearing outside a scene. Errors begin with `bearing`.
-///
-/// # Errors
-/// [`SceneError`] as for the bearing of a scene, or for a bearing that is linear.
-pub fn journal(given: &description::Bearing) -> Result<Journal, SceneError> {
-    let at = EntryPath::root("bearing");
-    Journal::new(given, &at)?.ok_or_else(|| at.error("is no journal bearing"))
-}
-
 impl Journal {
     /// Checks the entries of a bearing at the entry `at`; none for a linear bearing.
     ///
@@ -56,12 +47,10 @@ impl Journal {
             ("clearance", given.clearance),
             ("viscosity", given.viscosity),
         ];
-        let has_film =
-            given.film.is_some() || given.grooves.is_some() || entries.iter().any(|(_, value)| value.is_some());
-        if !has_film {
+        if !given.film_entries().iter().any(|(_, is_given)| *is_given) {
             return match given.stiffness {
                 Some(_) => Ok(None),
-                None => Err(at.error("missing field `stiffness`, or those of a journal bearing")),
+                None => Err(at.error("missing field `stiffness`, or those of a journal bearing or rolling bearing")),
             };
         }
         for (name, is_given) in [("stiffness", given.stiffness.is_some()), ("damping", given.damping.is_some())] {

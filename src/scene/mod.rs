@@ -10,6 +10,7 @@ mod curve;
 pub mod description;
 mod error;
 mod gear;
+mod hertz;
 mod housing;
 mod journal;
 mod loads;
@@ -17,6 +18,7 @@ mod material;
 mod mesh;
 mod place;
 mod plausibility;
+mod rolling;
 mod shaft;
 mod speed_table;
 mod stiffness;
@@ -32,7 +34,9 @@ pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
 pub use housing::{Attachment, Housing};
-pub use journal::{FilmKind, Journal, journal};
+pub use hertz::{LINE_CONTACT, POINT_CONTACT};
+pub use journal::{FilmKind, Journal};
+pub use rolling::Rolling;
 pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
@@ -83,10 +87,19 @@ pub struct Bearing {
     pub stiffness: BearingCoefficient,
     /// Damping over (y, z), N s/m.
     pub damping: BearingCoefficient,
-    /// The oil film of a journal bearing, whose stiffness and damping follow from it; none for a linear bearing.
-    pub journal: Option<Journal>,
+    /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
+    pub nonlinear: Option<Nonlinear>,
     /// Its place on a housing; `None` on the ground.
     pub attachment: Option<Attachment>,
+}
+
+/// A bearing whose force is a nonlinear function of the motion.
+#[derive(Clone, Debug)]
+pub enum Nonlinear {
+    /// An oil film.
+    Journal(Journal),
+    /// Rolling elements.
+    Rolling(Rolling),
 }
 
 /// A constant torque about +x.
@@ -330,13 +343,38 @@ fn bearings(
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            journal: Journal::new(bearing, &at)?,
+            nonlinear: nonlinear(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
             attachment: attachments[index],
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// Checks a nonlinear bearing outside a scene; gives its law and its damping over (y, z), N s/m. Errors begin with `bearing`.
+///
+/// # Errors
+/// [`SceneError`] as for the bearing of a scene, or for a linear bearing.
+pub fn bearing(given: &description::Bearing) -> Result<(Nonlinear, Matrix2), SceneError> {
+    let at = EntryPath::root("bearing");
+    let law = nonlinear(given, &at)?.ok_or_else(|| at.error("is a linear bearing"))?;
+    let damping = BearingCoefficient::new(given.damping.as_ref(), &at.field("damping"))?;
+    Ok((law, damping.constant().unwrap_or_default()))
+}
+
+/// The nonlinear law of a bearing; none for a linear one.
+fn nonlinear(given: &description::Bearing, at: &EntryPath) -> Result<Option<Nonlinear>, SceneError> {
+    match Rolling::new(given, at)? {
+        Some(rolling) => {
+            if let Some(description::BearingCoefficient::Table(_)) = given.damping {
+                let message = "a rolling bearing takes no table; give a number, a pair or a 2x2 matrix";
+                return Err(at.field("damping").error(message));
+            }
+            Ok(Some(Nonlinear::Rolling(rolling)))
+        }
+        None => Ok(Journal::new(given, at)?.map(Nonlinear::Journal)),
+    }
 }
 
 fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {

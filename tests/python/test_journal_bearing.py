@@ -317,7 +317,7 @@ def judged() -> independent_solution.Motion:
         for x in (0.0, PAIR.length)
     ]
 
-    def films(q: Array, qd: Array) -> Array:
+    def films(_: float, q: Array, qd: Array) -> Array:
         force = np.zeros(given.size)
         for i, spin in places:
             force[i : i + 2] = -film.short(THIN, q[i : i + 2], qd[i : i + 2], spin)

@@ -199,7 +199,7 @@ class JournalMotion(ReadOnly):
         ChannelError
             If no journal bearing stands there; the message lists them.
         """
-        journals = [bearing for bearing in bearings if "clearance" in bearing]
+        journals = [bearing for bearing in bearings if "viscosity" in bearing]
         places = [(bearing["shaft"], float(bearing["position"])) for bearing in journals]
         i = locate(places, *place)
         if i is None:

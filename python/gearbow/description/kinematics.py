@@ -13,6 +13,9 @@ from typing import Any, Protocol
 from gearbow._convert import whole
 from gearbow._types import Array
 from gearbow.description.gears import Gear, Mesh
+from gearbow.description.journal import JournalBearing
+from gearbow.description.loads import Bearing
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 
 __all__ = ["Kinematics", "Order", "Train"]
@@ -27,6 +30,7 @@ class Train(Protocol):
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
+    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
 
     @property
     def speed_ratios(self) -> Array:
@@ -62,6 +66,9 @@ class Kinematics:
         Name of each shaft, and the absolute value of its speed ratio.
     meshes : tuple of (str, str, str, str, float)
         Driving and driven gear, their shafts, and the order of the tooth frequency.
+    bearings : tuple of (str, float, float)
+        Name of each rolling bearing, "shaft@position", the order of its cage and the order at which
+        its elements pass a point of the outer ring.
 
     Examples
     --------
@@ -84,6 +91,7 @@ class Kinematics:
 
     shafts: tuple[tuple[str, float], ...]
     meshes: tuple[tuple[str, str, str, str, float], ...]
+    bearings: tuple[tuple[str, float, float], ...] = ()
 
     @classmethod
     def of(cls, system: Train) -> "Kinematics":
@@ -109,7 +117,16 @@ class Kinematics:
             driver, driven = gears[mesh.driver], gears[mesh.driven]
             tooth = driver.teeth * ratios[driver.shaft]
             meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
-        return cls(tuple(ratios.items()), tuple(meshes))
+        bearings = {
+            f"{bearing.shaft}@{bearing.position:g}": (
+                bearing.cage_order * ratios[bearing.shaft],
+                bearing.ball_pass_order * ratios[bearing.shaft],
+            )
+            for bearing in system.bearings
+            if isinstance(bearing, RollingBearing)
+        }
+        rolling = tuple((name, *orders) for name, orders in bearings.items())
+        return cls(tuple(ratios.items()), tuple(meshes), rolling)
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
@@ -118,7 +135,7 @@ class Kinematics:
         Parameters
         ----------
         plain : dict or None
-            Lists under the keys "shafts" and "meshes".
+            Lists under the keys "shafts", "meshes" and "bearings".
 
         Returns
         -------
@@ -127,10 +144,15 @@ class Kinematics:
         """
         if plain is None:
             return None
-        return cls(*(tuple(tuple(row) for row in plain[key]) for key in ("shafts", "meshes")))
+        keys = ("shafts", "meshes", "bearings")
+        return cls(*(tuple(tuple(row) for row in plain[key]) for key in keys))
 
     def orders(
-        self, shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 1
+        self,
+        shaft_harmonics: int = 4,
+        mesh_harmonics: int = 3,
+        sidebands: int = 1,
+        bearing_harmonics: int = 3,
     ) -> tuple[Order, ...]:
         """List the orders. Equal orders are merged.
 
@@ -140,6 +162,9 @@ class Kinematics:
             Number of harmonics of each shaft and of each tooth frequency.
         sidebands : int
             Number of sidebands on each side of a tooth frequency, for each of the two shafts.
+        bearing_harmonics : int
+            Number of harmonics of each ball-pass frequency; with one or more, also the order of the
+            cage.
 
         Returns
         -------
@@ -149,10 +174,12 @@ class Kinematics:
         shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", least=0)
         mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", least=0)
         sidebands = whole(sidebands, "sidebands", least=0)
+        bearing_harmonics = whole(bearing_harmonics, "bearing_harmonics", least=0)
         named = [
             *self._shafts(shaft_harmonics),
             *self._meshes(mesh_harmonics, 0),
             *self._meshes(mesh_harmonics, sidebands),
+            *self._bearings(bearing_harmonics),
         ]
         merged: list[tuple[float, list[str]]] = []
         # The sort is stable: among equal orders the simplest name stays first.
@@ -170,6 +197,14 @@ class Kinematics:
         for n in range(1, harmonics + 1):
             for name, ratio in self.shafts:
                 yield n * ratio, f"{n}× {name}"
+
+    def _bearings(self, harmonics: int) -> Iterator[tuple[float, str]]:
+        """Give the orders of cages, and of the elements that pass the outer ring."""
+        for name, cage, passing in self.bearings:
+            if harmonics:
+                yield cage, f"1× cage {name}"
+            for n in range(1, harmonics + 1):
+                yield n * passing, f"{n}× ball pass {name}"
 
     def _meshes(self, harmonics: int, sidebands: int) -> Iterator[tuple[float, str]]:
         """Give the tooth frequencies, or their sidebands if `sidebands` is not 0."""

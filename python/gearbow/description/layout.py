@@ -12,6 +12,7 @@ from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Segment, Shaft
 
 __all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]
@@ -147,7 +148,7 @@ def layout(
     gears: Sequence[Gear],
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
-    bearings: Sequence[Bearing | JournalBearing],
+    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
     *,
     couplings: Sequence[Coupling] = (),
 ) -> Layout:

@@ -12,6 +12,7 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed_table import SpeedTable
 from gearbow.description.supports import Support
 from gearbow.description.time_series import TimeSeries
@@ -54,7 +55,9 @@ class Bearing(Part):
     @classmethod
     def _from_description(  # type: ignore[override]  # one list holds several classes
         cls, description: Mapping[str, Plain]
-    ) -> "Bearing | JournalBearing":
+    ) -> "Bearing | JournalBearing | RollingBearing":
+        if "balls" in description:
+            return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)
         given = dict(description)

@@ -146,6 +146,7 @@ def orders(
     shaft_harmonics: int = 4,
     mesh_harmonics: int = 3,
     sidebands: int = 1,
+    bearing_harmonics: int = 3,
     skip_time: float = 0.0,
 ) -> Orders:
     """Fit the orders of a train to a recorded signal.
@@ -158,7 +159,7 @@ def orders(
         Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.orders`.
-    shaft_harmonics, mesh_harmonics, sidebands : int
+    shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics : int
         Numbers of orders, as in `gearbow.Response.orders`.
     skip_time : float
         Time at the beginning that is ignored [s].
@@ -176,7 +177,9 @@ def orders(
     begin = recording.time[0] if recording.time.size else 0.0
     kept = recording.time >= begin + number(skip_time, "skip_time")
     time, values = recording.time[kept], signal.values[kept]
-    found = recording.kinematics.orders(shaft_harmonics, mesh_harmonics, sidebands)
+    found = recording.kinematics.orders(
+        shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics
+    )
     frequencies = np.array([order.value for order in found]) * abs(recording.speed) / (2.0 * np.pi)
     _check(time, frequencies)
     angles = 2.0 * np.pi * np.outer(time - time[0], frequencies)

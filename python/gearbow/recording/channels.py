@@ -5,7 +5,7 @@ The core lists what a run can record of a mesh or a bearing (`Connection::channe
 
 from gearbow._core import connection_channels
 
-__all__ = ["BEARING", "MESH", "POINT"]
+__all__ = ["BEARING", "MESH", "POINT", "ROLLING"]
 
 _CONNECTION = connection_channels()
 
@@ -15,3 +15,5 @@ POINT = {"v": "m", "w": "m", "twist": "rad"}
 MESH = _CONNECTION["mesh"]
 #: Quantities of the bearings at a node: the components of their force.
 BEARING = _CONNECTION["bearing"]
+#: Quantities of the rolling bearings at a node: the fields of `RollingMotion` besides the force.
+ROLLING = _CONNECTION["rolling"]

@@ -18,6 +18,7 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
+from gearbow.recording.channels import ROLLING
 from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
@@ -58,10 +59,15 @@ _METADATA = record(
         )
     ),
     kinematics=optional(
-        record(shafts=each(row(text, number)), meshes=each(row(text, text, text, text, number)))
+        record(
+            shafts=each(row(text, number)),
+            meshes=each(row(text, text, text, text, number)),
+            bearings=each(row(text, number, number)),
+        )
     ),
     points=each(row(text, number, each(text))),
     bearings=each(row(text, number)),
+    rolling_bearings=each(row(text, number)),
     meshes=each(row(text, text)),
     statistics=record(
         **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
@@ -166,6 +172,10 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             raise GearbowError(
                 f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
             )
+        # A file may leave out rolling bearings.
+        about.setdefault("rolling_bearings", [])
+        if isinstance(about.get("kinematics"), dict):
+            about["kinematics"].setdefault("bearings", [])
         checked = dict(about)
         if isinstance(about.get("statistics"), dict):
             # A file may leave out the reduction of a run with all modes.
@@ -195,6 +205,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
         "axis": 2,
         **{f"{name}": len(about[f"{name}s"]) for name in ("point", "bearing")},
         "mesh": len(about["meshes"]),
+        "rolling": len(about["rolling_bearings"]),
     }
     expected: dict[str, tuple[type, tuple[int | None, ...]]] = {
         "time": (np.float64, (sizes["time"],)),
@@ -207,6 +218,10 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
     energies = [name for name in expected if name.startswith("energy")]
     if all(header(name) is None for name in energies):
         expected = {name: value for name, value in expected.items() if name not in energies}
+    if not about["rolling_bearings"]:
+        expected = {
+            name: value for name, value in expected.items() if not name.startswith("rolling_")
+        }
     arrays: dict[str, NDArray[Any]] = {}
     for name, (kind, shape) in expected.items():
         found = header(name)
@@ -231,6 +246,8 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
     final = {**about["final"], **{name: arrays[f"final_{name}"] for name in _STATE}}
     check_final(final)
     mesh = {field.name: arrays[f"mesh_{field.name}"] for field in fields(MeshResponse)}
+    rolling = [arrays[f"rolling_{name}"] for name in ROLLING if about["rolling_bearings"]]
+    contact = np.stack(rolling, 2) if rolling else np.empty((arrays["time"].size, 0, len(ROLLING)))
     energies = {name: arrays.get(f"energy_{name}") for name in (*ENERGIES, *WORKS)}
     return RunRecord(
         data={
@@ -240,6 +257,10 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "twist": arrays["twist"],
             "bearings": [(shaft, position) for shaft, position in about["bearings"]],
             "bearing_force": arrays["bearing_force"],
+            "rolling_bearings": [
+                (shaft, position) for shaft, position in about["rolling_bearings"]
+            ],
+            "rolling_contact": contact,
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),

@@ -10,6 +10,7 @@ from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, At, Record, RunData
 from gearbow.description.journal import JournalMotion
 from gearbow.description.places import place
+from gearbow.description.rolling import RollingMotion
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
 from gearbow.recording.energy import EnergyBalance
@@ -204,6 +205,35 @@ class Recording(ReadOnly):
         bearings = () if self.request is None else self.request.description.get("bearings", ())
         at = (shaft, position)
         return JournalMotion.of(bearings, at, self.displacement(at), force)
+
+    def rolling(self, shaft: str, position: float) -> RollingMotion:
+        """Time history of a rolling bearing.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        RollingMotion
+            Force, number of loaded elements and largest contact force.
+
+        Raises
+        ------
+        ChannelError
+            If the bearing was not recorded, or is no rolling bearing.
+        """
+        force = self.bearing_force(shaft, position)
+        places = self._data["rolling_bearings"]
+        i = locate(places, shaft, position)
+        if i is None:
+            raise ChannelError(
+                f"no rolling bearing at ({shaft!r}, {position:g}); there are {places}"
+            )
+        return RollingMotion(force, *np.moveaxis(self._data["rolling_contact"][:, i], -1, 0))
 
     def mesh(self, driver: str, driven: str) -> MeshResponse:
         """Time history of one mesh.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow.description.speed import plain_speed
-from gearbow.recording.channels import BEARING, MESH
+from gearbow.recording.channels import BEARING, MESH, ROLLING
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.record import RunRecord
 
@@ -30,6 +30,7 @@ CHANNELS = {
     "energy": ("J", ("time",)),
     **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
     **{f"mesh_{name}": (unit, ("time", "mesh")) for name, unit in MESH.items()},
+    **{f"rolling_{name}": (unit, ("time", "rolling")) for name, unit in ROLLING.items()},
 }
 
 
@@ -65,6 +66,7 @@ def to_xarray(run: RunRecord) -> "xr.Dataset":
         ],
         "mesh": ["/".join(pair) for pair in data["meshes"]],
         "bearing": [f"{shaft}@{position:g}" for shaft, position in data["bearings"]],
+        "rolling": [f"{shaft}@{position:g}" for shaft, position in data["rolling_bearings"]],
     }
     coordinates: dict[str, Any] = {
         name: (name, np.array(label)) for name, label in labels.items() if label
@@ -109,6 +111,9 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     for i, (shaft, position) in enumerate(data["bearings"]):
         for axis, (field, unit) in enumerate(BEARING.items()):
             columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
+    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
+        for j, (field, unit) in enumerate(ROLLING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():
@@ -127,6 +132,9 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "bearing_force": data["bearing_force"],
     }
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
+    if data["rolling_bearings"]:
+        contact = data["rolling_contact"]
+        arrays |= {f"rolling_{name}": contact[:, :, j].copy() for j, name in enumerate(ROLLING)}
     if data["energy"] is not None:
         arrays["energy"] = data["energy"]
     terms = data["energy_terms"] or {}
@@ -150,6 +158,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         "kinematics": None if run.kinematics is None else asdict(run.kinematics),
         "points": data["points"],
         "bearings": data["bearings"],
+        "rolling_bearings": data["rolling_bearings"],
         "meshes": data["meshes"],
         "statistics": data["statistics"],
         "events": data["events"],

@@ -165,6 +165,7 @@ class Response(Recording):
         shaft_harmonics: int = 4,
         mesh_harmonics: int = 3,
         sidebands: int = 1,
+        bearing_harmonics: int = 3,
         skip_time: float = 0.0,
     ) -> Orders:
         """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
@@ -179,6 +180,9 @@ class Response(Recording):
             Number of harmonics of each shaft and of each tooth frequency.
         sidebands : int
             Number of sidebands on each side of a tooth frequency, for each of the two shafts.
+        bearing_harmonics : int
+            Number of harmonics of the ball-pass frequency of each rolling bearing; with one or
+            more, also the order of the cage.
         skip_time : float
             Time at the beginning that is ignored [s].
 
@@ -202,6 +206,7 @@ class Response(Recording):
             shaft_harmonics=shaft_harmonics,
             mesh_harmonics=mesh_harmonics,
             sidebands=sidebands,
+            bearing_harmonics=bearing_harmonics,
             skip_time=skip_time,
         )
 

@@ -20,6 +20,7 @@ from gearbow.description.load_values import functions, over_time, refuse_functio
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import names_of_bases
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 from gearbow.description.speed import plain_speed
 from gearbow.description.supports import Housing, Support
@@ -46,7 +47,7 @@ _PARTS: dict[str, type[Part]] = {
     "forces": Force,
 }
 #: Further classes of a list of parts.
-_OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing,)}
+_OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
@@ -69,7 +70,7 @@ class SystemDescription:
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
-    bearings: tuple[Bearing | JournalBearing, ...]
+    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
     supports: tuple[Support, ...]
@@ -89,7 +90,7 @@ class SystemDescription:
         shafts: Sequence[Shaft],
         gears: Sequence[Gear] = (),
         meshes: Sequence[Mesh] = (),
-        bearings: Sequence[Bearing | JournalBearing] = (),
+        bearings: Sequence[Bearing | JournalBearing | RollingBearing] = (),
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),

@@ -123,15 +123,14 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     Ok(Resolved { description, choice: Some(choice) })
 }
 
-/// The model with the bearing coefficients of the lowest speed that all tables contain. Journal bearings have a stiffness that
-/// follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
+/// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness
+/// that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
 fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
-    let model = if model.journals.is_empty() { model } else { model.with_provisional_points() };
+    let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_provisional_points() };
     if model.bearings.is_empty() {
         return Ok(model);
     }
-    let first = model.bearings.iter().filter_map(|bearing| bearing.knots().min_by(f64::total_cmp));
-    model.at_tabulated_speed(first.fold(0.0, f64::max))
+    model.at_tabulated_speed(model.lowest_speed().unwrap_or(0.0))
 }
 
 /// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the

@@ -17,7 +17,7 @@ pub(super) const RESONANT_FACTOR: f64 = 8.0;
 /// Largest number of intervals of a time series in one step, so that no step misses a pulse.
 const INTERVALS: f64 = 4.0;
 
-/// Angular frequency of shafts, teeth and loads at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
+/// Angular frequency of shafts, teeth, rolling elements and loads at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
 /// per revolution in multiples of [`STEPS_PER_CYCLE`].
 pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
     let speed = speed.abs();
@@ -31,7 +31,10 @@ pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f
         }
         LoadLaw::SpeedTorque { .. } => 0.0,
     });
-    loads.fold(turning.max(travelling).max(engaging), f64::max)
+    let passing = model.nonlinear_bearings.iter().filter_map(|bearing| {
+        bearing.rolling().map(|elements| (elements.count() as f64 * bearing.ratio * speed).abs())
+    });
+    loads.chain(passing).fold(turning.max(travelling).max(engaging), f64::max)
 }
 
 /// Rotation of the reference shaft within the longest step at a changing speed, rad.

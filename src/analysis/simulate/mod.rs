@@ -146,7 +146,7 @@ pub fn simulate(
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, SceneError> {
     match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest()),
-        Speed::Changing(_) => cached.with_films_at(options.fastest()),
+        Speed::Changing(_) => cached.with_points_of(options.fastest()),
     }
 }
 

@@ -18,6 +18,8 @@ pub struct Record {
     pub twist: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
+    /// Quantities of [`ROLLING_CHANNELS`](crate::connection::ROLLING_CHANNELS) of every bearing node with rolling elements.
+    pub rolling: Vec<f64>,
     /// One vector for each quantity of [`MESH_CHANNELS`].
     pub mesh: [Vec<f64>; MESH_CHANNELS.len()],
     /// Energies, J, and works of [`SOURCES`](crate::motion::SOURCES) since the start, J; empty where not asked for.
@@ -64,6 +66,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             displacement: room(2 * plan.points.len()),
             twist: room(plan.points.len()),
             bearing_force: room(2 * plan.bearings.len()),
+            rolling: Vec::new(),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
             events: Vec::new(),
@@ -171,6 +174,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
         for node in &self.plan.bearings {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
             self.record.bearing_force.extend(force);
+            if model.rolls_at(*node) {
+                self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
+            }
         }
         Ok(())
     }

@@ -139,7 +139,7 @@ impl RecordPlan {
         if !self.bearings.contains(&node) {
             self.bearings.push(node);
         }
-        if model.journals_at(node).next().is_some() {
+        if model.nonlinear_bearings_at(node).any(|bearing| bearing.film().is_some()) {
             self.add_point(model, node);
         }
     }

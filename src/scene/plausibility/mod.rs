@@ -10,12 +10,12 @@ mod ranges;
 use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
-use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Scene, SceneError, Shaft};
+use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
 use findings::{Findings, short};
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
     GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,
-    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, RUN_OUT, SAG, SHEAR_MODULUS, SLENDERNESS, TIP_REACH,
+    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, ROLLING_CLEARANCE, RUN_OUT, SAG, SHEAR_MODULUS, SLENDERNESS, TIP_REACH,
     TORSION, VISCOSITY, WEIGHT,
 };
 
@@ -54,11 +54,15 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     }
     for (index, bearing) in scene.bearings.iter().enumerate() {
         let at = EntryPath::entry("bearings", index);
-        match &bearing.journal {
+        match &bearing.nonlinear {
             None => found.check(&at.field("stiffness"), largest_stiffness(&bearing.stiffness), &BEARING),
-            Some(journal) => {
+            Some(Nonlinear::Journal(journal)) => {
                 found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &CLEARANCE);
                 found.check(&at.field("viscosity"), journal.viscosity, &VISCOSITY);
+            }
+            Some(Nonlinear::Rolling(rolling)) => {
+                let diameter = system.bearings[index].ball_diameter.unwrap_or(f64::INFINITY);
+                found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
             }
         }
     }

@@ -121,6 +121,9 @@ pub(super) const WEIGHT: Usual = usual("gravity", "m/s2", 0.0, 5e3, "is it in mm
 pub(super) const BEARING: Usual = usual("the stiffness of a bearing", "N/m", 0.0, 1e14, UNIT);
 /// Usual in turbomachinery: 1e-3 to 2e-3. Dry instrument bearings need more.
 pub(super) const CLEARANCE: Usual = usual("radial clearance over the radius of a journal", "", 1e-4, 2e-2, METRES);
+/// Clearance or preload of a rolling bearing, ISO 5753: up to 1e-2; worn and idealised bearings have more.
+pub(super) const ROLLING_CLEARANCE: Usual =
+    usual("clearance of a rolling bearing over the diameter of its balls", "", 0.0, 5e-2, METRES);
 /// Gases: 1e-5 Pa s; cold gear oil: a few Pa s.
 pub(super) const VISCOSITY: Usual =
     usual("the viscosity of an oil", "Pa s", 1e-6, 50.0, "is it in mPa s (centipoise)?");

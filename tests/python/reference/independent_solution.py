@@ -58,9 +58,9 @@ def from_rest(
     live: bool = True,
     *,
     rtol: float = 1e-10,
-    further: Callable[[Array, Array], Array] | None = None,
+    further: Callable[[float, Array, Array], Array] | None = None,
 ) -> Motion:
-    """Integrate from q = q' = 0 at t = 0; `further` gives generalised forces (n,) at q and q'."""
+    """Integrate from q = q' = 0 at t = 0; `further` gives generalised forces (n,) at t, q and q'."""
     n = train.size
     stiffness, damping = train.grounded, train.viscous + speed * train.gyroscopic
     inverse = np.linalg.inv(train.mass)
@@ -79,7 +79,7 @@ def from_rest(
         for (at, law), push in zip(interfaces, pushes, strict=True):
             a += push @ law.force(state[at], state[n + at], live)[1]
         if further is not None:
-            a += inverse @ further(state[:n], state[n:])
+            a += inverse @ further(t, state[:n], state[n:])
         return np.concatenate([state[n:], a])
 
     scale = np.concatenate([np.full(n, 1e-14), np.full(n, 1e-10)])  # m and rad; m/s and rad/s

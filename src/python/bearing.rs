@@ -1,0 +1,91 @@
+//! Coefficients of one journal bearing or rolling bearing.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::Depythonizer;
+
+use super::convert::table;
+use crate::film::Film;
+use crate::bearing_force::BearingForce;
+use crate::rolling::RollingElements;
+use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
+
+/// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a
+/// spin, rad/s.
+#[pyfunction]
+pub fn film_coefficients<'py>(
+    py: Python<'py>,
+    bearing: &Bound<'_, PyAny>,
+    load: [f64; 2],
+    speed: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
+    let (Nonlinear::Journal(journal), _) = scene::bearing(&given)? else {
+        return Err(SceneError::new("bearing", "is no journal bearing").into());
+    };
+    let (load_at, speed_at) = (EntryPath::root("load"), EntryPath::root("speed"));
+    load_at.finite(load[0])?;
+    load_at.finite(load[1])?;
+    if load == [0.0; 2] {
+        return Err(load_at.error("must not be 0: an unloaded film has no stiffness and the shaft whirls").into());
+    }
+    if speed_at.finite(speed)? == 0.0 {
+        return Err(speed_at.error("must not be 0: a film carries no load at standstill; give a speed [rad/s]").into());
+    }
+    if speed < 0.0 {
+        let message = format!(
+            "must be positive, got {speed}; a reversed journal has the coefficients of {} rad/s with the opposite sign of the cross terms",
+            -speed
+        );
+        return Err(speed_at.error(message).into());
+    }
+    let (displacement, film) = py
+        .detach(|| Film::new(&journal).carrying(load, speed))
+        .ok_or_else(|| touching(load[0].hypot(load[1]), speed))?;
+    coefficients(py, displacement, &film)
+}
+
+/// Computes displacement (2,), stiffness and damping (2, 2) of a rolling bearing under a static load over (y, z), N, at an
+/// angle of the cage, rad, or averaged over the angles of the cage; with the contact force of each element, N (at the angle 0
+/// for the average), the stiffness of one element and the speed of the cage over that of the shaft.
+#[pyfunction]
+#[pyo3(signature = (bearing, load, cage=None))]
+pub fn rolling_coefficients<'py>(
+    py: Python<'py>,
+    bearing: &Bound<'_, PyAny>,
+    load: [f64; 2],
+    cage: Option<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
+    let (Nonlinear::Rolling(rolling), damping) = scene::bearing(&given)? else {
+        return Err(SceneError::new("bearing", "is no rolling bearing").into());
+    };
+    let load_at = EntryPath::root("load");
+    load_at.finite(load[0])?;
+    load_at.finite(load[1])?;
+    let elements = RollingElements::new(&rolling, damping);
+    let cage = cage.map(|cage| EntryPath::root("cage_angle").finite(cage)).transpose()?;
+    let (displacement, found) =
+        elements.carrying(load, cage).ok_or_else(|| load_at.error("the deflection was not found"))?;
+    let dict = coefficients(py, displacement, &found)?;
+    dict.set_item("contact_forces", elements.contact_forces(displacement, cage.unwrap_or(0.0)).collect::<Vec<_>>())?;
+    dict.set_item("hertz_stiffness", rolling.hertz_stiffness)?;
+    dict.set_item("cage_ratio", elements.cage_ratio)?;
+    Ok(dict)
+}
+
+/// Displacement, stiffness and damping as a dictionary.
+fn coefficients<'py>(py: Python<'py>, displacement: [f64; 2], found: &BearingForce) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("displacement", displacement.to_vec())?;
+    dict.set_item("stiffness", table(py, found.stiffness.as_flattened().to_vec(), 2, 2)?)?;
+    dict.set_item("damping", table(py, found.damping.as_flattened().to_vec(), 2, 2)?)?;
+    Ok(dict)
+}
+
+fn touching(load: f64, speed: f64) -> SceneError {
+    let message = format!(
+        "the journal touches the bearing at {load} N and {speed} rad/s; raise the speed, the viscosity or the length, or reduce the clearance or the load"
+    );
+    SceneError::new("load", message)
+}

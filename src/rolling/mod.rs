@@ -1,0 +1,205 @@
+//! Rolling elements between two raceways: the force of the shaft on the bearing, and its derivatives.
+//!
+//! Element j stands at the angle φ_j = ψ + 2πj/n from y towards z; all turn with the angle ψ of the cage. With the
+//! displacement u of the shaft, the unit vector e_j and the radial gap g (half the clearance), the races approach each other
+//! along element j by δ_j = u·e_j − g. An element carries only while δ_j is positive:
+//!
+//! ```text
+//! Q_j = K max(δ_j, 0)^p          p = 3/2 for balls (point contact), 10/9 for rollers (line contact)
+//! F = Σ Q_j e_j + C u̇            U = Σ K max(δ_j, 0)^{p + 1}/(p + 1)
+//! ```
+//!
+//! With a contact angle α, the contact deflects by δ cos α and the radial part of its force is Q cos α: K contains
+//! cos^{p + 1} α. The cage turns at (1 − (d/D) cos α)/2 times the speed of the inner ring, where the outer ring stands
+//! (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
+//!
+//! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load. K is given, or that of `src/scene/hertz.rs`.
+
+mod equilibrium;
+mod mean;
+
+use std::f64::consts::TAU;
+
+use crate::bearing_force::{BearingForce, Matrix, Vector};
+use crate::scene::{LINE_CONTACT, POINT_CONTACT, Rolling};
+
+/// The rolling elements of a bearing.
+#[derive(Clone, Debug)]
+pub struct RollingElements {
+    /// Unit vectors of the elements at the cage angle zero.
+    places: Box<[Vector]>,
+    /// Radial stiffness K of one element, N/m^p.
+    stiffness: f64,
+    /// Exponent p.
+    exponent: f64,
+    /// Radial gap g, m; negative for a preload.
+    gap: f64,
+    /// Radial part of a contact force, cos α.
+    radial: f64,
+    /// Damping C over (y, z), N s/m.
+    damping: Matrix,
+    /// Speed of the cage over the speed of the shaft.
+    pub cage_ratio: f64,
+}
+
+impl RollingElements {
+    /// The elements of a checked bearing with the damping over (y, z), N s/m.
+    pub fn new(rolling: &Rolling, damping: Matrix) -> Self {
+        let place = |j: u32| {
+            let (sine, cosine) = (rolling.phase + TAU * f64::from(j) / f64::from(rolling.balls)).sin_cos();
+            [cosine, sine]
+        };
+        let exponent = if rolling.line_contact { LINE_CONTACT } else { POINT_CONTACT };
+        let cosine = rolling.contact_angle.cos();
+        Self {
+            places: (0..rolling.balls).map(place).collect(),
+            stiffness: rolling.hertz_stiffness * cosine.powf(exponent + 1.0),
+            exponent,
+            gap: rolling.clearance / 2.0,
+            radial: cosine,
+            damping,
+            cage_ratio: (1.0 - rolling.diameter_ratio * cosine) / 2.0,
+        }
+    }
+
+    /// Number n of elements.
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Approach δ of the races along each element, m, and the unit vector of the element, at a displacement and an angle of
+    /// the cage.
+    #[inline]
+    fn approaches(&self, u: Vector, cage: f64) -> impl Iterator<Item = (f64, Vector)> + '_ {
+        let (sine, cosine) = cage.sin_cos();
+        self.places.iter().map(move |place| {
+            let e = [cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]];
+            (u[0] * e[0] + u[1] * e[1] - self.gap, e)
+        })
+    }
+
+    /// Contact force K δ^p over K and its derivative p δ^{p − 1} for δ > 0.
+    #[inline]
+    fn contact(&self, approach: f64) -> [f64; 2] {
+        let root = if self.exponent == POINT_CONTACT { approach.sqrt() } else { approach.powf(self.exponent - 1.0) };
+        [approach * root, self.exponent * root]
+    }
+
+    /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and an angle of the cage, rad.
+    #[inline]
+    pub fn at(&self, u: Vector, velocity: Vector, cage: f64) -> BearingForce {
+        let (mut force, [mut yy, mut yz, mut zz]) = ([0.0; 2], [0.0; 3]);
+        for (approach, [y, z]) in self.approaches(u, cage).filter(|(approach, _)| *approach > 0.0) {
+            let [pressed, slope] = self.contact(approach);
+            force[0] += pressed * y;
+            force[1] += pressed * z;
+            yy += slope * y * y;
+            yz += slope * y * z;
+            zz += slope * z * z;
+        }
+        let (k, c) = (self.stiffness, &self.damping);
+        BearingForce {
+            force: [0, 1].map(|i| k * force[i] + c[i][0] * velocity[0] + c[i][1] * velocity[1]),
+            stiffness: [[k * yy, k * yz], [k * yz, k * zz]],
+            damping: *c,
+        }
+    }
+
+    /// Elastic energy U, J.
+    pub fn energy(&self, u: Vector, cage: f64) -> f64 {
+        let loaded = self.approaches(u, cage).filter(|(approach, _)| *approach > 0.0);
+        let sum: f64 = loaded.map(|(approach, _)| approach * self.contact(approach)[0]).sum();
+        self.stiffness * sum / (self.exponent + 1.0)
+    }
+
+    /// Contact force Q of every element, normal to the races, at a displacement and an angle of the cage, N.
+    pub fn contact_forces(&self, u: Vector, cage: f64) -> impl Iterator<Item = f64> + '_ {
+        self.approaches(u, cage).map(|(approach, _)| {
+            if approach > 0.0 { self.stiffness * self.contact(approach)[0] / self.radial } else { 0.0 }
+        })
+    }
+
+    /// Approximate stiffness under a load, N/m, N: the load over gap and deflection.
+    pub fn secant_stiffness(&self, load: f64) -> f64 {
+        // Stribeck: the most loaded of n balls carries about 4.37/n of the load; 4 is accurate enough here.
+        let deflection = (4.0 * load / (self.count() as f64 * self.stiffness)).powf(1.0 / self.exponent);
+        load / (self.gap.max(0.0) + deflection)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn elements(balls: u32, clearance: f64, line_contact: bool) -> RollingElements {
+        let rolling = Rolling {
+            balls,
+            diameter_ratio: 0.2,
+            clearance,
+            hertz_stiffness: 1e10,
+            line_contact,
+            contact_angle: 0.0,
+            phase: 0.3,
+        };
+        RollingElements::new(&rolling, [[200.0, 10.0], [-5.0, 300.0]])
+    }
+
+    #[test]
+    fn stiffness_and_energy_are_derivatives() {
+        for line in [false, true] {
+            for clearance in [2e-5, -1e-5] {
+                let (elements, u, rates, h) = (elements(9, clearance, line), [2e-5, -3e-5], [1e-3, 2e-3], 1e-9);
+                let found = elements.at(u, rates, 0.7);
+                let moved = |j: usize, h: f64| {
+                    let mut u = u;
+                    u[j] += h;
+                    u
+                };
+                for j in 0..2 {
+                    let slope = (elements.energy(moved(j, h), 0.7) - elements.energy(moved(j, -h), 0.7)) / (2.0 * h);
+                    let elastic = elements.at(u, [0.0; 2], 0.7).force[j];
+                    // Error of differences: second order in h/δ, and round-off.
+                    assert!((slope - elastic).abs() < 1e-5 * elastic.abs(), "{slope} {elastic}");
+                    for i in 0..2 {
+                        let force = |h: f64| elements.at(moved(j, h), rates, 0.7).force[i];
+                        let slope = (force(h) - force(-h)) / (2.0 * h);
+                        let size = found.stiffness[0][0].abs() + found.stiffness[1][1].abs();
+                        assert!((slope - found.stiffness[i][j]).abs() < 1e-5 * size, "{slope} {found:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_force_is_the_average_over_the_cage_angles() {
+        for line in [false, true] {
+            for (clearance, u) in [(2e-5, [2e-5, -3e-5]), (0.0, [1e-5, 2e-5]), (-1e-5, [1e-6, 2e-6]), (-1e-5, [0.0; 2])]
+            {
+                let elements = elements(7, clearance, line);
+                let mean = elements.mean(u);
+                let count = 20000;
+                let mut sum = BearingForce::default();
+                for i in 0..count {
+                    let found = elements.at(u, [0.0; 2], TAU / 7.0 * f64::from(i) / f64::from(count));
+                    for a in 0..2 {
+                        sum.force[a] += found.force[a] / f64::from(count);
+                        for b in 0..2 {
+                            sum.stiffness[a][b] += found.stiffness[a][b] / f64::from(count);
+                        }
+                    }
+                }
+                let (size, stiff) = (mean.force[0].hypot(mean.force[1]), mean.stiffness[0][0].abs());
+                // The tangent of a line contact has the exponent 1/9: the sum converges slowly.
+                let rough = if line { 1e-4 } else { 1e-6 };
+                for a in 0..2 {
+                    assert!((sum.force[a] - mean.force[a]).abs() <= 1e-8 * size + 1e-9, "{sum:?} {mean:?}");
+                    for b in 0..2 {
+                        let difference = (sum.stiffness[a][b] - mean.stiffness[a][b]).abs();
+                        assert!(difference <= rough * stiff, "{sum:?} {mean:?}");
+                    }
+                }
+            }
+        }
+    }
+}

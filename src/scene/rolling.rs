@@ -1,0 +1,149 @@
+//! Rolling bearing: check of its entries.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::description::{self, ContactKind};
+use super::hertz::{ball_stiffness, roller_stiffness};
+use super::{EntryPath, SceneError};
+
+/// Fewest elements that hold the shaft in every direction.
+const FEWEST: u32 = 3;
+/// Most elements; the largest slewing bearings have about 300.
+const MOST: u32 = 1000;
+/// Usual radius of a groove over the diameter of its balls.
+const GROOVE: f64 = 0.52;
+
+/// Geometry and contact of a rolling bearing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rolling {
+    /// Number n of rolling elements.
+    pub balls: u32,
+    /// Diameter of an element over the pitch diameter, d/D.
+    pub diameter_ratio: f64,
+    /// Radial internal clearance, the free motion of the shaft from side to side, m; negative for a preload.
+    pub clearance: f64,
+    /// Stiffness K of one element between both races, N/m^p.
+    pub hertz_stiffness: f64,
+    /// Whether the contact is a line (rollers) instead of a point (balls).
+    pub line_contact: bool,
+    /// Contact angle, rad.
+    pub contact_angle: f64,
+    /// Angle of the first element from y towards z at the shaft angle 0, rad.
+    pub phase: f64,
+}
+
+impl Rolling {
+    /// Checks the entries of a bearing at the entry `at`; none for a bearing of another kind.
+    ///
+    /// # Errors
+    /// [`SceneError`] for entries of another kind of bearing, a missing entry, elements that do not fit on the pitch circle, and
+    /// values that are not possible.
+    pub(super) fn new(given: &description::Bearing, at: &EntryPath) -> Result<Option<Self>, SceneError> {
+        if !given.is_rolling() {
+            return Ok(None);
+        }
+        for (name, is_given) in given.film_entries().into_iter().chain([("stiffness", given.stiffness.is_some())]) {
+            if is_given && name != "clearance" {
+                let message = "a rolling bearing takes none; leave it out, or leave out balls, ball_diameter, pitch_diameter and the other entries of a rolling bearing";
+                return Err(at.field(name).error(message));
+            }
+        }
+        let needed = |name: &str, value: Option<f64>| {
+            let missing = || at.error(format!("missing field `{name}` of the rolling bearing"));
+            value.ok_or_else(missing)
+        };
+        let balls = given.balls.ok_or_else(|| at.error("missing field `balls` of the rolling bearing"))?;
+        let diameter = at.field("ball_diameter").positive(needed("ball_diameter", given.ball_diameter)?)?;
+        let pitch = at.field("pitch_diameter").positive(needed("pitch_diameter", given.pitch_diameter)?)?;
+        check_fit(balls, diameter, pitch, at)?;
+        let clearance = at.field("clearance").finite(needed("clearance", given.clearance)?)?;
+        if clearance.abs() >= diameter {
+            let message = format!(
+                "must be below ball_diameter, {diameter} m, in size, got {clearance}; usual are 5e-6 to 1e-4 m, and a negative one is a preload"
+            );
+            return Err(at.field("clearance").error(message));
+        }
+        let contact_angle = at.field("contact_angle").finite(given.contact_angle.unwrap_or(0.0))?;
+        if !(0.0..FRAC_PI_2).contains(&contact_angle) {
+            let message = format!("must be at least 0 and below pi/2 rad, got {contact_angle}; is it in degrees?");
+            return Err(at.field("contact_angle").error(message));
+        }
+        let line_contact = given.contact == Some(ContactKind::Roller);
+        let ratio = diameter / pitch;
+        let hertz_stiffness = if line_contact {
+            line_stiffness(given, at)?
+        } else {
+            point_stiffness(given, diameter, ratio, contact_angle, at)?
+        };
+        let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
+        let known = Self { balls, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
+        Ok(Some(known))
+    }
+}
+
+/// Refuses elements that do not fit on the pitch circle.
+fn check_fit(balls: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result<(), SceneError> {
+    if !(FEWEST..=MOST).contains(&balls) {
+        let message = format!("must be between {FEWEST} and {MOST}, got {balls}; fewer do not hold the shaft");
+        return Err(at.field("balls").error(message));
+    }
+    if diameter >= pitch {
+        let message =
+            format!("must be below pitch_diameter, {pitch} m, got {diameter}; pitch_diameter goes through the centres");
+        return Err(at.field("ball_diameter").error(message));
+    }
+    let distance = pitch * (PI / f64::from(balls)).sin();
+    if distance < diameter {
+        let most = (PI / (diameter / pitch).asin()).floor();
+        let message = format!(
+            "{balls} elements of {diameter} m overlap on a pitch circle of {pitch} m, where their centres are {distance:.6} m apart; at most {most} fit"
+        );
+        return Err(at.field("balls").error(message));
+    }
+    Ok(())
+}
+
+/// Stiffness of a ball: the given one, or that of its geometry.
+fn point_stiffness(
+    given: &description::Bearing,
+    diameter: f64,
+    ratio: f64,
+    contact_angle: f64,
+    at: &EntryPath,
+) -> Result<f64, SceneError> {
+    if given.roller_length.is_some() {
+        return Err(at.field("roller_length").error("a ball has none; give contact=\"roller\""));
+    }
+    let radius = |name: &str, value: Option<f64>| {
+        let found = at.field(name).finite(value.unwrap_or(GROOVE))?;
+        if found > 0.5 {
+            return Ok(found);
+        }
+        let message = format!(
+            "radius of the groove over ball_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53"
+        );
+        Err(at.field(name).error(message))
+    };
+    let groove = [radius("inner_groove", given.inner_groove)?, radius("outer_groove", given.outer_groove)?];
+    match given.hertz_stiffness {
+        Some(stiffness) => at.field("hertz_stiffness").positive(stiffness),
+        None => Ok(ball_stiffness(diameter, ratio, contact_angle, groove)),
+    }
+}
+
+/// Stiffness of a roller: the given one, or that of its length.
+fn line_stiffness(given: &description::Bearing, at: &EntryPath) -> Result<f64, SceneError> {
+    for (name, value) in [("inner_groove", given.inner_groove), ("outer_groove", given.outer_groove)] {
+        if value.is_some() {
+            return Err(at.field(name).error("a roller has none; leave it out, or give contact=\"ball\""));
+        }
+    }
+    let length = given.roller_length.map(|length| at.field("roller_length").positive(length)).transpose()?;
+    match (given.hertz_stiffness, length) {
+        (Some(stiffness), _) => at.field("hertz_stiffness").positive(stiffness),
+        (None, Some(length)) => Ok(roller_stiffness(length)),
+        (None, None) => Err(at.error(
+            "missing field `roller_length` or `hertz_stiffness` of the roller bearing, from which its stiffness follows",
+        )),
+    }
+}
