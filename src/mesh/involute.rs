@@ -275,6 +275,11 @@ impl Involute {
         self.angle
     }
 
+    /// Vector from the centre of the driver to that of the driven gear at rest, m.
+    pub fn centres_at_rest(&self) -> [f64; 2] {
+        self.direction.map(|component| self.distance * component)
+    }
+
     /// Sum S of the base radii, m.
     pub fn base_circles(&self) -> f64 {
         self.sum

@@ -72,10 +72,10 @@ pub(super) fn check_contact(
     Ok(())
 }
 
-/// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x)/sin²α
+/// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x) cos β/sin²α_t
 /// teeth. The limit is rounded to a whole number, as usual: 17 teeth for 20° without profile shift.
 pub(super) fn check_undercut(gear: &Gear, at: &EntryPath, warnings: &mut Vec<String>) {
-    let square = gear.pressure_angle.sin().powi(2);
+    let square = gear.transverse_pressure_angle().sin().powi(2) / gear.helix_angle.cos();
     let limit = (2.0 * (1.0 - gear.profile_shift) / square).round();
     let teeth = f64::from(gear.teeth);
     if teeth < limit {
