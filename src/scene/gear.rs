@@ -65,6 +65,14 @@ impl Gear {
         (self.helix_angle.sin() * self.pressure_angle.cos()).asin()
     }
 
+    /// Length b tan β_b by which the contact moves along the path of contact over the face width b that this gear shares with
+    /// another one, m; zero for spur gears and without a face width. Over the base pitch it is the overlap ratio
+    /// ε_β = b sin β/(π m_n).
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let width = self.face_width.zip(other.face_width).map_or(0.0, |(a, b)| a.min(b));
+        if self.helix_angle == 0.0 { 0.0 } else { width * self.base_helix_angle().tan().abs() }
+    }
+
     /// Half the angle of a tooth at the base circle without backlash, π/2z + 2x tan α_n/z + inv α_t, rad.
     pub fn half_angle(&self) -> f64 {
         let (teeth, tan) = (f64::from(self.teeth), self.pressure_angle.tan());

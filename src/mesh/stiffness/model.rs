@@ -1,7 +1,7 @@
 //! Construction of the mesh stiffness from the checked description of the teeth.
 
 use super::{
-    CONTACT_COMPLIANCE, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336, mean_of_pairs,
+    CONTACT_COMPLIANCE, ContactLines, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336, mean_of_pairs,
 };
 use crate::mesh::{ContactPath, Involute};
 use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
@@ -17,7 +17,13 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
     let cosine = pair[0].base_helix_angle().cos();
     // k_t = k_n cos²β_b.
     let transverse = |normal: f64| normal * cosine * cosine;
-    let pairs = |pair: ToothPair| Stiffness::Pairs { pair, engagement: teeth.engagement, relief: teeth.relief };
+    let pairs = |pair: ToothPair| {
+        if at_rest.overlap > 0.0 {
+            Stiffness::Lines(ContactLines { pair, engagement: teeth.engagement })
+        } else {
+            Stiffness::Pairs { pair, engagement: teeth.engagement, relief: teeth.relief }
+        }
+    };
     let scaled = |shape: ToothPair, scale: &Scale| {
         pairs(match scale {
             Scale::Pair(k) => shape.scaled(transverse(*k)),
