@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -554,23 +555,24 @@ def test_the_campbell_diagram_and_critical_speeds_are_those_of_dense_matrices():
     wanted = through_dense_matrices(system).campbell(speeds, count=6)
     scale = np.abs(wanted.eigenvalues).max()
     assert np.abs(found.eigenvalues - wanted.eigenvalues).max() < 1e-7 * scale
-    critical = [one.critical_speeds(2000.0) for one in (system, through_dense_matrices(system))]
-    assert len(critical[0].criticals) > 0
-    for one, other in zip(*(result.criticals for result in critical), strict=True):
-        assert one.speed == pytest.approx(other.speed, rel=1e-7)
+    few, all_of_them = (system.critical_speed_map([5e7], count=count) for count in (6, None))
+    assert few.speeds[0] == pytest.approx(all_of_them.speeds[0][:6], rel=1e-7)
+    soft = system.replace(bearings=[replace(b, axial_stiffness=1e5) for b in system.bearings])
+    other = soft.critical_speed_map([5e7], count=6).speeds[0]
+    assert np.abs(other - few.speeds[0]).max() > 1.0
 
 
 def test_a_reduced_model_follows_the_complete_one():
     system = fine(mesh={"stiffness": gb.Stiffness.parabolic(2e8)})
     whole = system.simulate(0.02, 300.0, method="exponential", rtol=1e-6)
-    reduced = system.simulate(0.02, 300.0, method="exponential", rtol=1e-6, modes=60)
+    reduced = system.simulate(0.02, 300.0, method="exponential", rtol=1e-6, modes=80)
     for name in ("g1", "g2"):
         assert ranged(reduced.axial(name), whole.axial(name)) < 0.02
     assert ranged(reduced.mesh("g1", "g2").force, whole.mesh("g1", "g2").force) < 0.02
 
 
 def test_a_run_up_agrees_between_methods():
-    profile = gb.SpeedProfile([0.0, 0.01], [100.0, 200.0])
+    profile = gb.SpeedProfile.ramp(100.0, 200.0, 0.01)
     times = np.linspace(0.0, 0.01, 101)
     runs = [
         pair().simulate(0.01, profile, initial="rest", times=times, method=method, rtol=1e-8)

@@ -220,11 +220,13 @@ class Modes(ReadOnly):
                 for frequency, name in zip(self.frequencies_hz, self.names(), strict=True)
             ]
             shares = self.energy_shares()
-            twist = sum(share for (_, direction), share in shares.items() if direction == "twist")
-            twists = np.broadcast_to(twist, len(self.whirl)) > 0.5
+            drawn = np.full(len(self.whirl), "lateral", dtype=object)
+            for rod in ("twist", "u"):
+                share = sum(share for (_, direction), share in shares.items() if direction == rod)
+                drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             most = whole(count, "count")
             shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
-            return modes.overview(titles[:most], shapes, dofs, twists)
+            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]))
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
