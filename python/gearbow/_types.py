@@ -16,7 +16,7 @@ At: TypeAlias = str | tuple[str, float]
 #: A quantity to record: a name, a group, (shaft, position), (driver, driven),
 #: ("bearing", shaft, position).
 Record: TypeAlias = str | tuple[str, float] | tuple[str, str] | tuple[str, str, float]
-#: A degree of freedom of a node: shaft, position [m], one of "v", "w", "B", "G", "twist".
+#: A degree of freedom of a node: shaft, position [m], one of "u", "v", "w", "B", "G", "twist".
 NodalDof: TypeAlias = tuple[str, float, str]
 #: One degree of freedom: of a node, or of an element with the positions of its ends [m] and the
 #: degree of its shape function, for example ("input", (0.0, 0.1), "v2").
@@ -89,6 +89,7 @@ class StaticData(TypedDict):
     mesh: dict[str, Array]
     bearings: list[tuple[str, float]]
     bearing_force: Array
+    axial_bearing_force: Array
 
 
 class FilmData(TypedDict):
@@ -142,10 +143,12 @@ class RunData(_Paused):
     points: list[tuple[str, float, list[str]]]
     displacement: Array
     twist: Array
+    axial: Array | None
     bearings: list[tuple[str, float]]
     bearing_force: Array
     rolling_bearings: list[tuple[str, float]]
     rolling_contact: Array
+    axial_bearing_force: Array | None
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None

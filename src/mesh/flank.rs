@@ -3,6 +3,7 @@
 use super::contact::{Contact, ContactMode, Flank};
 use super::contact_path::ContactPath;
 use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
+use super::helix::HelixForces;
 use super::involute::{CentreGeometry, LineOfAction, Overlap};
 use super::stiffness::ElasticState;
 use crate::scene::Phase;
@@ -141,6 +142,7 @@ impl GearMesh {
             energy,
             centre_force,
             moments,
+            helix: HelixForces::default(),
             drive_power,
             damping_power,
             back_flank_deflection,

@@ -72,6 +72,10 @@ class JournalBearing(Part):
     grooves : array_like, shape (k, 2), optional
         Axial grooves of a finite film, in which the pressure is zero: angle of the middle, from y
         towards z, and extent [rad].
+    axial_stiffness : float
+        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
+    axial_damping : float
+        Damping along the axis of the shaft [N s/m].
 
     Notes
     -----
@@ -105,6 +109,8 @@ class JournalBearing(Part):
     viscosity: float
     film: str = "short"
     grooves: ArrayLike | None = None
+    axial_stiffness: float = 0.0
+    axial_damping: float = 0.0
 
     def __post_init__(self) -> None:
         freeze(self, "grooves")

@@ -35,6 +35,15 @@ class Bearing(Part):
         of one of these against the speed of the shaft.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
+    axial_stiffness : float
+        Stiffness along the axis of the shaft [N/m]. One bearing of a shaft with helical gears needs
+        it.
+    axial_damping : float
+        Damping along the axis of the shaft [N s/m].
+    tilting_stiffness : float
+        Stiffness against rotations of the shaft about y and z [N m/rad].
+    tilting_damping : float
+        Damping of these rotations [N m s/rad].
     support : str or Support, optional
         What it stands on: the name of a support or housing of the system, or a support of its own.
         None is the ground.
@@ -50,6 +59,10 @@ class Bearing(Part):
     _: KW_ONLY
     stiffness: ArrayLike | SpeedTable
     damping: ArrayLike | SpeedTable = 0.0
+    axial_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    tilting_stiffness: float = 0.0
+    tilting_damping: float = 0.0
     support: str | Support | None = None
 
     @classmethod

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
+from gearbow._types import Array, RunData
 from gearbow.description.speed import plain_speed
 from gearbow.recording.channels import BEARING, MESH, ROLLING
 from gearbow.recording.energy import ENERGIES, WORKS
@@ -26,7 +27,9 @@ FORMAT = 1
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
     "twist": ("rad", ("time", "point")),
+    "axial": ("m", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
+    "axial_bearing_force": ("N", ("time", "bearing")),
     "energy": ("J", ("time",)),
     **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
     **{f"mesh_{name}": (unit, ("time", "mesh")) for name, unit in MESH.items()},
@@ -105,6 +108,8 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
             columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
+            if data["axial"] is not None:
+                columns[f"{name} u [m]"] = data["axial"][:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
@@ -114,12 +119,19 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     for i, (shaft, position) in enumerate(data["rolling_bearings"]):
         for j, (field, unit) in enumerate(ROLLING.items()):
             columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
+        if data["axial_bearing_force"] is not None:
+            columns[f"{shaft}@{position:g} force_x [N]"] = data["axial_bearing_force"][:, i]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():
         columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(data["time"], name="time [s]"))
     return table
+
+
+def axial_arrays(data: RunData) -> dict[str, Array | None]:
+    """Collect the arrays of axial motion; None for a system without axial motion."""
+    return {"axial": data["axial"], "axial_bearing_force": data["axial_bearing_force"]}
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
@@ -131,6 +143,9 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "twist": data["twist"],
         "bearing_force": data["bearing_force"],
     }
+    for name, values in axial_arrays(data).items():
+        if values is not None:
+            arrays[name] = values
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["rolling_bearings"]:
         contact = data["rolling_contact"]

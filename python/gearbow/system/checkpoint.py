@@ -257,7 +257,7 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     recorded: Any = {
         name: both(first[name], second[name])
         for name in (
-            *("time", "displacement", "twist", "bearing_force"),
+            *("time", "displacement", "twist", "axial", "bearing_force", "axial_bearing_force"),
             *("mesh", "energy", "energy_terms"),
         )
     }

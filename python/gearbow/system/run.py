@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, real, shown
-from gearbow._types import RunData
+from gearbow._types import Array, RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
@@ -48,15 +48,21 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]
-    energy, terms = data["energy"], data["energy_terms"]
+
+    def chosen(values: Array | None) -> Array | None:
+        return None if values is None else values[rows]
+
+    terms = data["energy_terms"]
     return {
         **data,
         "time": data["time"][rows],
         "displacement": data["displacement"][rows],
         "twist": data["twist"][rows],
+        "axial": chosen(data["axial"]),
         "bearing_force": data["bearing_force"][rows],
+        "axial_bearing_force": chosen(data["axial_bearing_force"]),
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
-        "energy": None if energy is None else energy[rows],
+        "energy": chosen(data["energy"]),
         "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
     }
 

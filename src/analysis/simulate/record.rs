@@ -2,7 +2,7 @@
 
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
-use super::{RecordPlan, RecorderState};
+use super::{Point, RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::motion::{Energies, EquationOfMotion};
@@ -16,6 +16,10 @@ pub struct Record {
     pub displacement: Vec<f64>,
     /// θ of every point, rad; zero in a scene without twist.
     pub twist: Vec<f64>,
+    /// u of every point, m; empty in a scene without axial motion.
+    pub axial: Vec<f64>,
+    /// Axial force of the shaft on the bearings of every bearing node, N; empty in a scene without axial motion.
+    pub axial_bearing_force: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
     /// Quantities of [`ROLLING_CHANNELS`](crate::connection::ROLLING_CHANNELS) of every bearing node with rolling elements.
@@ -65,6 +69,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             time: room(1),
             displacement: room(2 * plan.points.len()),
             twist: room(plan.points.len()),
+            axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
+            axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
             bearing_force: room(2 * plan.bearings.len()),
             rolling: Vec::new(),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
@@ -177,6 +183,12 @@ impl<'a, 'm> Recorder<'a, 'm> {
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
             }
+        }
+        if model.scene.axial {
+            let along = |point: &Point| model.numbering.displacement_along(point.node).map_or(0.0, |index| q[index]);
+            self.record.axial.extend(self.plan.points.iter().map(along));
+            let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
+            self.record.axial_bearing_force.extend(forces);
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ pub enum MotionKind {
     Lateral,
     /// Twist only: θ.
     Torsion,
-    /// All: v, w, B, Γ, θ.
+    /// All: v, w, B, Γ, θ, and u where the scene has helical gears, axial forces or axial stiffness of bearings.
     Coupled,
 }
 
@@ -171,7 +171,7 @@ pub struct Disk {
     pub unbalance: Option<Complex>,
 }
 
-/// A spur gear. It needs `module` or `base_radius`.
+/// A spur or helical gear. It needs `module` or `base_radius`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
@@ -184,7 +184,7 @@ pub struct Gear {
     /// Number of teeth.
     #[serde(deserialize_with = "whole")]
     pub teeth: u32,
-    /// Module, m.
+    /// Module, m; of a helical gear the normal module.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub module: Option<f64>,
     /// Base radius, m.
@@ -196,6 +196,9 @@ pub struct Gear {
     /// Pressure angle of the basic rack, rad; 20° by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_angle: Option<f64>,
+    /// Helix angle on the reference circle, rad, positive for a right-hand helix; a spur gear by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub helix_angle: Option<f64>,
     /// Profile shift coefficient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile_shift: Option<f64>,
@@ -291,6 +294,18 @@ pub struct Bearing {
     /// Damping, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<BearingCoefficient>,
+    /// Stiffness along the axis of the shaft, N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness: Option<f64>,
+    /// Damping along the axis of the shaft, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_damping: Option<f64>,
+    /// Stiffness against rotations about y and z, N m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_stiffness: Option<f64>,
+    /// Damping of rotations about y and z, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_damping: Option<f64>,
     /// Diameter of a journal, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter: Option<f64>,
