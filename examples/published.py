@@ -326,6 +326,21 @@ def journals() -> Iterable[str]:
     yield row(source, "damping xx, xy, yy × cΩ/W", (6.96, 1.94, 2.40), damping, 2)
 
 
+def rolling() -> Iterable[str]:
+    """Compare deflections and contact forces of rolling bearings."""
+    sizes: dict[str, Any] = {"ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
+    # Sjövall's integral J_r(0.5) is the load over n times the largest contact force.
+    given = {"balls": 15, "hertz_stiffness": 1e10, **sizes}
+    bearing = gb.RollingBearing("s", 0.0, **given)
+    deflection = -bearing.coefficients(1000.0).displacement[1]
+    integral = 1000.0 / (15 * 1e10 * deflection**1.5)
+    source = "ball bearing without clearance"
+    yield row(source, "Sjövall's integral, Harris 2001", [0.2288], [integral], 4)
+    largest = bearing.coefficients(1000.0, cage_angle=math.pi / 2.0).contact_forces.max()
+    quantity = "largest contact force of 15 balls × n/F, Stribeck"
+    yield row(source, quantity, [4.37], [15 * largest / 1000.0], 2)
+
+
 def main() -> None:
     """Print the table, or with ``--summary`` one row of each kind of comparison."""
     parser = argparse.ArgumentParser(description="Compare gearbow with published values.")
@@ -333,7 +348,9 @@ def main() -> None:
     summary: bool = parser.parse_args().summary
     print("| source | quantity | published | computed | largest difference |")
     print("|---|---|---|---|---|")
-    for rows in (rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh, helical, journals):
+    for rows in (
+        *(rao, nelson, friswell, bowed_shaft, jeffcott, torsion, mesh, helical, journals, rolling),
+    ):
         for printed in rows():
             if not summary or any(quantity in printed for quantity in SUMMARY):
                 print(printed)

@@ -16,6 +16,8 @@ REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
     "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
     "python/gearbow/system/description.py:SystemDescription": "public parameters",
+    "python/gearbow/description/rolling.py:RollingBearing": "public parameters",
+    "src/scene/description/bearing.rs:Bearing": "entries of a scene",
     "src/scene/description/mod.rs:SceneDescription": "entries of a scene",
     "src/scene/mod.rs:Scene": "entries of a scene",
 }

@@ -123,9 +123,10 @@ impl Connection<'_> {
         }
     }
 
-    /// Whether it has stiffness, so that a rigid-body mode cannot move its scalars.
+    /// Whether it has stiffness, so that a rigid-body mode cannot move its scalars. The stiffness of a nonlinear bearing is in
+    /// the matrices.
     pub fn is_elastic(&self) -> bool {
-        !matches!(self, Self::Load(_))
+        !matches!(self, Self::Load(_) | Self::Nonlinear(_))
     }
 
     /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.

@@ -9,14 +9,15 @@ use num_complex::Complex64;
 
 use thiserror::Error;
 
+use super::clearance::{Entry, check_journals, regularisation, within_clearances};
 use super::pins::Pins;
 use super::real::null_motions;
 use crate::connection::{Connection, Row};
 use crate::film::CLOSEST;
-use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError, Singular};
+use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::model::{Dof, DofKind, Model, Weights};
-use crate::scene::{EntryPath, SceneError};
+use crate::scene::SceneError;
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-9;
@@ -31,13 +32,8 @@ const CONVERGENCE_TOLERANCE: f64 = 1e-26;
 const STALL_TOLERANCE: f64 = 1e-14;
 /// Ratio of the energies of successive steps above which the tangent is computed anew.
 const TANGENT_REUSE_RATIO: f64 = 1e-4;
-/// Stiffness that is added to rolling elements, relative to the one under the weight of their shaft, where the residual is
-/// round-off: it constrains a shaft that moves freely in the clearance.
-const FREE: f64 = 1e-10;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
-/// A Newton step may use this part of the clearance that is left between a journal and its bearing.
-const CLEARANCE_SHARE: f64 = 0.8;
 /// Eccentricity ratio above which a search that fails means that the journal touches.
 const TOUCHING: f64 = 0.9;
 /// Eccentricity ratio below which a journal carries no load.
@@ -107,11 +103,7 @@ pub fn equilibrium(
         carried = pins.carried(&residual);
         let known = match factors.take() {
             Some(known) => known,
-            None => {
-                let part = residual.norm() / with_torques.norm().max(f64::MIN_POSITIVE);
-                tangent_factors(model, linear.clone(), &[tangent, regularisation(model, part)].concat())
-                    .map_err(DecompositionError::from)?
-            }
+            None => tangent_factors(model, linear.clone(), &tangent, [&residual, &with_torques])?,
         };
         let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
         let mut step = DVector::from_vec(step);
@@ -145,28 +137,17 @@ pub fn equilibrium(
     Err(EquilibriumError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
 }
 
-/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections.
-fn tangent_factors(model: &Model, mut sum: CoupledBands, tangent: &[Entry]) -> Result<CoupledFactors, Singular> {
-    for (row, column, value) in tangent {
+/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections, where the load leaves a residual.
+fn tangent_factors(
+    model: &Model,
+    mut sum: CoupledBands,
+    tangent: &[Entry],
+    [residual, load]: [&DVector<f64>; 2],
+) -> Result<CoupledFactors, DecompositionError> {
+    for (row, column, value) in tangent.iter().chain(&regularisation(model, residual, load)) {
         model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
     }
-    sum.factor(1.0)
-}
-
-/// Stiffness that is added to rolling elements, which have none before they carry: the share of the residual in the load times
-/// the stiffness under the weight. It vanishes with the residual, so that the iteration converges as fast as Newton's method
-/// (Levenberg and Marquardt; Yamashita and Fukushima, Computing Suppl. 15, 2001).
-fn regularisation(model: &Model, residual: f64) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.rolling().is_some()) {
-        let stiffness = bearing.initial_stiffness * residual.clamp(FREE, 1.0);
-        for row in &bearing.rows {
-            for (i, left) in row {
-                entries.extend(row.iter().map(|(j, right)| (*i, *j, stiffness * left * right)));
-            }
-        }
-    }
-    entries
+    Ok(sum.factor(1.0)?)
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
@@ -270,9 +251,6 @@ fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), 
     Err(SceneError::new("bearings", message).into())
 }
 
-/// Row, column and value of a matrix entry. Entries with the same row and column add up.
-type Entry = (usize, usize, f64);
-
 /// Sum of the generalised forces of all connections, on the left side of the equation of motion, and its derivative with
 /// respect to q.
 fn connection_forces(
@@ -367,43 +345,6 @@ fn pressed_flanks(
         })
     };
     flanks.iter().enumerate().map(pressed).collect()
-}
-
-/// Refuses eccentricity ratios outside a range: a journal that touches its bearing or carries no load.
-fn check_journals(model: &Model, q: &DVector<f64>, range: std::ops::Range<f64>) -> Result<(), SceneError> {
-    for journal in &model.nonlinear_bearings {
-        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
-            continue;
-        };
-        let at = EntryPath::entry("bearings", journal.number);
-        if ratio < range.start {
-            let message = "no load acts on the journal bearing, so that its film has no stiffness and the shaft whirls; add gravity, a torque or another load";
-            return Err(at.error(message));
-        }
-        if ratio >= range.end || ratio.is_nan() {
-            let message = format!(
-                "no static equilibrium: the journal touches the bearing at this load and speed (eccentricity ratio {ratio:.3}); raise the speed, the viscosity or the length, or reduce the clearance or the load"
-            );
-            return Err(at.error(message));
-        }
-    }
-    Ok(())
-}
-
-/// Fraction of a Newton step that keeps journals off their bearings.
-fn within_clearances(model: &Model, q: &DVector<f64>, step: &DVector<f64>) -> f64 {
-    let mut fraction: f64 = 1.0;
-    for journal in &model.nonlinear_bearings {
-        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
-            continue;
-        };
-        let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio).max(0.0);
-        let exceeds = |q: DVector<f64>| journal.eccentricity_ratio(q.as_slice()).is_some_and(|ratio| ratio > limit);
-        while fraction > f64::EPSILON && exceeds(q + step * fraction) {
-            fraction /= 2.0;
-        }
-    }
-    fraction
 }
 
 /// Fraction of a Newton step that keeps the base circles apart and journals off their bearings.

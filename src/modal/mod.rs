@@ -11,6 +11,7 @@
 
 mod balanced;
 mod cached;
+mod clearance;
 mod components;
 mod contour;
 mod critical;

@@ -2,9 +2,9 @@
 
 use nalgebra::DVector;
 
+use super::link::Link;
 use super::link::links;
 use super::{Model, Numbering, Support, bearing_rows};
-use super::link::Link;
 use crate::connection::{AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, SpeedDependentBearing};
 use crate::film::Film;
 use crate::rolling::RollingElements;
@@ -146,6 +146,12 @@ impl Model {
     /// The nonlinear bearings at a node.
     pub fn nonlinear_bearings_at(&self, node: Node) -> impl Iterator<Item = &NonlinearBearing> {
         self.nonlinear_bearings.iter().filter(move |bearing| self.scene.bearings[bearing.number].node == node)
+    }
+
+    /// Ratio of the speed of a shaft or, after the shafts, of what turns a nonlinear bearing to that of the reference shaft.
+    pub fn turning_ratio(&self, turning: usize) -> f64 {
+        let bearing = |index: usize| self.nonlinear_bearings[index].ratio;
+        self.shafts.get(turning).map_or_else(|| bearing(turning - self.shafts.len()), |shaft| shaft.ratio)
     }
 
     /// Whether a bearing at a node has rolling elements.

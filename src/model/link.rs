@@ -176,7 +176,9 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
             continue;
         };
-        if let Some(rows) = bearing_rows(scene, numbering, bearing).filter(|_| bearing.attachment.is_some() && bearing.nonlinear.is_none()) {
+        if let Some(rows) = bearing_rows(scene, numbering, bearing)
+            .filter(|_| bearing.attachment.is_some() && bearing.nonlinear.is_none())
+        {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
             links.push(Link { bearing: Some(bearing.node), ..link });
         }

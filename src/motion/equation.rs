@@ -57,9 +57,7 @@ pub struct EquationOfMotion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
-    /// Ratio of the speed of each shaft and, after them, of what turns each nonlinear bearing to that of the reference shaft.
-    ratios: Vec<f64>,
-    /// Signed spin of the same, rad/s, if the speed is constant.
+    /// Signed spin of each shaft and, after them, of what turns each nonlinear bearing, rad/s, if the speed is constant.
     pub(super) spins: Vec<f64>,
     pub(super) constants: RunConstants,
     /// Speed of the reference shaft, if it is variable.
@@ -118,10 +116,10 @@ impl<'m> EquationOfMotion<'m> {
         equilibrium: DVector<f64>,
     ) -> Self {
         let (model, speed) = (&cached.model, rotation.fastest);
-        let ratios = model.shafts.iter().map(|shaft| shaft.ratio);
-        let ratios: Vec<f64> = ratios.chain(model.nonlinear_bearings.iter().map(|bearing| bearing.ratio)).collect();
-        let spins: Vec<f64> = ratios.iter().map(|ratio| ratio * speed).collect();
-        let at_origin: Vec<_> = ratios.iter().map(|ratio| rotation.phasor_at_origin(*ratio)).collect();
+        let ratios =
+            || (0..model.shafts.len() + model.nonlinear_bearings.len()).map(|index| model.turning_ratio(index));
+        let spins: Vec<f64> = ratios().map(|ratio| ratio * speed).collect();
+        let at_origin: Vec<_> = ratios().map(|ratio| rotation.phasor_at_origin(ratio)).collect();
         let excited = |(index, shaft): (usize, &ShaftModel)| RotatingForces {
             shaft: index,
             spin: spins[index],
@@ -147,7 +145,6 @@ impl<'m> EquationOfMotion<'m> {
             model,
             geometry,
             sigma: (0..model.meshes.len()).map(|mesh| model.sigma(mesh, speed)).collect(),
-            ratios,
             spins,
             constants: RunConstants {
                 speed,
@@ -237,31 +234,6 @@ impl<'m> EquationOfMotion<'m> {
         self.variable_speed.as_ref().is_some_and(|variable_speed| variable_speed.leaves_piece(elapsed))
     }
 
-    /// Force of the shaft on the bearings of a node, components (y, z), N.
-    pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let speed = self.reference_speed(elapsed).0;
-        let over_speed = self.model.bearings_at(node).map(|bearing| bearing.force(speed, q, v));
-        // The integrator reports a journal that touches its bearing.
-        let nonlinear = self.model.nonlinear_bearings_at(node).map(|bearing| {
-            bearing.force(&self.phase(bearing.turning, elapsed), q, v).unwrap_or([f64::NAN; 2])
-        });
-        let constant = self.model.bearing_force(node, q, v);
-        over_speed.chain(nonlinear).fold(constant, |sum, own| [sum[0] + own[0], sum[1] + own[1]])
-    }
-
-    /// Number of loaded rolling elements of the bearings at a node, and their largest contact force, N.
-    pub fn rolling_contact(&self, node: Node, elapsed: f64, q: &[f64]) -> [f64; 2] {
-        let mut contact = [0.0, 0.0_f64];
-        for bearing in self.model.nonlinear_bearings_at(node) {
-            let angle = self.phase(bearing.turning, elapsed).angle;
-            let elements = bearing.rolling().into_iter();
-            for force in elements.flat_map(|elements| elements.contact_forces(bearing.scalars(q), angle)) {
-                contact = [contact[0] + f64::from(force > 0.0), contact[1].max(force)];
-            }
-        }
-        contact
-    }
-
     /// Phasor e^{iϑ} of a shaft.
     pub fn phasor(&self, shaft: usize, elapsed: f64) -> Complex64 {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.angle_and_spin(shaft, elapsed).0)
@@ -273,7 +245,7 @@ impl<'m> EquationOfMotion<'m> {
         match &self.variable_speed {
             None => (self.spins[turning] * elapsed, self.spins[turning]),
             Some(variable_speed) => {
-                let (ratio, now) = (self.ratios[turning], variable_speed.at(elapsed));
+                let (ratio, now) = (self.model.turning_ratio(turning), variable_speed.at(elapsed));
                 (ratio * now.angle, ratio * now.speed)
             }
         }

@@ -5,8 +5,8 @@ use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
 use super::convert::table;
-use crate::film::Film;
 use crate::bearing_force::BearingForce;
+use crate::film::Film;
 use crate::rolling::RollingElements;
 use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
 

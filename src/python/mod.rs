@@ -20,11 +20,11 @@ use pyo3::pymodule;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::convert::connection_channels;
-    #[pymodule_export]
     use super::bearing::film_coefficients;
     #[pymodule_export]
     use super::bearing::rolling_coefficients;
+    #[pymodule_export]
+    use super::convert::connection_channels;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

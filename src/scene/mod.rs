@@ -16,6 +16,7 @@ mod journal;
 mod loads;
 mod material;
 mod mesh;
+mod nonlinear;
 mod place;
 mod plausibility;
 mod rolling;
@@ -33,13 +34,14 @@ pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
-pub use housing::{Attachment, Housing};
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
+pub use housing::{Attachment, Housing};
 pub use journal::{FilmKind, Journal};
-pub use rolling::Rolling;
 pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
+pub use nonlinear::{Nonlinear, bearing};
+pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
@@ -95,15 +97,6 @@ pub struct Bearing {
     pub tilting: [f64; 2],
     /// Its place on a housing; `None` on the ground.
     pub attachment: Option<Attachment>,
-}
-
-/// A bearing whose force is a nonlinear function of the motion.
-#[derive(Clone, Debug)]
-pub enum Nonlinear {
-    /// An oil film.
-    Journal(Journal),
-    /// Rolling elements.
-    Rolling(Rolling),
 }
 
 /// A constant torque about +x.
@@ -364,7 +357,7 @@ fn bearings(
         let at = EntryPath::entry("bearings", index);
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            nonlinear: nonlinear(bearing, &at)?,
+            nonlinear: nonlinear::nonlinear(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
             axial: coefficients([bearing.axial_stiffness, bearing.axial_damping], "axial", &at)?,
@@ -373,31 +366,6 @@ fn bearings(
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
-}
-
-/// Checks a nonlinear bearing outside a scene; gives its law and its damping over (y, z), N s/m. Errors begin with `bearing`.
-///
-/// # Errors
-/// [`SceneError`] as for the bearing of a scene, or for a linear bearing.
-pub fn bearing(given: &description::Bearing) -> Result<(Nonlinear, Matrix2), SceneError> {
-    let at = EntryPath::root("bearing");
-    let law = nonlinear(given, &at)?.ok_or_else(|| at.error("is a linear bearing"))?;
-    let damping = BearingCoefficient::new(given.damping.as_ref(), &at.field("damping"))?;
-    Ok((law, damping.constant().unwrap_or_default()))
-}
-
-/// The nonlinear law of a bearing; none for a linear one.
-fn nonlinear(given: &description::Bearing, at: &EntryPath) -> Result<Option<Nonlinear>, SceneError> {
-    match Rolling::new(given, at)? {
-        Some(rolling) => {
-            if let Some(description::BearingCoefficient::Table(_)) = given.damping {
-                let message = "a rolling bearing takes no table; give a number, a pair or a 2x2 matrix";
-                return Err(at.field("damping").error(message));
-            }
-            Ok(Some(Nonlinear::Rolling(rolling)))
-        }
-        None => Ok(Journal::new(given, at)?.map(Nonlinear::Journal)),
-    }
 }
 
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.

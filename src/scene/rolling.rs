@@ -76,7 +76,8 @@ impl Rolling {
             point_stiffness(given, diameter, ratio, contact_angle, at)?
         };
         let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
-        let known = Self { balls, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
+        let known =
+            Self { balls, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
         Ok(Some(known))
     }
 }
@@ -119,9 +120,8 @@ fn point_stiffness(
         if found > 0.5 {
             return Ok(found);
         }
-        let message = format!(
-            "radius of the groove over ball_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53"
-        );
+        let message =
+            format!("radius of the groove over ball_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53");
         Err(at.field(name).error(message))
     };
     let groove = [radius("inner_groove", given.inner_groove)?, radius("outer_groove", given.outer_groove)?];

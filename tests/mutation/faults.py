@@ -173,10 +173,7 @@ FAULTS: list[Fault] = [
         ("for n in range(1, harmonics + 1):", "for n in range(1, harmonics):"),
         ("for m in range(1, harmonics + 1):", "for m in range(1, harmonics):"),
         ("if value > 0.0:", "if value > 1.0:"),
-        (
-            "shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 1",
-            "shaft_harmonics: int = 4, mesh_harmonics: int = 3, sidebands: int = 2",
-        ),
+        ("        sidebands: int = 1,\n", "        sidebands: int = 2,\n"),
         ("SAME = 1e-9", "SAME = 2e-2"),
     ),
     *_faults(
@@ -189,6 +186,26 @@ FAULTS: list[Fault] = [
         ("speeds.append(abs(run.speed))", "speeds.append(run.speed)"),
         ("runs[0].kinematics", "None"),
         ("rtol=1e-6, atol=0.0", "rtol=1e-1, atol=0.0"),
+    ),
+    *_faults(
+        "description/kinematics.py",
+        "rolling_bearing",
+        ("k * passing", "passing"),
+        ("bearing.cage_order * ratios", "bearing.ball_pass_order * ratios"),
+    ),
+    *_faults(
+        "description/rolling.py",
+        "rolling_bearing",
+        ("return self.balls * self.cage_order", "return self.cage_order"),
+        ("(0.0, -number(load", "(0.0, number(load"),
+    ),
+    *_faults(
+        "recording/recording.py",
+        "rolling_bearing",
+        (
+            'np.moveaxis(self._data["rolling_contact"][:, i], -1, 0))',
+            'np.moveaxis(self._data["rolling_contact"][:, i, ::-1], -1, 0))',
+        ),
     ),
     *_faults(
         "plotting/orders.py",

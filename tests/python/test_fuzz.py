@@ -66,15 +66,31 @@ FILM = gb.JournalBearing(
     film="finite",
     grooves=[(0.0, 0.35), (3.0, 0.35)],
 )
+ROLLING = gb.RollingBearing(
+    "input",
+    0.0,
+    balls=9,
+    ball_diameter=0.0127,
+    pitch_diameter=0.065,
+    clearance=1e-5,
+    hertz_stiffness=1e10,
+    contact_angle=0.2,
+    damping=100.0,
+    phase=0.1,
+    inner_groove=0.52,
+    outer_groove=0.53,
+)
 #: The same with an oil film, whose table takes seconds and is not computed again for a change of another entry.
 WITH_FILM = {**SYSTEM, "bearings": [*SYSTEM["bearings"][:-1], FILM._describe("bearing")]}
+#: The same with rolling elements.
+WITH_BALLS = {**SYSTEM, "bearings": [ROLLING._describe("bearing"), *SYSTEM["bearings"][1:]]}
 
 
 @st.composite
 def descriptions(draw: st.DrawFn) -> Any:
     if draw(st.integers(0, 19)) == 0:
         return draw(anything)
-    chosen = WITH_FILM if draw(st.integers(0, 4)) == 0 else SYSTEM
+    chosen = {0: WITH_FILM, 1: WITH_BALLS}.get(draw(st.integers(0, 5)), SYSTEM)
     description = copy.deepcopy(chosen)
     for _ in range(draw(st.integers(1, 3))):
         *path, last = draw(st.sampled_from(places(chosen)))

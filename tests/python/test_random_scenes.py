@@ -41,6 +41,8 @@ class Drawn:
     # yy, zz, yz over 1e8 N/m, and damping over 1e3 N s/m
     bearing: tuple[float, float, float, float] = (1.0, 0.6, 0.1, 0.5)
     film: float | None = None  # viscosity of oil films instead of the bearings, Pa s
+    # number of balls, clearance [m] and phase of rolling bearings instead of the bearings
+    balls: tuple[int, float, float] | None = None
     angle: float = 0.4  # of the lines of centres, rad
     mesh: tuple[str, float, float] = ("mean", 1e8, 0.03)  # model, stiffness, damping ratio
     backlash: float | None = None
@@ -72,6 +74,24 @@ class Drawn:
 
     def name(self, name: str, i: int) -> str:
         return f"{self.names}{name}{i}"
+
+    def rolling(self, shaft: str, position: float, diameter: float, i: int) -> gb.RollingBearing:
+        """Give a rolling bearing with the drawn number of balls, clearance and phase."""
+        metre, kilogram, second = self.units
+        count, clearance, phase = self.balls
+        newton, angle = kilogram * metre / second**2, phase + 0.3 * i
+        return gb.RollingBearing(
+            shaft,
+            position,
+            balls=count,
+            ball_diameter=0.3 * diameter,
+            pitch_diameter=1.5 * diameter,
+            clearance=clearance * metre,
+            hertz_stiffness=5e9 * newton / metre**1.5,
+            damping=500.0 * newton * second / metre,
+            # the mirror reverses the angles and the rotation
+            phase=(np.pi - angle if self.mirror else angle) + self.turn,
+        )
 
     def parts(self) -> dict[str, Any]:
         metre, kilogram, second = self.units
@@ -126,7 +146,9 @@ class Drawn:
                         stiffness=self.matrix(*self.bearing[:3]) * 1e8 * force,
                         damping=np.eye(2) * self.bearing[3] * 1e3 * force * second,
                     )
-                    if self.film is None
+                    if self.film is None and self.balls is None
+                    else self.rolling(shaft, end * long, diameter * metre, i)
+                    if self.balls is not None
                     else gb.JournalBearing(
                         shaft,
                         end * long,
@@ -360,6 +382,29 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     exact = motion(scene.run(method="rk45"), scene)
     assert_near(motion(scene.run(), scene), exact, 1e-6)
     # a quarter turn maps teeth to teeth
+    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
+        changed = replace(scene, **change)
+        assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
+
+
+@settings(
+    max_examples=4 * int(TIMES or 1),
+    derandomize=TIMES is None,
+    database=None,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
+@given(
+    drawn(),
+    st.tuples(st.integers(6, 12), st.floats(-1e-5, 3e-5), st.floats(0.0, 1.0)),
+    st.sampled_from(SPEEDS[1:]),
+)
+def test_trains_on_rolling_bearings_move_alike_by_two_methods_and_when_transformed(
+    scene: Drawn, balls: tuple[int, float, float], speed: float
+):
+    scene = replace(scene, balls=balls, speed=speed)
+    exact = motion(scene.run(method="rk45"), scene)
+    assert_near(motion(scene.run(), scene), exact, 1e-6)
     for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
         changed = replace(scene, **change)
         assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)

@@ -70,6 +70,8 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "twist": numbers.standard_normal((rows, 3)),
             "bearings": [("input", 0.0)],
             "bearing_force": numbers.standard_normal((rows, 1, 2)),
+            "rolling_bearings": [],
+            "rolling_contact": np.empty((rows, 0, 2)),
             "meshes": [("g1", "g2")],
             "mesh": {name: numbers.standard_normal((rows, 1)) for name in FIELDS},
             "energy": numbers.standard_normal(rows) if energy else None,

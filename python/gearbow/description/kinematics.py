@@ -203,8 +203,8 @@ class Kinematics:
         for name, cage, passing in self.bearings:
             if harmonics:
                 yield cage, f"1× cage {name}"
-            for n in range(1, harmonics + 1):
-                yield n * passing, f"{n}× ball pass {name}"
+            for k in range(1, harmonics + 1):
+                yield k * passing, f"{k}× ball pass {name}"
 
     def _meshes(self, harmonics: int, sidebands: int) -> Iterator[tuple[float, str]]:
         """Give the tooth frequencies, or their sidebands if `sidebands` is not 0."""

@@ -61,6 +61,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
         "axial": chosen(data["axial"]),
         "bearing_force": data["bearing_force"][rows],
         "axial_bearing_force": chosen(data["axial_bearing_force"]),
+        "rolling_contact": data["rolling_contact"][rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
         "energy": chosen(data["energy"]),
         "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},

@@ -3,6 +3,7 @@
 //! These types check the types of the entries only; [`Scene::new`](super::Scene::new) checks the values. All units are
 //! SI units and radians.
 
+mod bearing;
 mod housing;
 mod loads;
 mod reading;
@@ -13,6 +14,7 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
@@ -277,129 +279,6 @@ impl Coefficient {
             Self::Full(rows) => rows,
         }
     }
-}
-
-/// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
-/// with `diameter` and the other entries of its film; or a rolling bearing with `balls` and the other entries of its elements.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bearing {
-    /// Name of the shaft.
-    pub shaft: String,
-    /// Position on the shaft, m.
-    pub position: f64,
-    /// Stiffness, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stiffness: Option<BearingCoefficient>,
-    /// Damping, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub damping: Option<BearingCoefficient>,
-    /// Stiffness along the axis of the shaft, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axial_stiffness: Option<f64>,
-    /// Damping along the axis of the shaft, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axial_damping: Option<f64>,
-    /// Stiffness against rotations about y and z, N m/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tilting_stiffness: Option<f64>,
-    /// Damping of rotations about y and z, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tilting_damping: Option<f64>,
-    /// Diameter of a journal, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub diameter: Option<f64>,
-    /// Length of a journal bearing, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<f64>,
-    /// Radial clearance of a journal bearing, m; radial internal clearance (from side to side) of a rolling bearing, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub clearance: Option<f64>,
-    /// Dynamic viscosity of the oil, Pa s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub viscosity: Option<f64>,
-    /// Model of the film; short by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub film: Option<FilmModel>,
-    /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub grooves: Option<Vec<[f64; 2]>>,
-    /// Number of rolling elements.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub balls: Option<u32>,
-    /// Diameter of a rolling element, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ball_diameter: Option<f64>,
-    /// Diameter of the circle through the centres of the rolling elements, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pitch_diameter: Option<f64>,
-    /// Stiffness of one rolling element between both races, N/m^1.5 or N/m^(10/9); by default that of the geometry.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hertz_stiffness: Option<f64>,
-    /// Kind of the rolling elements; balls by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact: Option<ContactKind>,
-    /// Contact angle, rad; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact_angle: Option<f64>,
-    /// Angle of the first rolling element from y towards z at the shaft angle 0, rad; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub phase: Option<f64>,
-    /// Groove radius of the inner race over the diameter of its balls.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub inner_groove: Option<f64>,
-    /// Groove radius of the outer race over the diameter of its balls.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub outer_groove: Option<f64>,
-    /// Effective length of a roller, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub roller_length: Option<f64>,
-    /// What it stands on; the ground by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub support: Option<Base>,
-}
-
-impl Bearing {
-    /// Whether an entry of a rolling bearing is given.
-    pub fn is_rolling(&self) -> bool {
-        let lengths = [self.ball_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
-        let others = [self.inner_groove, self.outer_groove, self.roller_length];
-        self.balls.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
-    }
-
-    /// The entries of a journal bearing, and whether each is given.
-    pub fn film_entries(&self) -> [(&'static str, bool); 6] {
-        [
-            ("diameter", self.diameter.is_some()),
-            ("length", self.length.is_some()),
-            ("clearance", self.clearance.is_some()),
-            ("viscosity", self.viscosity.is_some()),
-            ("film", self.film.is_some()),
-            ("grooves", self.grooves.is_some()),
-        ]
-    }
-}
-
-/// Kind of rolling elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ContactKind {
-    /// Balls: point contact.
-    #[default]
-    Ball,
-    /// Cylindrical or tapered rollers: line contact.
-    Roller,
-}
-
-/// Model of the oil film of a journal bearing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FilmModel {
-    /// Short film, closed form.
-    #[default]
-    Short,
-    /// Film of finite length, from Reynolds' equation.
-    Finite,
 }
 
 /// A gear or disk by name, or a position on a shaft.

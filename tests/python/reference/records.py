@@ -47,6 +47,8 @@ def response(time: np.ndarray, speed: float = 100.0, **data: Any) -> gb.Response
         "twist": 1e-3 * numbers.standard_normal((rows, 4)),
         "bearings": [("input", 0.0), ("output", 0.5)],
         "bearing_force": numbers.standard_normal((rows, 2, 2)),
+        "rolling_bearings": [],
+        "rolling_contact": np.empty((rows, 0, 2)),
         "meshes": [("g1", "g2"), ("g3", "g4")],
         "mesh": {name: numbers.standard_normal((rows, 2)) for name in MESH_UNITS},
         "energy": 5.0 + numbers.standard_normal(rows),
