@@ -16,6 +16,7 @@ REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
     "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
     "python/gearbow/system/description.py:SystemDescription": "public parameters",
+    "src/scene/description/mod.rs:Gear": "entries of a scene",
     "src/scene/description/mod.rs:SceneDescription": "entries of a scene",
     "src/scene/mod.rs:Scene": "entries of a scene",
 }
