@@ -255,8 +255,8 @@ def mesh() -> Iterable[str]:
 def helical() -> Iterable[str]:
     """Compare two rigid helical gears on springs, whose mesh is a rank-one update.
 
-    Every frequency solves 1 + k Σ n_i²/(k_i − m_i ω²) = 0 over the twelve coordinates, with the unit
-    normal n at the pitch point and its moments.
+    Every frequency solves 1 + k Σ n_i²/(k_i − m_i ω²) = 0 over the twelve coordinates, with the
+    unit normal n at the pitch point and its moments.
     """
     published = [
         *(453.350, 546.574, 562.698, 803.762, 918.881, 918.881),
@@ -267,7 +267,7 @@ def helical() -> Iterable[str]:
     # Shafts with almost no mass and stiffness.
     nothing = gb.Material(youngs_modulus=1e5, density=1e-6, poisson_ratio=0.3)
     shaft: dict[str, Any] = {"length": 0.02, "outer_diameter": 0.05, "elements": 1, "degree": 1}
-    springs = {"stiffness": 2e8, "axial_stiffness": 5e7, "tilting_stiffness": 2e5}
+    springs: dict[str, Any] = {"stiffness": 2e8, "axial_stiffness": 5e7, "tilting_stiffness": 2e5}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gb.SceneWarning)
         system = gb.RotorSystem(

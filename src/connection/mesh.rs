@@ -9,7 +9,8 @@
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
 use super::{Direction, Row};
 use crate::mesh::{
-    Contact, ContactMode, Directions, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
+    Contact, ContactMode, Directions, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion,
+    ShaftPhase,
 };
 use crate::scene::Phase;
 
@@ -148,7 +149,8 @@ impl MeshInterface {
         match self.scalars {
             Scalars::Deflection => {
                 let mut row = Vec::new();
-                gear_mesh.gradient(sigma, &gear_mesh.directions_at_rest(sigma), |index, slope| row.push((index, slope)));
+                gear_mesh
+                    .gradient(sigma, &gear_mesh.directions_at_rest(sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
             Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), vec![(a, ra), (b, rb)]],
@@ -206,9 +208,7 @@ impl MeshInterface {
         let [y, z] = contact.centre_force;
         match self.scalars {
             Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Scalars::Plane => {
-                [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0, 0.0, 0.0, 0.0]
-            }
+            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0, 0.0, 0.0, 0.0],
             Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1], 0.0, 0.0, 0.0],
             Scalars::Space => {
                 let [j, k] = contact.helix.tilt;

@@ -1,7 +1,6 @@
 //! Contact of a mesh: the flank in contact, its force, and the quantities that a response reports.
 
 use super::Centres;
-use super::helix::HelixForces;
 
 /// Angle and spin of a shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -92,6 +91,17 @@ impl ContactMode {
         };
         Self { flank, engaged: [(code[1], code[2]), (code[3], code[4])] }
     }
+}
+
+/// Generalised forces of a helical mesh on the additional coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HelixForces {
+    /// Force on u_b, N; the force on u_a is the opposite.
+    pub axial: f64,
+    /// Moment on τ, N m.
+    pub tilt: [f64; 2],
+    /// Force on u_b − u_a over (y, z), N.
+    pub centre: [f64; 2],
 }
 
 /// The state of a mesh at an instant.

@@ -16,8 +16,9 @@
 //! δ and its force F are those of the transverse section. In the direction normal to the teeth they are δ cos β_b and
 //! F/cos β_b, and a stiffness is k/cos²β_b. Scenes and responses have these values.
 
-use super::gear_mesh::{Geometry, RelativeMotion, dot};
+use super::contact::HelixForces;
 use super::involute::Involute;
+use super::pose::{Geometry, RelativeMotion, dot};
 
 /// Axial displacements and tilts of a helical mesh.
 #[derive(Clone, Debug)]
@@ -32,17 +33,6 @@ pub struct Helix {
     pub tilt: [usize; 2],
     /// Vector between the centres at rest, m.
     centres: [f64; 2],
-}
-
-/// Generalised forces of a helical mesh on the additional coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HelixForces {
-    /// Force on u_b, N; the force on u_a is the opposite.
-    pub axial: f64,
-    /// Moment on τ, N m.
-    pub tilt: [f64; 2],
-    /// Force on u_b − u_a over (y, z), N.
-    pub centre: [f64; 2],
 }
 
 impl Helix {
@@ -127,8 +117,8 @@ impl Helix {
         visit(a, -self.slope);
         visit(b, self.slope);
         for (first, share) in self.tilt.into_iter().zip(self.shares) {
-            for lane in 0..2 {
-                visit(first + lane, self.slope * share * centres[lane]);
+            for (lane, centre) in centres.into_iter().enumerate() {
+                visit(first + lane, self.slope * share * centre);
             }
         }
     }

@@ -1,9 +1,10 @@
 //! The mesh with its mean stiffness, for modes, equilibrium and all linear analyses.
 
 use super::contact::MeshState;
-use super::gear_mesh::{Directions, GearMesh, Geometry, RelativeMotion, dot};
+use super::gear_mesh::GearMesh;
 use super::helix::Helix;
 use super::involute::{LineOfAction, Overlap};
+use super::pose::{Directions, Geometry, RelativeMotion, dot};
 
 impl GearMesh {
     /// Deflection δ for small displacements `q`, along the line of action at rest, m.
@@ -15,10 +16,7 @@ impl GearMesh {
 
     /// Directions of the deflection with the centres at rest.
     pub fn directions_at_rest(&self, sigma: f64) -> Directions {
-        Directions {
-            normal: self.at_rest[usize::from(sigma > 0.0)].normal,
-            centres: self.involute.centres_at_rest(),
-        }
+        Directions { normal: self.at_rest[usize::from(sigma > 0.0)].normal, centres: self.involute.centres_at_rest() }
     }
 
     /// Directions of the deflection at a position, with its line of action.
@@ -73,7 +71,8 @@ impl GearMesh {
                     }
                 }
             }
-            let of_helix = |helix: &Helix| helix.curvature([a, b], |row, column, value| visit(row, column, sigma * force * value));
+            let of_helix =
+                |helix: &Helix| helix.curvature([a, b], |row, column, value| visit(row, column, sigma * force * value));
             self.helix.iter().for_each(of_helix);
         }
         Ok((force, directions))

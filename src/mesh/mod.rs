@@ -8,10 +8,12 @@ mod gear_mesh;
 mod helix;
 mod involute;
 mod mean;
+mod pose;
 pub mod stiffness;
 
-pub use contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
+pub use contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 pub use contact_path::ContactPath;
-pub use gear_mesh::{Directions, GearMesh, Geometry, MeshCoordinates, MeshPose, RelativeMotion};
-pub use helix::{Helix, HelixForces};
+pub use gear_mesh::GearMesh;
+pub use helix::Helix;
 pub use involute::{Centres, Involute, LineOfAction, Overlap};
+pub use pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion};

@@ -220,12 +220,10 @@ fn unsupported(model: &Model, shaft: usize) -> SceneError {
 /// The error for a load that moves a shaft along its axis.
 fn loose(model: &Model, shaft: usize) -> SceneError {
     let name = &model.scene.shafts[shaft].name;
-    SceneError::new(
-        format!("shafts[{shaft}]"),
-        format!(
-            "no static equilibrium: \"{name}\" is unconstrained along its axis: no bearing carries the axial force of helical gears or loads; give one of its bearings axial_stiffness, as in gb.Bearing(\"{name}\", position, stiffness=..., axial_stiffness=...)"
-        ),
-    )
+    let message = format!(
+        "no static equilibrium: \"{name}\" is unconstrained along its axis: no bearing carries the axial force of helical gears or loads; give one of its bearings axial_stiffness, as in gb.Bearing(\"{name}\", position, stiffness=..., axial_stiffness=...)"
+    );
+    SceneError::new(format!("shafts[{shaft}]"), message)
 }
 
 /// The error for torques that do not balance.

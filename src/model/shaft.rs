@@ -168,7 +168,8 @@ impl ShaftModel {
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
         };
-        let twist = RodParts { of: |beam| &beam.torsion, inner: |inner| &inner.torsion, body: |body| body.polar_inertia };
+        let twist =
+            RodParts { of: |beam| &beam.torsion, inner: |inner| &inner.torsion, body: |body| body.polar_inertia };
         let axial = RodParts { of: |beam| &beam.axial, inner: |inner| &inner.axial, body: |body| body.mass };
         let rod = |start: Option<usize>, parts: &RodParts| {
             start.map(|start| rod(scene, index, start, parts, (&beams, &inner))).transpose()

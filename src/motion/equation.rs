@@ -16,7 +16,7 @@ use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
 use crate::model::{Link, Model, ShaftModel};
-use crate::scene::{Gear, LoadLaw, Node};
+use crate::scene::{Gear, LoadLaw};
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -303,11 +303,9 @@ impl<'m> EquationOfMotion<'m> {
         let helix = self.model.meshes[mesh].helix.as_ref().map_or(0.0, |helix| helix.slope);
         let mobility = |gear: usize| {
             let Gear { base_radius, pitch_radius, body, .. } = &scene.gears[gear];
+            let along = || helix.powi(2) * (1.0 / body.mass + pitch_radius.powi(2) / body.diametral_inertia);
             let transverse = base_radius.powi(2) / body.polar_inertia + bending / body.mass;
-            if helix == 0.0 {
-                return transverse;
-            }
-            transverse + helix.powi(2) * (1.0 / body.mass + pitch_radius.powi(2) / body.diametral_inertia)
+            if helix == 0.0 { transverse } else { transverse + along() }
         };
         mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
     }

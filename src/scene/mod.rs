@@ -369,10 +369,13 @@ fn bearings(
 }
 
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.
-fn coefficients([stiffness, damping]: [Option<f64>; 2], direction: &str, at: &EntryPath) -> Result<[f64; 2], SceneError> {
-    let read = |given: Option<f64>, name: &str| {
-        at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0))
-    };
+fn coefficients(
+    [stiffness, damping]: [Option<f64>; 2],
+    direction: &str,
+    at: &EntryPath,
+) -> Result<[f64; 2], SceneError> {
+    let read =
+        |given: Option<f64>, name: &str| at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0));
     Ok([read(stiffness, "stiffness")?, read(damping, "damping")?])
 }
 

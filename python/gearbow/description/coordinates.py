@@ -23,7 +23,8 @@ class Coordinates:
     Parameters
     ----------
     dofs : tuple of (str, float or (float, float), str)
-        Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of freedom.
+        Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of
+        freedom.
         Those within an element have the positions of its ends and a degree ("v2").
     bodies : mapping of {str: (str, float)}
         Shaft and position [m] of each gear and disk; name and position of each support or housing.

@@ -18,9 +18,9 @@ __all__ = ["Coupling", "Drive", "Force"]
 class Coupling(Part):
     """A coupling between the ends of two coaxial shafts that turn at one speed.
 
-    Linear springs and dampers join two hubs: axial, lateral, tilting and torsional. A large stiffness
-    is a rigid coupling. Axial stiffness and damping act in a system with axial motion, which helical
-    gears, axial forces and bearings with an axial stiffness cause.
+    Linear springs and dampers join two hubs: axial, lateral, tilting and torsional. A large
+    stiffness is a rigid coupling. Axial stiffness and damping act in a system with axial motion,
+    which helical gears, axial forces and bearings with an axial stiffness cause.
 
     Parameters
     ----------

@@ -44,8 +44,8 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
-        "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a field of
-        `MeshResponse`. None is "v", "y" or the mesh force.
+        "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
+        field of `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------

@@ -113,8 +113,8 @@ class Modes(ReadOnly):
         Returns
         -------
         dict of {(str, str): ndarray of shape (m,)}
-            Share for each (shaft, "u" | "v" | "w" | "twist"). The rotation of a bent shaft belongs to
-            its translation. The shares of a mode add up to 1.
+            Share for each (shaft, "u" | "v" | "w" | "twist"). The rotation of a bent shaft belongs
+            to its translation. The shares of a mode add up to 1.
         """
         return dict(self._shares)
 

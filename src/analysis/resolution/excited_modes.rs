@@ -173,9 +173,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Twice the elastic energy of the bending, of the torsion and of the axial strain of a shaft, J.
 fn elastic_energy(shaft: &ShaftModel, q: &[f64]) -> [f64; 3] {
     let bending = shaft.bending.as_ref().map_or(0.0, |chain| chain.elastic_form::<2>(&q[chain.start..]));
-    let rod = |chain: &Option<RodChain>| {
-        chain.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]))
-    };
+    let rod = |chain: &Option<RodChain>| chain.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]));
     [bending, rod(&shaft.twist), rod(&shaft.axial)]
 }
 

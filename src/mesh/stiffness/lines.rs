@@ -45,8 +45,7 @@ impl ContactLines {
     /// Energy and forces at `deflection`, m.
     pub(super) fn elastic_state(&self, path: &ContactPath, deflection: f64) -> ElasticState {
         let half_ramp = self.half_ramp(path);
-        let (first, last) =
-            ContactPath { low: path.low - half_ramp, high: path.high + half_ramp, ..*path }.engaged();
+        let (first, last) = ContactPath { low: path.low - half_ramp, high: path.high + half_ramp, ..*path }.engaged();
         let slopes = path.end_slopes();
         let mut sum = Sums::default();
         for j in first..last + 1 {

@@ -1,7 +1,8 @@
 //! Construction of the mesh stiffness from the checked description of the teeth.
 
 use super::{
-    CONTACT_COMPLIANCE, ContactLines, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336, mean_of_pairs,
+    CONTACT_COMPLIANCE, ContactLines, PeriodicCurve, Shared, Stiffness, Tooth, ToothPair, UniformCurve, iso6336,
+    mean_of_pairs,
 };
 use crate::mesh::{ContactPath, Involute};
 use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
@@ -45,28 +46,7 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             scaled(ToothPair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores, foundation) => {
-            // Contact points lie between the larger one of base circle and root circle, and the tip circle. A smooth
-            // engagement adds half of its width. A margin of a fifth of the pitch follows, because a spline is least
-            // accurate at its ends.
-            let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
-            let margin = (half + 0.2) * pitch;
-            let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
-                let (from, to) = (gear.root_reach() - margin, gear.tip_reach() + margin);
-                let tooth = Tooth::new(gear, bore);
-                let spacing = (to - from) / (KNOTS - 1) as f64;
-                let values: Vec<f64> = (0..KNOTS).map(|i| compliance(&tooth, from + i as f64 * spacing)).collect();
-                UniformCurve::new(from, spacing, &values)
-            };
-            let tables = |compliance| Box::new([0, 1].map(|i| table(pair[i], bores[i], compliance)));
-            let pair = |compliance| ToothPair::Teeth { contact: CONTACT_COMPLIANCE, teeth: tables(compliance) };
-            match foundation {
-                Foundation::Separate => pairs(pair(Tooth::compliance).scaled(*width)),
-                Foundation::Shared => Stiffness::Shared(Shared {
-                    pair: pair(Tooth::flexure).scaled(*width),
-                    bodies: Box::new(tables(Tooth::foundation).map(|curve| curve.scaled(1.0 / width))),
-                    engagement: teeth.engagement,
-                }),
-            }
+            potential_energy(teeth, pair, pitch, (*width, bores, *foundation), pairs)
         }
         StiffnessModel::Table(values) => {
             let values: Vec<f64> = values.iter().map(|value| transverse(*value)).collect();
@@ -76,5 +56,38 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
             let harmonics = harmonics.iter().map(|[amplitude, phase]| [transverse(*amplitude), *phase]).collect();
             Stiffness::Cycle(PeriodicCurve::Fourier(transverse(*mean), harmonics))
         }
+    }
+}
+
+/// The stiffness of teeth by the potential-energy method: face width, radii of the bores, and foundation; `pitch` is the base
+/// pitch, m.
+fn potential_energy(
+    teeth: &Teeth,
+    pair: [&Gear; 2],
+    pitch: f64,
+    (width, bores, foundation): (f64, &[f64; 2], Foundation),
+    pairs: impl Fn(ToothPair) -> Stiffness,
+) -> Stiffness {
+    // Contact points lie between the larger one of base circle and root circle, and the tip circle. A smooth
+    // engagement adds half of its width. A margin of a fifth of the pitch follows, because a spline is least
+    // accurate at its ends.
+    let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
+    let margin = (half + 0.2) * pitch;
+    let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
+        let (from, to) = (gear.root_reach() - margin, gear.tip_reach() + margin);
+        let tooth = Tooth::new(gear, bore);
+        let spacing = (to - from) / (KNOTS - 1) as f64;
+        let values: Vec<f64> = (0..KNOTS).map(|i| compliance(&tooth, from + i as f64 * spacing)).collect();
+        UniformCurve::new(from, spacing, &values)
+    };
+    let tables = |compliance| Box::new([0, 1].map(|i| table(pair[i], bores[i], compliance)));
+    let pair = |compliance| ToothPair::Teeth { contact: CONTACT_COMPLIANCE, teeth: tables(compliance) };
+    match foundation {
+        Foundation::Separate => pairs(pair(Tooth::compliance).scaled(width)),
+        Foundation::Shared => Stiffness::Shared(Shared {
+            pair: pair(Tooth::flexure).scaled(width),
+            bodies: Box::new(tables(Tooth::foundation).map(|curve| curve.scaled(1.0 / width))),
+            engagement: teeth.engagement,
+        }),
     }
 }

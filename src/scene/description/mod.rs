@@ -18,7 +18,7 @@ pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
-pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
+pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
 };
@@ -256,29 +256,6 @@ pub struct Mesh {
     /// Unloaded transmission error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<TransmissionError>,
-}
-
-/// A 2×2 coefficient of a bearing over (y, z).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]]")]
-pub enum Coefficient {
-    /// Isotropic coefficient.
-    Isotropic(f64),
-    /// Coefficients along y and z.
-    Orthotropic([f64; 2]),
-    /// The full matrix.
-    Full([[f64; 2]; 2]),
-}
-
-impl Coefficient {
-    /// The matrix by rows, over (y, z).
-    pub fn rows(self) -> [[f64; 2]; 2] {
-        match self {
-            Self::Isotropic(k) => [[k, 0.0], [0.0, k]],
-            Self::Orthotropic([yy, zz]) => [[yy, 0.0], [0.0, zz]],
-            Self::Full(rows) => rows,
-        }
-    }
 }
 
 /// A gear or disk by name, or a position on a shaft.

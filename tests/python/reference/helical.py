@@ -12,6 +12,7 @@ Derivatives are those of complex steps, which have no round-off of differences.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +110,7 @@ class HelicalTrain:
         for shaft in train.shafts:
             x = train.nodes[shaft.name]
             ends = np.cumsum([part.length for part in shaft.parts])
-            for left, right in zip(x[:-1], x[1:], strict=True):
+            for left, right in pairwise(x):
                 section = shaft.parts[int(np.searchsorted(ends, (left + right) / 2))].section
                 at = [self.axial(shaft.name, place) for place in (left, right)]
                 length, inertia = right - left, section.density * section.area * (right - left)
