@@ -89,6 +89,7 @@ class StaticData(TypedDict):
     mesh: dict[str, Array]
     bearings: list[tuple[str, float]]
     bearing_force: Array
+    bearing_displacement: Array
     axial_bearing_force: Array
 
 
@@ -146,6 +147,7 @@ class RunData(_Paused):
     axial: Array | None
     bearings: list[tuple[str, float]]
     bearing_force: Array
+    bearing_displacement: Array | None
     rolling_bearings: list[tuple[str, float]]
     rolling_contact: Array
     axial_bearing_force: Array | None

@@ -88,6 +88,7 @@ pub fn response_dict<'py>(
     dict.set_item("axial_bearing_force", forces)?;
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
+    dict.set_item("bearing_displacement", stack(py, record.bearing_displacement, times, bearings, 2)?)?;
     let rolling = plan.bearings.iter().filter(|node| model.rolls_at(**node)).map(|node| owner.place(*node));
     let rolling: Vec<_> = rolling.collect();
     dict.set_item("rolling_contact", stack(py, record.rolling, times, rolling.len(), ROLLING_CHANNELS.len())?)?;

@@ -14,7 +14,7 @@ from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed_table import SpeedTable
-from gearbow.description.supports import Support
+from gearbow.description.supports import Support, with_support
 from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
@@ -73,12 +73,10 @@ class Bearing(Part):
             return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)
-        given = dict(description)
+        given = with_support(description)
         for key in ("stiffness", "damping"):
             if isinstance(given.get(key), Mapping):
                 given[key] = SpeedTable._from_description(given[key])
-        if isinstance(given.get("support"), Mapping):
-            given["support"] = Support._from_description(given["support"])
         return cls(**given)
 
 

@@ -215,8 +215,8 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
         },
         **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
     }
-    # A system without axial motion, or a run without energies, has none of these arrays.
-    for group in ("energy", "axial"):
+    # A run without energies, a system without axial motion, and an older file lack these arrays.
+    for group in ("energy", "axial", "bearing_displacement"):
         names = [name for name in expected if name.startswith(group)]
         if all(header(name) is None for name in names):
             expected = {name: value for name, value in expected.items() if name not in names}
@@ -260,6 +260,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "axial": arrays.get("axial"),
             "bearings": [(shaft, position) for shaft, position in about["bearings"]],
             "bearing_force": arrays["bearing_force"],
+            "bearing_displacement": arrays.get("bearing_displacement"),
             "rolling_bearings": [
                 (shaft, position) for shaft, position in about["rolling_bearings"]
             ],

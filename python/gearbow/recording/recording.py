@@ -222,6 +222,34 @@ class Recording(ReadOnly):
         """
         return self._data["bearing_force"][:, self._bearing(shaft, position)]
 
+    def bearing_displacement(self, shaft: str, position: float) -> Array:
+        """Displacement of a shaft relative to what its bearing stands on.
+
+        A proximity probe in the bearing housing measures it.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Components along y and z [m].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record.
+        """
+        bearing = self._bearing(shaft, position)
+        found = self._data["bearing_displacement"]
+        if found is None:
+            raise ChannelError("the file of this run has no displacements at bearings; run again")
+        return found[:, bearing]
+
     def journal(self, shaft: str, position: float) -> JournalMotion:
         """Time history of a journal bearing.
 
@@ -242,10 +270,12 @@ class Recording(ReadOnly):
         ChannelError
             If the bearing was not recorded, or is no journal bearing of a known scene.
         """
-        force = self.bearing_force(shaft, position)
+        force, displacement = (
+            self.bearing_force(shaft, position),
+            self.bearing_displacement(shaft, position),
+        )
         bearings = () if self.request is None else self.request.description.get("bearings", ())
-        at = (shaft, position)
-        return JournalMotion.of(bearings, at, self.displacement(at), force)
+        return JournalMotion.of(bearings, (shaft, position), displacement, force)
 
     def rolling(self, shaft: str, position: float) -> RollingMotion:
         """Time history of a rolling bearing.

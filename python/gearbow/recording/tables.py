@@ -29,6 +29,7 @@ CHANNELS = {
     "twist": ("rad", ("time", "point")),
     "axial": ("m", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
+    "bearing_displacement": ("m", ("time", "bearing", "axis")),
     "axial_bearing_force": ("N", ("time", "bearing")),
     "energy": ("J", ("time",)),
     **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
@@ -113,14 +114,7 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
-    for i, (shaft, position) in enumerate(data["bearings"]):
-        for axis, (field, unit) in enumerate(BEARING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
-    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
-        for j, (field, unit) in enumerate(ROLLING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
-        if data["axial_bearing_force"] is not None:
-            columns[f"{shaft}@{position:g} force_x [N]"] = data["axial_bearing_force"][:, i]
+    columns |= _bearing_columns(data)
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():
@@ -129,9 +123,32 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     return table
 
 
-def axial_arrays(data: RunData) -> dict[str, Array | None]:
-    """Collect the arrays of axial motion; None for a system without axial motion."""
-    return {"axial": data["axial"], "axial_bearing_force": data["axial_bearing_force"]}
+def _bearing_columns(data: RunData) -> dict[str, Array]:
+    """Collect the quantities of bearings by their names with units."""
+    columns: dict[str, Array] = {}
+    for i, (shaft, position) in enumerate(data["bearings"]):
+        for axis, (field, unit) in enumerate(BEARING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
+        if data["axial_bearing_force"] is not None:
+            columns[f"{shaft}@{position:g} force_x [N]"] = data["axial_bearing_force"][:, i]
+        if data["bearing_displacement"] is not None:
+            for axis, field in enumerate(("displacement_y", "displacement_z")):
+                columns[f"{shaft}@{position:g} {field} [m]"] = data["bearing_displacement"][
+                    :, i, axis
+                ]
+    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
+        for j, (field, unit) in enumerate(ROLLING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
+    return columns
+
+
+def optional_arrays(data: RunData) -> dict[str, Array | None]:
+    """Collect the arrays that a run may lack; None without axial motion, or from an older file."""
+    return {
+        "axial": data["axial"],
+        "axial_bearing_force": data["axial_bearing_force"],
+        "bearing_displacement": data["bearing_displacement"],
+    }
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
@@ -143,7 +160,7 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "twist": data["twist"],
         "bearing_force": data["bearing_force"],
     }
-    for name, values in axial_arrays(data).items():
+    for name, values in optional_arrays(data).items():
         if values is not None:
             arrays[name] = values
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}

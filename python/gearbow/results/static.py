@@ -216,8 +216,9 @@ class Static(ReadOnly):
         ChannelError
             If there is no such journal bearing.
         """
-        force, at = self.bearing_force(shaft, position), (shaft, position)
-        return JournalMotion.of(self._bearings, at, self.displacement(at), force)
+        force = self.bearing_force(shaft, position)
+        displacement = self._data["bearing_displacement"][self._bearing(shaft, position)]
+        return JournalMotion.of(self._bearings, (shaft, position), displacement, force)
 
     def mesh(self, driver: str, driven: str) -> MeshState:
         """State of one mesh.

@@ -258,7 +258,7 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
         name: both(first[name], second[name])
         for name in (
             *("time", "displacement", "twist", "axial", "bearing_force", "axial_bearing_force"),
-            *("rolling_contact", "mesh", "energy", "energy_terms"),
+            *("bearing_displacement", "rolling_contact", "mesh", "energy", "energy_terms"),
         )
     }
     return {**second, **recorded, "events": [*first["events"], *second["events"]]}

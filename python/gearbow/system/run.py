@@ -60,6 +60,7 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
         "twist": data["twist"][rows],
         "axial": chosen(data["axial"]),
         "bearing_force": data["bearing_force"][rows],
+        "bearing_displacement": chosen(data["bearing_displacement"]),
         "axial_bearing_force": chosen(data["axial_bearing_force"]),
         "rolling_contact": data["rolling_contact"][rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},

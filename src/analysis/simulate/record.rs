@@ -22,6 +22,8 @@ pub struct Record {
     pub axial_bearing_force: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
+    /// Displacement (y, z) of the shaft at every recorded bearing node relative to what the bearing stands on, m.
+    pub bearing_displacement: Vec<f64>,
     /// Quantities of [`ROLLING_CHANNELS`](crate::connection::ROLLING_CHANNELS) of every bearing node with rolling elements.
     pub rolling: Vec<f64>,
     /// One vector for each quantity of [`MESH_CHANNELS`].
@@ -44,6 +46,8 @@ pub(super) struct Recorder<'a, 'm> {
     origin: f64,
     /// Indices of the coordinates that recording needs.
     coordinates: Vec<usize>,
+    /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
+    bearing_rows: Vec<Option<[Row; 2]>>,
     /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -72,6 +76,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
             axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
             bearing_force: room(2 * plan.bearings.len()),
+            bearing_displacement: room(2 * plan.bearings.len()),
             rolling: Vec::new(),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
@@ -79,6 +84,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         };
         Self {
             coordinates: plan.coordinates(model),
+            bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             displacement: vec![0.0; BATCH * model.len()],
             velocity: vec![0.0; BATCH * model.len()],
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
@@ -170,16 +176,19 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 series.push(value);
             }
         }
+        let of_rows = |rows: &[Row; 2]| {
+            rows.each_ref().map(|row| row.iter().map(|(index, factor)| factor * q[*index]).sum::<f64>())
+        };
         for point in &self.plan.points {
             let translation = model.numbering.translation(point.node);
             let own = translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]);
-            let of_row = |row: &Row| row.iter().map(|(index, factor)| factor * q[*index]).sum();
-            self.record.displacement.extend(point.rows.as_ref().map_or(own, |rows| rows.each_ref().map(of_row)));
+            self.record.displacement.extend(point.rows.as_ref().map_or(own, of_rows));
             self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
         }
-        for node in &self.plan.bearings {
+        for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
             self.record.bearing_force.extend(force);
+            self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], of_rows));
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
             }
