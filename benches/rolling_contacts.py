@@ -82,7 +82,11 @@ def integrate(rtol: float, *, located: bool) -> tuple[Array, int, int]:
 def exponential(rtol: float) -> tuple[int, int]:
     """Give the steps and evaluations of the exponential method for a similar rotor."""
     shaft = gb.Shaft("s", length=0.3, outer_diameter=0.04, elements=2)
-    sizes: dict[str, Any] = {"ball_diameter": DIAMETER, "pitch_diameter": PITCH, "clearance": CLEARANCE}
+    sizes: dict[str, Any] = {
+        "ball_diameter": DIAMETER,
+        "pitch_diameter": PITCH,
+        "clearance": CLEARANCE,
+    }
     bearings = [
         gb.RollingBearing("s", x, balls=BALLS, hertz_stiffness=STIFFNESS, damping=DAMPING, **sizes)
         for x in (0.0, 0.3)

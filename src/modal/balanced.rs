@@ -127,11 +127,9 @@ impl Directions {
         let (modes, null, shift) = (&projected.modes, projected.modes.null, 1.0 / horizon);
         let size = modes.frequencies.len() - null;
         // The entries of z are ωη and η̇ of every mode.
-        // A damper that would make a mode overdamped, such as an oil film, constrains the motion instead of ending it: the
-        // motion then lasts, and needs the directions of the mode.
         let pair = |index: usize| {
-            let (frequency, rate) = (modes.frequencies[null + index], projected.damping_of(null + index) / 2.0);
-            ModePair::Oscillation(Complex64::new(if rate < frequency { -rate } else { 0.0 }, frequency))
+            let frequency = modes.frequencies[null + index];
+            ModePair::Oscillation(Complex64::new(-projected.damping_of(null + index) / 2.0, frequency))
         };
         let pairs: Vec<ModePair> = (0..size).map(pair).collect();
         let coordinates = coordinates(&pairs, false);
