@@ -125,17 +125,22 @@ class _Paused(TypedDict, total=False):
     checkpoint: dict[str, Plain]
 
 
-class RunData(_Paused):
+class _Axial(_Paused, total=False):
+    """Axial motion at k times; None or absent for a system without axial motion."""
+
+    axial: Array | None
+    axial_bearing_force: Array | None
+
+
+class RunData(_Axial):
     """The response of a simulation at k times; `src/python/response.rs` writes it."""
 
     time: Array
     points: list[tuple[str, float, list[str]]]
     displacement: Array
     twist: Array
-    axial: Array | None
     bearings: list[tuple[str, float]]
     bearing_force: Array
-    axial_bearing_force: Array | None
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None

@@ -350,7 +350,7 @@ class Recording(ReadOnly):
         return i
 
     def _axial(self, name: Literal["axial", "axial_bearing_force"]) -> Array:
-        found = self._data[name]
+        found = self._data.get(name)
         if found is None:
             raise ChannelError(
                 "the system has no axial motion; helical gears, axial forces and bearings with "

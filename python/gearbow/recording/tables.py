@@ -101,21 +101,22 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 
     data = run.data
     columns = {}
+    along, thrust = axial_arrays(data).values()
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
             columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
-            if data["axial"] is not None:
-                columns[f"{name} u [m]"] = data["axial"][:, i]
+            if along is not None:
+                columns[f"{name} u [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
     for i, (shaft, position) in enumerate(data["bearings"]):
         for axis, (field, unit) in enumerate(BEARING.items()):
             columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
-        if data["axial_bearing_force"] is not None:
-            columns[f"{shaft}@{position:g} force_x [N]"] = data["axial_bearing_force"][:, i]
+        if thrust is not None:
+            columns[f"{shaft}@{position:g} force_x [N]"] = thrust[:, i]
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():
@@ -126,7 +127,7 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 
 def axial_arrays(data: RunData) -> dict[str, Array | None]:
     """Collect the arrays of axial motion; None for a system without axial motion."""
-    return {"axial": data["axial"], "axial_bearing_force": data["axial_bearing_force"]}
+    return {"axial": data.get("axial"), "axial_bearing_force": data.get("axial_bearing_force")}
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
