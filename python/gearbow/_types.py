@@ -137,20 +137,25 @@ class _Paused(TypedDict, total=False):
     checkpoint: dict[str, Plain]
 
 
-class RunData(_Paused):
+class _Optional(_Paused, total=False):
+    """Arrays at k times that a run may lack: axial motion, and what older files do not contain."""
+
+    axial: Array | None
+    axial_bearing_force: Array | None
+    bearing_displacement: Array | None
+
+
+class RunData(_Optional):
     """The response of a simulation at k times; `src/python/response.rs` writes it."""
 
     time: Array
     points: list[tuple[str, float, list[str]]]
     displacement: Array
     twist: Array
-    axial: Array | None
     bearings: list[tuple[str, float]]
     bearing_force: Array
-    bearing_displacement: Array | None
     rolling_bearings: list[tuple[str, float]]
     rolling_contact: Array
-    axial_bearing_force: Array | None
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None

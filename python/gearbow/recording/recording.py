@@ -245,7 +245,7 @@ class Recording(ReadOnly):
             If it was not recorded; the message says what to record.
         """
         bearing = self._bearing(shaft, position)
-        found = self._data["bearing_displacement"]
+        found = self._data.get("bearing_displacement")
         if found is None:
             raise ChannelError("the file of this run has no displacements at bearings; run again")
         return found[:, bearing]
@@ -410,7 +410,7 @@ class Recording(ReadOnly):
         return i
 
     def _axial(self, name: Literal["axial", "axial_bearing_force"]) -> Array:
-        found = self._data[name]
+        found = self._data.get(name)
         if found is None:
             raise ChannelError(
                 "the system has no axial motion; helical gears, axial forces and bearings with "

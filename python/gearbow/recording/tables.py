@@ -104,13 +104,14 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 
     data = run.data
     columns = {}
+    along = data.get("axial")
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
             columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
-            if data["axial"] is not None:
-                columns[f"{name} u [m]"] = data["axial"][:, i]
+            if along is not None:
+                columns[f"{name} u [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
@@ -126,16 +127,15 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 def _bearing_columns(data: RunData) -> dict[str, Array]:
     """Collect the quantities of bearings by their names with units."""
     columns: dict[str, Array] = {}
+    thrust, displacement = data.get("axial_bearing_force"), data.get("bearing_displacement")
     for i, (shaft, position) in enumerate(data["bearings"]):
         for axis, (field, unit) in enumerate(BEARING.items()):
             columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
-        if data["axial_bearing_force"] is not None:
-            columns[f"{shaft}@{position:g} force_x [N]"] = data["axial_bearing_force"][:, i]
-        if data["bearing_displacement"] is not None:
+        if thrust is not None:
+            columns[f"{shaft}@{position:g} force_x [N]"] = thrust[:, i]
+        if displacement is not None:
             for axis, field in enumerate(("displacement_y", "displacement_z")):
-                columns[f"{shaft}@{position:g} {field} [m]"] = data["bearing_displacement"][
-                    :, i, axis
-                ]
+                columns[f"{shaft}@{position:g} {field} [m]"] = displacement[:, i, axis]
     for i, (shaft, position) in enumerate(data["rolling_bearings"]):
         for j, (field, unit) in enumerate(ROLLING.items()):
             columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
@@ -145,9 +145,9 @@ def _bearing_columns(data: RunData) -> dict[str, Array]:
 def optional_arrays(data: RunData) -> dict[str, Array | None]:
     """Collect the arrays that a run may lack; None without axial motion, or from an older file."""
     return {
-        "axial": data["axial"],
-        "axial_bearing_force": data["axial_bearing_force"],
-        "bearing_displacement": data["bearing_displacement"],
+        "axial": data.get("axial"),
+        "axial_bearing_force": data.get("axial_bearing_force"),
+        "bearing_displacement": data.get("bearing_displacement"),
     }
 
 

@@ -260,6 +260,7 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
             *("time", "displacement", "twist", "axial", "bearing_force", "axial_bearing_force"),
             *("bearing_displacement", "rolling_contact", "mesh", "energy", "energy_terms"),
         )
+        if name in first
     }
     return {**second, **recorded, "events": [*first["events"], *second["events"]]}
 

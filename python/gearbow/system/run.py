@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, real, shown
-from gearbow._types import Array, RunData
+from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
@@ -48,23 +48,21 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]
-
-    def chosen(values: Array | None) -> Array | None:
-        return None if values is None else values[rows]
-
-    terms = data["energy_terms"]
+    energy, terms = data["energy"], data["energy_terms"]
+    along, thrust = data.get("axial"), data.get("axial_bearing_force")
+    relative = data.get("bearing_displacement")
     return {
         **data,
         "time": data["time"][rows],
         "displacement": data["displacement"][rows],
         "twist": data["twist"][rows],
-        "axial": chosen(data["axial"]),
+        "axial": None if along is None else along[rows],
         "bearing_force": data["bearing_force"][rows],
-        "bearing_displacement": chosen(data["bearing_displacement"]),
-        "axial_bearing_force": chosen(data["axial_bearing_force"]),
         "rolling_contact": data["rolling_contact"][rows],
+        "axial_bearing_force": None if thrust is None else thrust[rows],
+        "bearing_displacement": None if relative is None else relative[rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
-        "energy": chosen(data["energy"]),
+        "energy": None if energy is None else energy[rows],
         "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
     }
 
