@@ -470,9 +470,10 @@ def test_a_journal_on_a_stiff_support_moves_as_one_on_the_ground():
     housing = gb.Housing("box", mass=50.0, stiffness=1e13)
     bearings = [replace(b, support="box") for b in ground.bearings]
     system = ground.replace(bearings=bearings, housings=[housing])
-    found, expected = (s.modes(SPEED).eigenvalues[:20] for s in (system, ground))
-    # the stiffness of the films is about 1e7 N/m
-    np.testing.assert_allclose(found, expected, rtol=1e-5)
+    found, expected = (s.modes(SPEED).eigenvalues for s in (system, ground))
+    # the films have about 1e7 N/m, and the support follows at rates above √(1e13/50) = 4.5e5 1/s
+    slow = [values[np.abs(values) < 1e4] for values in (found, expected)]
+    np.testing.assert_allclose(*slow, rtol=1e-5, atol=1e-5)
     runs = [s.simulate(0.02, SPEED, times=TIMES, record=["gears"]) for s in (system, ground)]
     first, second = (run.displacement("g1") for run in runs)
     assert np.abs(first - second).max() < 1e-3 * np.ptp(second)
