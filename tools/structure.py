@@ -18,6 +18,7 @@ REASONS: dict[str, str] = {
     "python/gearbow/system/description.py:SystemDescription": "public parameters",
     "python/gearbow/description/rolling.py:RollingBearing": "public parameters",
     "src/scene/description/bearing.rs:Bearing": "entries of a scene",
+    "src/scene/description/mod.rs:Gear": "entries of a scene",
     "src/scene/description/mod.rs:SceneDescription": "entries of a scene",
     "src/scene/mod.rs:Scene": "entries of a scene",
 }

@@ -16,7 +16,7 @@ At: TypeAlias = str | tuple[str, float]
 #: A quantity to record: a name, a group, (shaft, position), (driver, driven),
 #: ("bearing", shaft, position).
 Record: TypeAlias = str | tuple[str, float] | tuple[str, str] | tuple[str, str, float]
-#: A degree of freedom of a node: shaft, position [m], one of "v", "w", "B", "G", "twist".
+#: A degree of freedom of a node: shaft, position [m], one of "u", "v", "w", "B", "G", "twist".
 NodalDof: TypeAlias = tuple[str, float, str]
 #: One degree of freedom: of a node, or of an element with the positions of its ends [m] and the
 #: degree of its shape function, for example ("input", (0.0, 0.1), "v2").
@@ -89,6 +89,8 @@ class StaticData(TypedDict):
     mesh: dict[str, Array]
     bearings: list[tuple[str, float]]
     bearing_force: Array
+    bearing_displacement: Array
+    axial_bearing_force: Array
 
 
 class FilmData(TypedDict):
@@ -135,7 +137,15 @@ class _Paused(TypedDict, total=False):
     checkpoint: dict[str, Plain]
 
 
-class RunData(_Paused):
+class _Optional(_Paused, total=False):
+    """Arrays at k times that a run may lack: axial motion, and what older files do not contain."""
+
+    axial: Array | None
+    axial_bearing_force: Array | None
+    bearing_displacement: Array | None
+
+
+class RunData(_Optional):
     """The response of a simulation at k times; `src/python/response.rs` writes it."""
 
     time: Array

@@ -2,13 +2,15 @@
 //!
 //! The force of a mesh depends on six coordinates, but only through the relative displacement of the gear centres and the
 //! rolling displacement of the gears: three scalars. In frozen geometry the deflection alone is enough. Both twists are
-//! needed if the tooth engagement depends on the twist, or if a gear has run-out. The linear motion may contain the
+//! needed if the tooth engagement depends on the twist, or if a gear has run-out. Helical teeth add the tilts and, with both
+//! twists, the axial displacement. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
 use super::{Direction, Row};
 use crate::mesh::{
-    Contact, ContactMode, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion, ShaftPhase,
+    Contact, ContactMode, Directions, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion,
+    ShaftPhase,
 };
 use crate::scene::Phase;
 
@@ -21,10 +23,14 @@ enum Scalars {
     Plane,
     /// u_b − u_a over (y, z), θ_a and θ_b.
     PlaneAndTwists,
+    /// u_b − u_a over (y, z), the rolling displacement with its axial part, and the tilt τ of helical gears over (y, z).
+    Space,
+    /// u_b − u_a over (y, z), θ_a, θ_b, τ over (y, z), and the axial part of the rolling displacement of helical gears.
+    SpaceAndTwists,
 }
 
 /// The largest number of scalars of a mesh.
-const MAX_SCALARS: usize = 4;
+const MAX_SCALARS: usize = 7;
 
 /// A mesh in a run.
 #[derive(Clone, Debug)]
@@ -68,17 +74,23 @@ impl MeshInterface {
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
         let flat = frozen || gear_mesh.coordinates.translation.is_none();
-        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat) {
-            (true, _) => Scalars::PlaneAndTwists,
-            (false, true) => Scalars::Deflection,
-            (false, false) => Scalars::Plane,
+        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat, gear_mesh.helix.is_some()) {
+            (true, _, false) => Scalars::PlaneAndTwists,
+            (true, _, true) => Scalars::SpaceAndTwists,
+            (false, true, _) => Scalars::Deflection,
+            (false, false, false) => Scalars::Plane,
+            (false, false, true) => Scalars::Space,
         };
         let [ra, rb] = gear_mesh.involute.base_radius;
-        let [y, z] = gear_mesh.normal_at_rest(sigma);
+        let Directions { normal: [y, z], centres } = gear_mesh.directions_at_rest(sigma);
+        let slope = gear_mesh.helix.as_ref().map_or(0.0, |helix| helix.slope);
+        let [j, k] = centres.map(|centre| sigma * slope * centre);
         let gradient = match scalars {
-            Scalars::Deflection => [1.0, 0.0, 0.0, 0.0],
-            Scalars::Plane => [-y, -z, sigma, 0.0],
-            Scalars::PlaneAndTwists => [-y, -z, sigma * ra, sigma * rb],
+            Scalars::Deflection => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [-y, -z, sigma, 0.0, 0.0, 0.0, 0.0],
+            Scalars::PlaneAndTwists => [-y, -z, sigma * ra, sigma * rb, 0.0, 0.0, 0.0],
+            Scalars::Space => [-y, -z, sigma, j, k, 0.0, 0.0],
+            Scalars::SpaceAndTwists => [-y, -z, sigma * ra, sigma * rb, j, k, sigma],
         };
         let contained = if contained { [gear_mesh.stiffness, gear_mesh.damping] } else { [0.0; 2] };
         let mut interface = Self {
@@ -110,6 +122,8 @@ impl MeshInterface {
             Scalars::Deflection => 1,
             Scalars::Plane => 3,
             Scalars::PlaneAndTwists => 4,
+            Scalars::Space => 5,
+            Scalars::SpaceAndTwists => 7,
         }
     }
 
@@ -129,34 +143,62 @@ impl MeshInterface {
     pub(super) fn rows(&self) -> Vec<Row> {
         let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
         let [ra, rb] = gear_mesh.involute.base_radius;
-        let MeshCoordinates { translation, twist: [a, b] } = gear_mesh.coordinates;
+        let MeshCoordinates { translation, twist: [a, b], .. } = gear_mesh.coordinates;
         let relative_displacement =
             |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
         match self.scalars {
             Scalars::Deflection => {
                 let mut row = Vec::new();
-                gear_mesh.gradient(sigma, gear_mesh.normal_at_rest(sigma), |index, slope| row.push((index, slope)));
+                gear_mesh
+                    .gradient(sigma, &gear_mesh.directions_at_rest(sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
             Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), vec![(a, ra), (b, rb)]],
             Scalars::PlaneAndTwists => {
                 vec![relative_displacement(0), relative_displacement(1), vec![(a, 1.0)], vec![(b, 1.0)]]
             }
+            Scalars::Space | Scalars::SpaceAndTwists => {
+                let plane = vec![relative_displacement(0), relative_displacement(1)];
+                let Some(helix) = &gear_mesh.helix else { return plane };
+                let [along, tilts @ ..] = helix.rows();
+                let rolling = vec![(a, ra), (b, rb)].into_iter().chain(along.iter().copied()).collect();
+                let rest = if self.scalars == Scalars::Space {
+                    vec![rolling].into_iter().chain(tilts).collect::<Vec<_>>()
+                } else {
+                    vec![vec![(a, 1.0)], vec![(b, 1.0)]].into_iter().chain(tilts).chain([along]).collect()
+                };
+                plane.into_iter().chain(rest).collect()
+            }
         }
     }
 
     /// The relative motion of the gears for these scalars, or for their rates.
     #[inline(always)]
-    fn relative(&self, [a, b, c, d]: [f64; MAX_SCALARS]) -> RelativeMotion {
+    fn relative(&self, [a, b, c, d, e, f, g]: [f64; MAX_SCALARS]) -> RelativeMotion {
         let [ra, rb] = self.gear_mesh.involute.base_radius;
         match self.scalars {
             Scalars::Deflection => RelativeMotion { rolling_displacement: self.sigma * a, ..RelativeMotion::default() },
             Scalars::Plane => {
                 RelativeMotion { relative_displacement: [a, b], rolling_displacement: c, ..RelativeMotion::default() }
             }
-            Scalars::PlaneAndTwists => {
-                RelativeMotion { relative_displacement: [a, b], rolling_displacement: ra * c + rb * d, twist: [c, d] }
-            }
+            Scalars::PlaneAndTwists => RelativeMotion {
+                relative_displacement: [a, b],
+                rolling_displacement: ra * c + rb * d,
+                twist: [c, d],
+                tilt: [0.0; 2],
+            },
+            Scalars::Space => RelativeMotion {
+                relative_displacement: [a, b],
+                rolling_displacement: c,
+                tilt: [d, e],
+                ..RelativeMotion::default()
+            },
+            Scalars::SpaceAndTwists => RelativeMotion {
+                relative_displacement: [a, b],
+                rolling_displacement: ra * c + rb * d + g,
+                twist: [c, d],
+                tilt: [e, f],
+            },
         }
     }
 
@@ -165,9 +207,17 @@ impl MeshInterface {
     fn forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
         let [y, z] = contact.centre_force;
         match self.scalars {
-            Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0],
-            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0],
-            Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1]],
+            Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0, 0.0, 0.0, 0.0],
+            Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1], 0.0, 0.0, 0.0],
+            Scalars::Space => {
+                let [j, k] = contact.helix.tilt;
+                [y, z, -self.sigma * contact.force, j, k, 0.0, 0.0]
+            }
+            Scalars::SpaceAndTwists => {
+                let [j, k] = contact.helix.tilt;
+                [y, z, contact.moments[0], contact.moments[1], j, k, -self.sigma * contact.force]
+            }
         }
     }
 
@@ -175,12 +225,16 @@ impl MeshInterface {
     fn mean_force(&self, reference: &[f64]) -> Result<([f64; MAX_SCALARS], f64), Overlap> {
         let [(drive, n), (back, m)] = self.gear_mesh.mean_forces(self.geometry, self.sigma, reference)?;
         let force = drive - back;
-        let [y, z] = [drive * n[0] + back * m[0], drive * n[1] + back * m[1]];
+        let [y, z] = [0, 1].map(|lane| drive * n.normal[lane] + back * m.normal[lane]);
+        let slope = self.gear_mesh.helix.as_ref().map_or(0.0, |helix| helix.slope);
+        let [j, k] = n.centres.map(|centre| -force * self.sigma * slope * centre);
         let [ra, rb] = self.gear_mesh.involute.base_radius.map(|radius| -force * self.sigma * radius);
         let reference_force = match self.scalars {
-            Scalars::Deflection => [-force, 0.0, 0.0, 0.0],
-            Scalars::Plane => [y, z, -force * self.sigma, 0.0],
-            Scalars::PlaneAndTwists => [y, z, ra, rb],
+            Scalars::Deflection => [-force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, -force * self.sigma, 0.0, 0.0, 0.0, 0.0],
+            Scalars::PlaneAndTwists => [y, z, ra, rb, 0.0, 0.0, 0.0],
+            Scalars::Space => [y, z, -force * self.sigma, j, k, 0.0, 0.0],
+            Scalars::SpaceAndTwists => [y, z, ra, rb, j, k, -force * self.sigma],
         };
         Ok((reference_force, force))
     }
@@ -313,6 +367,6 @@ impl MeshInterface {
             *speed = *rate;
         }
         let (position, velocity) = (self.relative(scalars), self.relative(speeds));
-        MeshPose { geometry: self.geometry, sigma: self.sigma, phases, position, velocity }
+        self.gear_mesh.pose_of(self.geometry, self.sigma, phases, position, velocity)
     }
 }

@@ -113,7 +113,7 @@ impl Connection<'_> {
         match self {
             Self::Mesh(_, mesh, sigma) => {
                 let mut row = Row::new();
-                mesh.gradient(*sigma, mesh.normal_at_rest(*sigma), |index, slope| row.push((index, slope)));
+                mesh.gradient(*sigma, &mesh.directions_at_rest(*sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
             Self::Bearing(bearing) => bearing.rows.to_vec(),
@@ -168,7 +168,7 @@ impl Connection<'_> {
     /// speed, and for a load, which has none.
     pub fn described(&self) -> Option<String> {
         match self {
-            Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.stiffness)),
+            Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.normal_stiffness())),
             Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
             Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }

@@ -15,10 +15,11 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
-use super::{Bending, Twist};
+use super::{Bending, Rod};
 use crate::scene::{Element, Material};
 
-/// Matrices of one shaft element. Rows and columns of bending are (u₁, φ₁, u₂, φ₂), those of torsion (θ₁, θ₂).
+/// Matrices of one shaft element. Rows and columns of bending are (u₁, φ₁, u₂, φ₂), those of torsion
+/// (θ₁, θ₂), and along the axis the axial displacements of both ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
     /// Mass matrix ρA∫NᵥᵀNᵥ dx + R with rotary inertia R; entries in kg, kg m and kg m².
@@ -27,14 +28,35 @@ pub struct Beam {
     pub gyroscopic: Matrix4<f64>,
     /// Stiffness matrix of bending and shear; entries in N/m, N and N m.
     pub stiffness: Matrix4<f64>,
-    /// Mass matrix of torsion, kg m².
-    pub torsional_mass: Matrix2<f64>,
-    /// Stiffness matrix of torsion, N m/rad.
-    pub torsional_stiffness: Matrix2<f64>,
     /// Bending stiffness in terms of strains.
     pub bending: Bending,
-    /// Torsional stiffness in terms of strains.
-    pub twist: Twist,
+    /// Matrices of torsion, in kg m² and N m/rad.
+    pub torsion: RodMatrices,
+    /// Matrices along the axis, in kg and N/m.
+    pub axial: RodMatrices,
+}
+
+/// Matrices of an element in torsion or along its axis, over the values at both ends. The linear shape functions are the
+/// exact static solutions.
+#[derive(Clone, Copy, Debug)]
+pub struct RodMatrices {
+    /// Mass matrix.
+    pub mass: Matrix2<f64>,
+    /// Stiffness matrix.
+    pub stiffness: Matrix2<f64>,
+    /// Stiffness in terms of strains.
+    pub rod: Rod,
+}
+
+impl RodMatrices {
+    /// Matrices of an element of length `l`, m, with this inertia per unit length and this rigidity.
+    fn new(inertia: f64, rigidity: f64, l: f64) -> Self {
+        Self {
+            mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (inertia * l / 6.0),
+            stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (rigidity / l),
+            rod: Rod { stiffness: rigidity / l },
+        }
+    }
 }
 
 /// Shear coefficient κ of a hollow circular section with the ratio of radii m = rᵢ/rₒ (Cowper 1966).
@@ -84,6 +106,8 @@ pub(super) struct Section {
     pub shear: f64,
     /// Torsional rigidity GJ, N m².
     pub torsional: f64,
+    /// Axial rigidity EA, N.
+    pub axial: f64,
     /// Shear parameter Φ = 12EI/(κGAl²) of an element of length l; zero without shear deformation.
     pub phi: f64,
 }
@@ -109,6 +133,7 @@ impl Section {
             flexural: e * second_moment,
             shear,
             torsional: g * polar,
+            axial: e * area,
             phi,
         }
     }
@@ -134,10 +159,9 @@ impl Beam {
             mass: translation + rotary,
             gyroscopic: rotary * 2.0,
             stiffness,
-            torsional_mass: Matrix2::new(2.0, 1.0, 1.0, 2.0) * (section.polar_mass * l / 6.0),
-            torsional_stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (section.torsional / l),
             bending: Bending { half_length: l / 2.0, flexural: section.flexural / l, transverse: 12.0 * bending },
-            twist: Twist { stiffness: section.torsional / l },
+            torsion: RodMatrices::new(section.polar_mass, section.torsional, l),
+            axial: RodMatrices::new(section.mass, section.axial, l),
         }
     }
 }

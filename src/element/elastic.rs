@@ -3,7 +3,8 @@
 //! With κ = φ₂ − φ₁ and d = u₂ − u₁ − l(φ₁ + φ₂)/2, the elastic energy of an element is
 //!
 //! ```text
-//! ½ (EI/l) κ² + ½ · 12EI/(l³(1 + Φ)) · d²   in bending,      ½ (GJ/l) (θ₂ − θ₁)²   in torsion,
+//! ½ (EI/l) κ² + ½ · 12EI/(l³(1 + Φ)) · d²   in bending,
+//! ½ (GJ/l) (θ₂ − θ₁)²   in torsion,      ½ (EA/l) (u₂ − u₁)²   along the axis,
 //! ```
 //!
 //! where Φ = 12EI/(κ_s GAl²) is the shear parameter with the shear coefficient κ_s. This form needs fewer operations
@@ -71,21 +72,21 @@ impl Elastic<2> for Bending {
     }
 }
 
-/// Torsional stiffness of an element, over θ.
+/// Stiffness of an element in torsion, over θ, or along its axis, over the axial displacement.
 #[derive(Clone, Copy, Debug)]
-pub struct Twist {
-    /// Torsional stiffness GJ/l, N m/rad.
+pub struct Rod {
+    /// Torsional stiffness GJ/l, N m/rad, or axial stiffness EA/l, N/m.
     pub stiffness: f64,
 }
 
-impl Elastic<1> for Twist {
+impl Elastic<1> for Rod {
     #[inline(always)]
     fn forces<const L: usize>(&self, first: &Values<1, L>, second: &Values<1, L>) -> [Values<1, L>; 2] {
         let mut forces = [[[0.0; L]; 1]; 2];
         for lane in 0..L {
-            let torque = self.stiffness * (second[0][lane] - first[0][lane]);
-            forces[0][0][lane] = torque;
-            forces[1][0][lane] = -torque;
+            let force = self.stiffness * (second[0][lane] - first[0][lane]);
+            forces[0][0][lane] = force;
+            forces[1][0][lane] = -force;
         }
         forces
     }

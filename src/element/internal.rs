@@ -1,8 +1,8 @@
 //! Internal coordinates of shaft elements of degree p ≥ 2.
 //!
 //! Beside the nodal shape functions, which are the static solutions, an element has shape functions that vanish at both
-//! ends: integrated Legendre polynomials of degree 2…p + 1 for the displacement u and of degree 2…p for the rotation φ
-//! and the twist θ. Equal degrees of u and φ would lose order. Without shear deformation φ = u', so that the pairs are
+//! ends: integrated Legendre polynomials of degree 2…p + 1 for the displacement u and of degree 2…p for the rotation φ,
+//! the twist θ and the axial displacement. Equal degrees of u and φ would lose order. Without shear deformation φ = u', so that the pairs are
 //! combined: u has the twice integrated polynomials of degree 4…p + 1.
 //!
 //! A static solution is orthogonal in strain energy to every function that vanishes at both ends. The stiffness matrix
@@ -80,8 +80,8 @@ impl BendingFunction {
     }
 }
 
-/// Degrees of the internal shape functions of the twist.
-pub fn twist_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
+/// Degrees of the internal shape functions of the twist and of the axial displacement.
+pub fn rod_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
     2..=degree
 }
 
@@ -103,10 +103,19 @@ pub struct InternalBeam {
     pub gyroscopic: InternalBlocks,
     /// Stiffness matrix of bending; entries in N/m, N and N m.
     pub stiffness: InternalBlocks,
-    /// Mass matrix of torsion, kg m².
-    pub torsional_mass: InternalBlocks,
-    /// Stiffness matrix of torsion, N m/rad.
-    pub torsional_stiffness: InternalBlocks,
+    /// Matrices of torsion, in kg m² and N m/rad.
+    pub torsion: InternalRod,
+    /// Matrices along the axis, in kg and N/m.
+    pub axial: InternalRod,
+}
+
+/// Matrices of the internal coordinates of one element in torsion or along its axis.
+#[derive(Clone, Debug)]
+pub struct InternalRod {
+    /// Mass matrix.
+    pub mass: InternalBlocks,
+    /// Stiffness matrix.
+    pub stiffness: InternalBlocks,
 }
 
 impl InternalBeam {
@@ -123,12 +132,6 @@ impl InternalBeam {
     pub fn new(element: &Element, material: &Material, shear: bool, degree: usize) -> Self {
         let (l, section) = (element.length, Section::new(element, material, shear));
         let functions = BendingFunction::all(degree, shear);
-        let twists: Vec<usize> = twist_degrees(degree).collect();
-        // The products of shape functions have at most the degree 2(p + 1).
-        let rule = gauss(degree + 2);
-        let sum = |point: &dyn Fn(f64, f64) -> InternalBlocks| {
-            rule.iter().map(|(xi, weight)| point(*xi, weight * l)).reduce(InternalBlocks::plus).unwrap_or_default()
-        };
         let shapes = |xi: f64| -> Vec<Shape> { functions.iter().map(|f| f.at(2.0 * xi - 1.0, l)).collect() };
         let inertia = |xi: f64, area: f64, rotary: f64| {
             let shapes = shapes(xi);
@@ -147,28 +150,43 @@ impl InternalBeam {
             let bending = &curvature * curvature.transpose() * (section.flexural * dx);
             InternalBlocks::uncoupled(bending + &sheared * sheared.transpose() * (section.shear * dx))
         };
-        let twist = |xi: f64, function: fn(usize, f64) -> f64| {
-            DVector::from_iterator(twists.len(), twists.iter().map(|n| function(*n, 2.0 * xi - 1.0)))
-        };
-        let torsional_mass = |xi: f64, dx: f64| {
-            let theta = twist(xi, integrated);
-            InternalBlocks {
-                coupling: Some(outer(&[1.0 - xi, xi], &theta) * (section.polar_mass * dx)),
-                block: &theta * theta.transpose() * (section.polar_mass * dx),
-            }
-        };
-        let torsional_strain = |xi: f64, dx: f64| {
-            let slope = twist(xi, integrated_slope) * (2.0 / l);
-            InternalBlocks::uncoupled(&slope * slope.transpose() * (section.torsional * dx))
-        };
         Self {
-            mass: sum(&|xi, dx| inertia(xi, section.mass * dx, section.rotary * dx)),
-            gyroscopic: sum(&|xi, dx| inertia(xi, 0.0, 2.0 * section.rotary * dx)),
-            stiffness: sum(&strain),
-            torsional_mass: sum(&torsional_mass),
-            torsional_stiffness: sum(&torsional_strain),
+            mass: over_element(degree, l, |xi, dx| inertia(xi, section.mass * dx, section.rotary * dx)),
+            gyroscopic: over_element(degree, l, |xi, dx| inertia(xi, 0.0, 2.0 * section.rotary * dx)),
+            stiffness: over_element(degree, l, strain),
+            torsion: InternalRod::new(section.polar_mass, section.torsional, l, degree),
+            axial: InternalRod::new(section.mass, section.axial, l, degree),
         }
     }
+}
+
+impl InternalRod {
+    /// Matrices of an element of length `l`, m, and of this degree, with this inertia per unit length and this rigidity.
+    fn new(inertia: f64, rigidity: f64, l: f64, degree: usize) -> Self {
+        let degrees: Vec<usize> = rod_degrees(degree).collect();
+        let values = |xi: f64, function: fn(usize, f64) -> f64| {
+            DVector::from_iterator(degrees.len(), degrees.iter().map(|n| function(*n, 2.0 * xi - 1.0)))
+        };
+        let mass = |xi: f64, dx: f64| {
+            let shape = values(xi, integrated);
+            InternalBlocks {
+                coupling: Some(outer(&[1.0 - xi, xi], &shape) * (inertia * dx)),
+                block: &shape * shape.transpose() * (inertia * dx),
+            }
+        };
+        let strain = |xi: f64, dx: f64| {
+            let slope = values(xi, integrated_slope) * (2.0 / l);
+            InternalBlocks::uncoupled(&slope * slope.transpose() * (rigidity * dx))
+        };
+        Self { mass: over_element(degree, l, mass), stiffness: over_element(degree, l, strain) }
+    }
+}
+
+/// Integral over an element of length `l`, m: the sum of `point(ξ, dx)` over the points of a Gauss rule. The products of
+/// shape functions of degree p = `degree` have at most the degree 2(p + 1).
+fn over_element(degree: usize, l: f64, point: impl Fn(f64, f64) -> InternalBlocks) -> InternalBlocks {
+    let rule = gauss(degree + 2);
+    rule.iter().map(|(xi, weight)| point(*xi, weight * l)).reduce(InternalBlocks::plus).unwrap_or_default()
 }
 
 /// abᵀ.

@@ -1,11 +1,11 @@
-//! Shaft elements: matrices, and elastic forces from strains, in bending and torsion.
+//! Shaft elements: matrices, and elastic forces from strains, in bending, in torsion and along the axis.
 
 mod beam;
 mod elastic;
 mod internal;
 mod legendre;
 
-pub use beam::{Beam, deflection, flexural_rigidity, shear_coefficient};
-pub use elastic::{Bending, Elastic, Twist, Values};
-pub use internal::{BendingFunction, InternalBeam, InternalBlocks, twist_degrees};
+pub use beam::{Beam, RodMatrices, deflection, flexural_rigidity, shear_coefficient};
+pub use elastic::{Bending, Elastic, Rod, Values};
+pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, rod_degrees};
 pub use legendre::gauss;

@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use super::rotating_source::{RotatingSource, is_resonant};
 use crate::connection::{Interface, Row};
 use crate::modal::ModalStateSpace;
+use crate::model::{Dof, DofKind};
 use crate::motion::EquationOfMotion;
 
 /// A residual load below this fraction of the loads at the reference is round-off.
@@ -82,15 +83,14 @@ fn constant_load(
         }
     }
     // Forces and moments have different units. Each is compared with the largest of its kind.
-    let largest = |lateral: bool| {
-        let dofs = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral() == lateral);
-        dofs.map(|dof| scale[dof.index]).fold(0.0, f64::max)
+    let kind = |dof: &Dof| match dof.kind {
+        DofKind::Twist => 0,
+        DofKind::V | DofKind::W | DofKind::B | DofKind::Gamma => 1,
+        DofKind::Axial => 2,
     };
-    let sizes = [largest(false), largest(true)];
-    let acts = model
-        .numbering
-        .dofs()
-        .iter()
-        .any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[usize::from(dof.kind.is_lateral())]);
+    let dofs = model.numbering.dofs();
+    let mut sizes = [0.0_f64; 3];
+    dofs.iter().for_each(|dof| sizes[kind(dof)] = sizes[kind(dof)].max(scale[dof.index]));
+    let acts = dofs.iter().any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[kind(dof)]);
     if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }
 }

@@ -93,6 +93,17 @@ impl ContactMode {
     }
 }
 
+/// Generalised forces of a helical mesh on the additional coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HelixForces {
+    /// Force on u_b, N; the force on u_a is the opposite.
+    pub axial: f64,
+    /// Moment on τ, N m.
+    pub tilt: [f64; 2],
+    /// Force on u_b − u_a over (y, z), N.
+    pub centre: [f64; 2],
+}
+
 /// The state of a mesh at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
@@ -110,6 +121,8 @@ pub struct Contact {
     pub centre_force: [f64; 2],
     /// Generalised forces on θ_a and θ_b, N m.
     pub moments: [f64; 2],
+    /// Generalised forces of helical teeth on the other coordinates; zero for spur gears.
+    pub helix: HelixForces,
     /// Power of the prescribed motion (transmission error, spin of the teeth, run-out), W.
     pub drive_power: f64,
     /// Power dissipated by damping, cδ̇², W.
@@ -135,6 +148,7 @@ impl Contact {
             energy: self.energy + back.energy,
             centre_force: sum(self.centre_force, back.centre_force),
             moments: sum(self.moments, back.moments),
+            helix: HelixForces::default(),
             drive_power: self.drive_power + back.drive_power,
             damping_power: self.damping_power + back.damping_power,
             back_flank_deflection: back.deflection,
@@ -145,11 +159,11 @@ impl Contact {
 /// Quantities of a mesh that a response reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshState {
-    /// Deflection δ of the drive flank, m; negative while the drive flank is separated.
+    /// Deflection of the drive flank normal to the teeth, m; negative while the drive flank is separated.
     pub deflection: f64,
-    /// Mesh force F, N; negative on the back flank.
+    /// Mesh force normal to the teeth, N; negative on the back flank.
     pub force: f64,
-    /// Stiffness, N/m.
+    /// Stiffness normal to the teeth, N/m.
     pub stiffness: f64,
     /// Position of the moving gear centres.
     pub centres: Centres,

@@ -13,6 +13,9 @@ pub struct ContactPath {
     pub high: f64,
     /// Base pitch, m.
     pub pitch: f64,
+    /// Length b tan β_b of the path by which the contact at one end of the face width is ahead of the other end, m; zero for
+    /// spur gears.
+    pub overlap: f64,
 }
 
 impl ContactPath {
@@ -23,9 +26,10 @@ impl ContactPath {
         [f64::from(u8::from(self.low > 0.0)), f64::from(u8::from(self.high >= self.tangent))]
     }
 
-    /// Positions of both ends among the pairs, in base pitches from pair 0.
+    /// Positions of both ends among the pairs, in base pitches from pair 0, for a pair that touches anywhere on its face.
     pub fn ends(&self) -> [f64; 2] {
-        [self.low, self.high].map(|end| (end - self.position) / self.pitch)
+        let half = self.overlap / 2.0;
+        [self.low - half, self.high + half].map(|end| (end - self.position) / self.pitch)
     }
 
     /// First and last pair between the ends; last < first if there is none.

@@ -1,9 +1,10 @@
 //! Deflection and force of one flank of a mesh, and the contact mode that follows from both flanks.
 
-use super::contact::{Contact, ContactMode, Flank};
+use super::contact::{Contact, ContactMode, Flank, HelixForces};
 use super::contact_path::ContactPath;
-use super::gear_mesh::{GearMesh, Geometry, MeshPose, RelativeMotion, dot};
+use super::gear_mesh::GearMesh;
 use super::involute::{CentreGeometry, LineOfAction, Overlap};
+use super::pose::{Geometry, MeshPose, RelativeMotion, dot};
 use super::stiffness::ElasticState;
 use crate::scene::Phase;
 
@@ -141,6 +142,7 @@ impl GearMesh {
             energy,
             centre_force,
             moments,
+            helix: HelixForces::default(),
             drive_power,
             damping_power,
             back_flank_deflection,

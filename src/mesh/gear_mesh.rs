@@ -1,4 +1,4 @@
-//! The force of a mesh: one scalar that acts on six coordinates.
+//! The force of a mesh: one scalar that acts on six coordinates, and on six more with helical teeth (`helix.rs`).
 //!
 //! ```text
 //! F = ∂U/∂δ + c δ̇,    generalised force on q:  −F ∂δ/∂q,    ∂δ/∂q = (n, −n, σr_a, σr_b) for q = (u_a, u_b, θ_a, θ_b)
@@ -13,74 +13,36 @@
 //! minus backlash) while the back flank is pressed. Otherwise F is zero. F is never tensile. `flank.rs` computes the
 //! force of one flank.
 
-use super::contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
+use super::contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
+use super::helix::Helix;
 use super::involute::{CentreGeometry, Centres, Involute, LineOfAction, Overlap};
+use super::pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion, dot};
 use super::stiffness::{self, Stiffness};
 use crate::scene::{Damping, Gear, Mesh, Phase};
-
-/// Whether the line of action follows the centres.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Geometry {
-    /// The line of action follows the moving centres.
-    Live,
-    /// The line of action is that of the centres at rest.
-    Frozen,
-}
-
-/// Indices of the six coordinates of a mesh in a vector of displacements.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshCoordinates {
-    /// v of driver and driven gear (w follows v); `None` in a scene that has no bending.
-    pub translation: Option<[usize; 2]>,
-    /// θ of driver and driven gear.
-    pub twist: [usize; 2],
-}
-
-/// Everything on which the force of a mesh depends except its contact mode.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshPose<'a> {
-    /// Whether its line of action follows the centres.
-    pub geometry: Geometry,
-    /// σ, the sign of the driver's spin.
-    pub sigma: f64,
-    /// Angles and spins of the shafts of driver and driven gear.
-    pub phases: &'a [ShaftPhase; 2],
-    /// Relative displacements.
-    pub position: RelativeMotion,
-    /// Relative velocities.
-    pub velocity: RelativeMotion,
-}
-
-/// Relative motion of the gears of a mesh: displacements, or velocities (then per second).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RelativeMotion {
-    /// u_b − u_a over (y, z), m.
-    pub relative_displacement: [f64; 2],
-    /// r_a θ_a + r_b θ_b, m.
-    pub rolling_displacement: f64,
-    /// θ_a and θ_b, rad: used where the tooth engagement follows the twist, and for run-out.
-    pub twist: [f64; 2],
-}
 
 /// A mesh with its coordinates.
 #[derive(Clone, Debug)]
 pub struct GearMesh {
     /// Geometry of the pair.
     pub involute: Involute,
-    /// The six coordinates.
+    /// The coordinates.
     pub coordinates: MeshCoordinates,
+    /// Axial displacements and tilts; none for spur gears, and without axial motion.
+    pub helix: Option<Helix>,
+    /// Cosine of the base helix angle β_b; 1 for spur gears.
+    pub base_helix_cosine: f64,
     /// Stiffness of the teeth.
     pub teeth: Stiffness,
     /// Angle that moves the teeth along the path of contact: the prescribed angle, with or without the twist.
     pub phase: Phase,
-    /// Mean stiffness, N/m, used by modes, equilibrium and all linear analyses.
+    /// Mean stiffness in the transverse section, N/m, used by modes, equilibrium and all linear analyses.
     pub stiffness: f64,
     /// Upper bound of the stiffness, N/m.
     pub largest_stiffness: f64,
     /// Damping c, N s/m.
     pub damping: f64,
-    /// Backlash along the line of action, m; none for a mesh whose flanks never separate.
+    /// Backlash along the line of action in the transverse section, m; none for a mesh whose flanks never separate.
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
     pub shafts: [usize; 2],
@@ -99,8 +61,9 @@ impl GearMesh {
         let teeth = stiffness::build(&mesh.teeth, [a, b], &involute);
         let at_rest = involute.path_at_rest();
         let mean = teeth.mean(&at_rest);
+        let (base_helix, base_helix_cosine) = (a.base_helix_angle(), a.base_helix_angle().cos());
         let damping = match mesh.damping {
-            Damping::Constant(c) => c,
+            Damping::Constant(c) => c * base_helix_cosine * base_helix_cosine,
             Damping::Ratio(ratio) => {
                 let compliance = |gear: &Gear| gear.base_radius * gear.base_radius / gear.body.polar_inertia;
                 2.0 * ratio * (mean / (compliance(a) + compliance(b))).sqrt()
@@ -108,17 +71,21 @@ impl GearMesh {
         };
         // Both flanks are in contact if the centre distance shrinks by more than the backlash allows.
         let flanks = if mesh.teeth.backlash.is_some() { 2.0 } else { 1.0 };
+        let helix = |axial: [usize; 2], v: [usize; 2]| Helix::new(&involute, base_helix.tan(), axial, v);
+        let helical = if base_helix == 0.0 { None } else { coordinates.axial.zip(coordinates.translation) };
         let out = [a, b].map(|gear| (gear.run_out.norm(), gear.run_out.arg()));
         Self {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
+            helix: helical.map(|(axial, translation)| helix(axial, translation)),
+            base_helix_cosine,
             stiffness: mean,
             largest_stiffness: flanks * teeth.largest(&at_rest).max(mean),
             involute,
             teeth,
             phase: mesh.teeth.phase,
             damping,
-            backlash: mesh.teeth.backlash,
+            backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
             run_out: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
@@ -176,8 +143,10 @@ impl GearMesh {
 
     /// Indices of the coordinates on which the mesh acts.
     pub fn indices(&self) -> Vec<usize> {
-        let MeshCoordinates { translation, twist } = self.coordinates;
-        twist.into_iter().chain(translation.into_iter().flatten().flat_map(|v| [v, v + 1])).collect()
+        let MeshCoordinates { translation, twist, .. } = self.coordinates;
+        let of_helix = |helix: &Helix| helix.axial.into_iter().chain(helix.tilt.into_iter().flat_map(|v| [v, v + 1]));
+        let of_plane = translation.into_iter().flatten().flat_map(|v| [v, v + 1]);
+        twist.into_iter().chain(of_plane).chain(self.helix.iter().flat_map(of_helix)).collect()
     }
 
     /// Whether the force does not depend on the angles of the shafts.
@@ -185,7 +154,8 @@ impl GearMesh {
         self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
     }
 
-    /// Relative motion of the gears for displacements or velocities of the whole model.
+    /// Relative motion of the gears for displacements or velocities of the whole model; without the product τ·c of helical
+    /// teeth, which [`Self::pose`] adds.
     #[inline(always)]
     pub fn relative(&self, q: &[f64]) -> RelativeMotion {
         let [ra, rb] = self.involute.base_radius;
@@ -194,7 +164,28 @@ impl GearMesh {
             Some([a, b]) => [q[b] - q[a], q[b + 1] - q[a + 1]],
             None => [0.0; 2],
         };
-        RelativeMotion { relative_displacement, rolling_displacement: ra * twist[0] + rb * twist[1], twist }
+        let rolling_displacement = ra * twist[0] + rb * twist[1];
+        match &self.helix {
+            None => RelativeMotion { relative_displacement, rolling_displacement, twist, tilt: [0.0; 2] },
+            Some(helix) => {
+                let (along, tilt) = helix.relative(q);
+                RelativeMotion {
+                    relative_displacement,
+                    rolling_displacement: rolling_displacement + along,
+                    twist,
+                    tilt,
+                }
+            }
+        }
+    }
+
+    /// Relative motion of the gears for displacements of the whole model.
+    pub(super) fn position(&self, geometry: Geometry, q: &[f64]) -> RelativeMotion {
+        let mut position = self.relative(q);
+        if let Some(helix) = &self.helix {
+            helix.add_tilt(geometry, &mut position);
+        }
+        position
     }
 
     /// The pose for displacements `q` and velocities `v` of the whole model.
@@ -207,7 +198,24 @@ impl GearMesh {
         q: &[f64],
         v: &[f64],
     ) -> MeshPose<'a> {
-        MeshPose { geometry, sigma, phases, position: self.relative(q), velocity: self.relative(v) }
+        self.pose_of(geometry, sigma, phases, self.relative(q), self.relative(v))
+    }
+
+    /// The pose for relative displacements and velocities without the product τ·c.
+    #[inline(always)]
+    pub fn pose_of<'a>(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        phases: &'a [ShaftPhase; 2],
+        mut position: RelativeMotion,
+        mut velocity: RelativeMotion,
+    ) -> MeshPose<'a> {
+        if let Some(helix) = &self.helix {
+            helix.add_tilt_rate(geometry, &position, &mut velocity);
+            helix.add_tilt(geometry, &mut position);
+        }
+        MeshPose { geometry, sigma, phases, position, velocity }
     }
 
     /// Run-out vectors of driver and driven gear over (y, z), m.
@@ -257,6 +265,18 @@ impl GearMesh {
     /// [`Overlap`] of the base circles.
     #[inline(always)]
     pub fn contact(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<Contact, Overlap> {
+        let contact = self.transverse_contact(pose, contact_mode)?;
+        let Some(helix) = &self.helix else { return Ok(contact) };
+        // The flanks have opposite σ, which the sign of the force contains.
+        let forces = helix.forces(pose.geometry, &pose.position, -pose.sigma * contact.force);
+        let [y, z] = contact.centre_force;
+        let centre_force = [y + forces.centre[0], z + forces.centre[1]];
+        Ok(Contact { centre_force, helix: forces, ..contact })
+    }
+
+    /// The contact as a function of the rolling displacement and of the centres.
+    #[inline(always)]
+    fn transverse_contact(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<Contact, Overlap> {
         let &MeshPose { geometry, sigma, position, velocity, .. } = pose;
         if self.is_autonomous() && contact_mode.flank == Flank::Drive {
             let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
@@ -277,6 +297,7 @@ impl GearMesh {
                 drive_power: 0.0,
                 damping_power: self.damping * rate * rate,
                 back_flank_deflection: self.back_flank_deflection(sigma, &centre_geometry, &position),
+                helix: HelixForces::default(),
             });
         }
         let gears = self.gear_kinematics(pose)?;
@@ -314,11 +335,15 @@ impl GearMesh {
         let [a, b] = self.coordinates.twist;
         out[a] += contact.moments[0];
         out[b] += contact.moments[1];
+        if let Some(helix) = &self.helix {
+            helix.apply(&contact.helix, out);
+        }
     }
 
-    /// Calls `visit(index, ∂δ/∂q)` for each coordinate of the mesh; `normal` is the unit vector of the line of action.
+    /// Calls `visit(index, ∂δ/∂q)` for each coordinate of the mesh.
     #[inline(always)]
-    pub fn gradient(&self, sigma: f64, normal: [f64; 2], mut visit: impl FnMut(usize, f64)) {
+    pub fn gradient(&self, sigma: f64, directions: &Directions, mut visit: impl FnMut(usize, f64)) {
+        let Directions { normal, centres } = *directions;
         if let Some([a, b]) = self.coordinates.translation {
             visit(a, normal[0]);
             visit(a + 1, normal[1]);
@@ -329,6 +354,25 @@ impl GearMesh {
         let [a, b] = self.coordinates.twist;
         visit(a, sigma * ra);
         visit(b, sigma * rb);
+        if let Some(helix) = &self.helix {
+            helix.gradient(centres, |index, slope| visit(index, sigma * slope));
+        }
+    }
+
+    /// The state in the direction normal to the teeth, from that of the transverse section.
+    pub(super) fn normal_to_teeth(&self, state: MeshState) -> MeshState {
+        let cosine = self.base_helix_cosine;
+        MeshState {
+            deflection: state.deflection * cosine,
+            force: state.force / cosine,
+            stiffness: state.stiffness / (cosine * cosine),
+            ..state
+        }
+    }
+
+    /// Mean stiffness in the direction normal to the teeth, N/m.
+    pub fn normal_stiffness(&self) -> f64 {
+        self.stiffness / (self.base_helix_cosine * self.base_helix_cosine)
     }
 
     /// The quantities that a response reports.
@@ -341,17 +385,12 @@ impl GearMesh {
         let (first, last) =
             self.engagement(pose, !contact_mode.flank.drives() && contact_mode.flank.holds_back())?.engaged();
         let count = if contact_mode.flank == Flank::Separated { 0.0 } else { (last - first + 1).max(0) as f64 };
-        Ok(MeshState {
+        Ok(self.normal_to_teeth(MeshState {
             deflection: contact.deflection,
             force: contact.force,
             stiffness: contact.stiffness,
             pairs_in_contact: count,
             centres,
-        })
+        }))
     }
-}
-
-#[inline(always)]
-pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }

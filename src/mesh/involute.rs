@@ -28,6 +28,8 @@ pub struct Involute {
     tip_reach: [f64; 2],
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
+    /// Overlap b tan β_b of helical teeth along the path of contact, m.
+    overlap: f64,
     /// Thickness of a tooth of the driver on its base circle, m: the arc between its drive flank and its back flank.
     pub base_thickness: f64,
     /// Sum S of the base radii, m.
@@ -52,7 +54,7 @@ pub struct Centres {
     pub distance: f64,
     /// Angle γ of the line of centres, rad. It is close to the given ψ and contains the same whole revolutions.
     pub angle: f64,
-    /// Contact ratio ε.
+    /// Contact ratio ε; for helical teeth the total one, ε_α + ε_β.
     pub contact_ratio: f64,
     /// C sin α minus the larger √(tip radius² − base radius²) of both gears, m. If it is negative, a tip reaches beyond
     /// the base circle of the other gear, where no involute exists (involute interference).
@@ -113,6 +115,7 @@ impl Involute {
             base_radius: [a.base_radius, b.base_radius],
             tip_reach: [a.tip_reach(), b.tip_reach()],
             base_pitch: a.base_pitch(),
+            overlap: a.overlap(b),
             base_thickness: 2.0 * a.base_radius * a.half_angle(),
             sum,
             distance: mesh.centre_distance,
@@ -224,12 +227,12 @@ impl Involute {
     pub fn centres(&self, relative_displacement: [f64; 2]) -> Result<Centres, Overlap> {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
         let (distance, tangent, _) = self.lengths(relative_displacement)?;
-        let ContactPath { low, high, pitch, .. } = self.path(tangent);
+        let ContactPath { low, high, pitch, overlap, .. } = self.path(tangent);
         Ok(Centres {
             pressure_angle: tangent.atan2(self.sum),
             distance,
             angle: self.angle + tangent_direction.atan2(self.distance + along),
-            contact_ratio: (high - low) / pitch,
+            contact_ratio: (high - low + overlap) / pitch,
             involute_clearance: tangent - self.tip_reach[0].max(self.tip_reach[1]),
         })
     }
@@ -251,7 +254,7 @@ impl Involute {
     #[inline(always)]
     pub fn path(&self, tangent: f64) -> ContactPath {
         let [low, high] = path_of_contact(tangent, self.tip_reach);
-        ContactPath { position: 0.0, tangent, low, high, pitch: self.base_pitch }
+        ContactPath { position: 0.0, tangent, low, high, pitch: self.base_pitch, overlap: self.overlap }
     }
 
     /// The path of contact of the centres at rest.
@@ -273,6 +276,11 @@ impl Involute {
     /// Angle ψ of the line of centres at rest, rad.
     pub fn angle_at_rest(&self) -> f64 {
         self.angle
+    }
+
+    /// Vector from the centre of the driver to that of the driven gear at rest, m.
+    pub fn centres_at_rest(&self) -> [f64; 2] {
+        self.direction.map(|component| self.distance * component)
     }
 
     /// Sum S of the base radii, m.

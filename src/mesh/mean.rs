@@ -1,25 +1,39 @@
 //! The mesh with its mean stiffness, for modes, equilibrium and all linear analyses.
 
 use super::contact::MeshState;
-use super::gear_mesh::{GearMesh, Geometry, dot};
-use super::involute::Overlap;
+use super::gear_mesh::GearMesh;
+use super::helix::Helix;
+use super::involute::{LineOfAction, Overlap};
+use super::pose::{Directions, Geometry, RelativeMotion, dot};
 
 impl GearMesh {
     /// Deflection δ for small displacements `q`, along the line of action at rest, m.
     pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
-        let relative = self.relative(q);
+        let relative = self.position(Geometry::Frozen, q);
         let normal = self.at_rest[usize::from(sigma > 0.0)].normal;
         sigma * relative.rolling_displacement - dot(normal, relative.relative_displacement)
     }
 
-    /// Unit vector n of the line of action with the centres at rest.
-    pub fn normal_at_rest(&self, sigma: f64) -> [f64; 2] {
-        self.at_rest[usize::from(sigma > 0.0)].normal
+    /// Directions of the deflection with the centres at rest.
+    pub fn directions_at_rest(&self, sigma: f64) -> Directions {
+        Directions { normal: self.at_rest[usize::from(sigma > 0.0)].normal, centres: self.involute.centres_at_rest() }
+    }
+
+    /// Directions of the deflection at a position, with its line of action.
+    fn directions(&self, geometry: Geometry, sigma: f64, line: &LineOfAction, position: &RelativeMotion) -> Directions {
+        let Some(helix) = &self.helix else {
+            return Directions { normal: line.normal, ..self.directions_at_rest(sigma) };
+        };
+        let change = helix.forces(geometry, position, sigma).centre;
+        Directions {
+            normal: [line.normal[0] - change[0], line.normal[1] - change[1]],
+            centres: helix.centres(geometry, position.relative_displacement),
+        }
     }
 
     /// Static force of the mean stiffness at the displacements `q`, on the drive flank or on the `back` flank, and the
     /// tangent of the generalised forces. Calls `visit(row, column, ∂(F ∂δ/∂q)/∂q)` with the terms k·ggᵀ and, in live
-    /// geometry, F ∂²δ/∂q². Returns F and n.
+    /// geometry, F ∂²δ/∂q². Returns F and the directions of the deflection.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
@@ -30,8 +44,8 @@ impl GearMesh {
         back: bool,
         q: &[f64],
         mut visit: impl FnMut(usize, usize, f64),
-    ) -> Result<(f64, [f64; 2]), Overlap> {
-        let relative = self.relative(q);
+    ) -> Result<(f64, Directions), Overlap> {
+        let relative = self.position(geometry, q);
         let (sigma, clearance) = if back { (-sigma, self.backlash.unwrap_or(0.0)) } else { (sigma, 0.0) };
         let line = self.line(
             sigma,
@@ -39,8 +53,9 @@ impl GearMesh {
             relative.relative_displacement,
         );
         let force = self.stiffness * (sigma * relative.rolling_displacement + line.deflection - clearance);
-        self.gradient(sigma, line.normal, |row, left| {
-            self.gradient(sigma, line.normal, |column, right| visit(row, column, self.stiffness * left * right));
+        let directions = self.directions(geometry, sigma, &line, &relative);
+        self.gradient(sigma, &directions, |row, left| {
+            self.gradient(sigma, &directions, |column, right| visit(row, column, self.stiffness * left * right));
         });
         if let (Geometry::Live, Some([a, b])) = (geometry, self.coordinates.translation) {
             // ∂²δ/∂(u_b − u_a)² = −m mᵀ/(C sin α): the line of action rotates if the centres move perpendicular to it.
@@ -56,21 +71,24 @@ impl GearMesh {
                     }
                 }
             }
+            let of_helix =
+                |helix: &Helix| helix.curvature([a, b], |row, column, value| visit(row, column, sigma * force * value));
+            self.helix.iter().for_each(of_helix);
         }
-        Ok((force, line.normal))
+        Ok((force, directions))
     }
 
-    /// Static forces of the mean stiffness on drive flank and back flank at the displacements `q`, N, and n of both. Flanks
+    /// Static forces of the mean stiffness on drive flank and back flank at the displacements `q`, N, and the directions of both. Flanks
     /// with backlash do not pull; without backlash the drive flank carries the whole force.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
-    pub fn mean_forces(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<[(f64, [f64; 2]); 2], Overlap> {
+    pub fn mean_forces(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<[(f64, Directions); 2], Overlap> {
         let drive = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
         let back = self.mean_tangent(geometry, sigma, true, q, |_, _, _| {})?;
         Ok(match self.backlash {
             None => [drive, (0.0, back.1)],
-            Some(_) => [drive, back].map(|(force, normal)| (force.max(0.0), normal)),
+            Some(_) => [drive, back].map(|(force, directions)| (force.max(0.0), directions)),
         })
     }
 
@@ -79,7 +97,7 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
-        let relative = self.relative(q);
+        let relative = self.position(geometry, q);
         let (elastic, _) = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
         let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
         let flanks = if drive > 0.0 && back > 0.0 { 2.0 } else { 1.0 };
@@ -90,12 +108,12 @@ impl GearMesh {
             relative.relative_displacement,
         );
         let (first, last) = self.path(sigma, false, &line, 0.0, relative.twist[0]).engaged();
-        Ok(MeshState {
+        Ok(self.normal_to_teeth(MeshState {
             deflection: elastic / self.stiffness,
             force: drive - back,
             stiffness: flanks * self.stiffness,
             pairs_in_contact: (last - first + 1).max(0) as f64,
             centres,
-        })
+        }))
     }
 }

@@ -5,11 +5,15 @@ mod contact_path;
 mod error;
 mod flank;
 mod gear_mesh;
+mod helix;
 mod involute;
 mod mean;
+mod pose;
 pub mod stiffness;
 
-pub use contact::{Contact, ContactMode, Flank, MeshState, ShaftPhase};
+pub use contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 pub use contact_path::ContactPath;
-pub use gear_mesh::{GearMesh, Geometry, MeshCoordinates, MeshPose, RelativeMotion};
+pub use gear_mesh::GearMesh;
+pub use helix::Helix;
 pub use involute::{Centres, Involute, LineOfAction, Overlap};
+pub use pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion};

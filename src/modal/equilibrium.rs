@@ -174,23 +174,28 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed:
             return Err(unmounted(&housing.name, dof.kind).into());
         }
     }
-    let lateral = model.numbering.dofs().iter().filter(|dof| dof.kind.is_lateral());
-    let (shaft, lateral_motion) = lateral.fold((0, 0.0), |(shaft, most), dof| {
-        let motion = acceleration[dof.index].abs();
-        if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
-    });
-    Err(if lateral_motion > UNSUPPORTED_TOLERANCE * largest {
-        unsupported(model, shaft)
-    } else {
-        unbalanced(model, speed)
-    }
-    .into())
+    // The shaft that moves most among coordinates of one kind; none if only round-off moves them.
+    let moved = |kind: fn(DofKind) -> bool| {
+        let dofs = model.numbering.dofs().iter().filter(|dof| kind(dof.kind));
+        let (shaft, motion) = dofs.fold((0, 0.0), |(shaft, most), dof| {
+            let motion = acceleration[dof.index].abs();
+            if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
+        });
+        (motion > UNSUPPORTED_TOLERANCE * largest).then_some(shaft)
+    };
+    let error = match (moved(DofKind::is_lateral), moved(|kind| kind == DofKind::Axial)) {
+        (Some(shaft), _) => unsupported(model, shaft),
+        (None, Some(shaft)) => loose(model, shaft),
+        (None, None) => unbalanced(model, speed),
+    };
+    Err(error.into())
 }
 
 /// The error for a load that moves a housing: its mount does not constrain it.
 fn unmounted(name: &str, motion: DofKind) -> SceneError {
     let entry = match motion {
-        DofKind::V | DofKind::W => "stiffness along y and z",
+        // A housing has no axial motion.
+        DofKind::Axial | DofKind::V | DofKind::W => "stiffness along y and z",
         DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
     };
     SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
@@ -210,6 +215,15 @@ fn unsupported(model: &Model, shaft: usize) -> SceneError {
         )
     };
     SceneError::new(format!("shafts[{shaft}]"), format!("no static equilibrium: {cause}"))
+}
+
+/// The error for a load that moves a shaft along its axis.
+fn loose(model: &Model, shaft: usize) -> SceneError {
+    let name = &model.scene.shafts[shaft].name;
+    let message = format!(
+        "no static equilibrium: \"{name}\" is unconstrained along its axis: no bearing carries the axial force of helical gears or loads; give one of its bearings axial_stiffness, as in gb.Bearing(\"{name}\", position, stiffness=..., axial_stiffness=...)"
+    );
+    SceneError::new(format!("shafts[{shaft}]"), message)
 }
 
 /// The error for torques that do not balance.
@@ -251,13 +265,13 @@ fn connection_forces(
             Connection::Mesh(index, mesh, sigma) => {
                 let contacts = [(flanks[index].drives(), false), (flanks[index].holds_back(), true)];
                 for (_, back) in contacts.into_iter().filter(|(in_contact, _)| *in_contact) {
-                    let (pressed, normal) = mesh
+                    let (pressed, directions) = mesh
                         .mean_tangent(geometry, sigma, back, q.as_slice(), |row, column, value| {
                             tangent.push((row, column, value))
                         })
                         .map_err(|overlap| EquilibriumError::Overlap(index, overlap))?;
                     let sigma = if back { -sigma } else { sigma };
-                    mesh.gradient(sigma, normal, |row, slope| force[row] += pressed * slope);
+                    mesh.gradient(sigma, &directions, |row, slope| force[row] += pressed * slope);
                 }
             }
             Connection::Bearing(bearing) => {

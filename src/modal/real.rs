@@ -4,7 +4,7 @@
 //! bearing stiffness (cross-coupling) belongs to the damped problem.
 //!
 //! Rigid-body modes (ω = 0) are computed first. The elastic energy of a shaft is zero only for its rigid motions: four
-//! in bending and one in torsion. The null space of K therefore contains the rigid shaft motions that deflect no
+//! in bending, one in torsion and one along its axis. The null space of K therefore contains the rigid shaft motions that deflect no
 //! bearing and no mesh. This is a small eigenproblem. It depends on the positions and directions of the springs, not
 //! on their stiffness, so all springs have unit stiffness in it. A train on bearings has one rigid-body mode: its
 //! rotation with undeflected teeth.
@@ -163,7 +163,11 @@ fn separate_equal_modes(
     // A matrix with a different weight for each shaft and plane is diagonalized within the modes of equal frequency.
     let mut weights = DVector::zeros(model.len());
     for dof in model.numbering.dofs() {
-        let plane = if matches!(dof.kind, DofKind::V | DofKind::Gamma) { 0.0 } else { 0.37 };
+        let plane = match dof.kind {
+            DofKind::V | DofKind::Gamma => 0.0,
+            DofKind::W | DofKind::B | DofKind::Twist => 0.37,
+            DofKind::Axial => 0.71,
+        };
         weights[dof.index] = 1.0 + dof.node.shaft as f64 + plane;
     }
     let mut first = known;
@@ -253,7 +257,7 @@ pub(super) fn rigid_motions(model: &Model) -> DMatrix<f64> {
                 });
             }
         }
-        if let Some(start) = model.numbering.torsion(shaft) {
+        for start in model.numbering.torsion(shaft).into_iter().chain(model.numbering.axial(shaft)) {
             push(&|node, _, column| column[start + node] = 1.0);
         }
     }

@@ -1,4 +1,4 @@
-//! Classification of modes: forward, backward or planar whirl, torsion, coupled or rigid-body motion.
+//! Classification of modes: forward, backward or planar whirl, torsion, axial, coupled or rigid-body motion.
 //!
 //! With the mode shape (V, W) of a node, its displacement v + iw is f e^{iωt} + b̄ e^{−iωt}, where |f| = |V + iW|/2 and
 //! |b| = |V − iW|/2. Forward whirl has the direction of rotation of the shaft. The squares |f|² and |b|² are summed
@@ -10,7 +10,7 @@ use nalgebra::{Complex, DVector};
 
 use crate::model::{DofKind, Model};
 
-/// A mode is torsional if bending holds less than this share of its kinetic energy, and a bending mode if torsion does.
+/// A mode is one of bending, of torsion or of axial motion if the others hold less than this share of its kinetic energy.
 const MINOR_ENERGY: f64 = 0.05;
 /// An orbit is planar if its forward and backward parts |f|², |b|² differ by less than this share of their sum.
 const PLANAR: f64 = 1e-6;
@@ -26,9 +26,11 @@ pub enum Whirl {
     Planar,
     /// Torsion.
     Torsion,
+    /// Axial motion.
+    Axial,
     /// Rigid-body motion: λ = 0.
     Rigid,
-    /// Bending and torsion coupled.
+    /// Bending, torsion or axial motion coupled.
     Coupled,
 }
 
@@ -39,6 +41,7 @@ impl fmt::Display for Whirl {
             Self::Backward => "backward",
             Self::Planar => "planar",
             Self::Torsion => "torsion",
+            Self::Axial => "axial",
             Self::Rigid => "rigid",
             Self::Coupled => "coupled",
         })
@@ -50,17 +53,17 @@ pub(super) struct Classifier<'m> {
     model: &'m Model,
     /// Speed of the reference shaft, rad/s.
     speed: f64,
-    /// Whether each coordinate of the core belongs to bending, n entries.
-    lateral: Vec<bool>,
+    /// Motion that each coordinate of the core describes, n entries.
+    kinds: Vec<DofKind>,
 }
 
 impl<'m> Classifier<'m> {
     pub fn new(model: &'m Model, speed: f64) -> Self {
-        let mut lateral = vec![false; model.len()];
+        let mut kinds = vec![DofKind::Twist; model.len()];
         for dof in model.numbering.dofs() {
-            lateral[dof.index] = dof.kind.is_lateral();
+            kinds[dof.index] = dof.kind;
         }
-        Self { model, speed, lateral }
+        Self { model, speed, kinds }
     }
 
     /// Type of motion of the mode with `eigenvalue` λ, rad/s, and `shape` φ, n entries in the order of the core.
@@ -68,12 +71,18 @@ impl<'m> Classifier<'m> {
         if eigenvalue == Complex::new(0.0, 0.0) {
             return Whirl::Rigid;
         }
-        let bending = self.kinetic_energy(shape, true);
-        let share = bending / (bending + self.kinetic_energy(shape, false));
-        if share < MINOR_ENERGY {
+        let bending = self.kinetic_energy(shape, DofKind::is_lateral);
+        let torsion = self.kinetic_energy(shape, |kind| kind == DofKind::Twist);
+        let along =
+            if self.model.scene.axial { self.kinetic_energy(shape, |kind| kind == DofKind::Axial) } else { 0.0 };
+        let total = bending + torsion + along;
+        if (bending + along) / total < MINOR_ENERGY {
             return Whirl::Torsion;
         }
-        if share < 1.0 - MINOR_ENERGY {
+        if (bending + torsion) / total < MINOR_ENERGY {
+            return Whirl::Axial;
+        }
+        if bending / total < 1.0 - MINOR_ENERGY {
             return Whirl::Coupled;
         }
         let (mut forward, mut backward) = (0.0, 0.0);
@@ -95,11 +104,11 @@ impl<'m> Classifier<'m> {
         }
     }
 
-    /// φᴴMφ over the coordinates of bending (`lateral`) or of torsion.
-    fn kinetic_energy(&self, shape: &DVector<Complex<f64>>, lateral: bool) -> f64 {
+    /// φᴴMφ over the coordinates of some kinds.
+    fn kinetic_energy(&self, shape: &DVector<Complex<f64>>, included: fn(DofKind) -> bool) -> f64 {
         let quadratic_form = |part: fn(&Complex<f64>) -> f64| {
             let vector =
-                DVector::from_fn(shape.len(), |i, _| if self.lateral[i] == lateral { part(&shape[i]) } else { 0.0 });
+                DVector::from_fn(shape.len(), |i, _| if included(self.kinds[i]) { part(&shape[i]) } else { 0.0 });
             self.model.kinetic_form(vector.as_slice())
         };
         quadratic_form(|value| value.re) + quadratic_form(|value| value.im)

@@ -1,21 +1,21 @@
 //! Circular coordinates, in which the planes of a shaft uncouple: p = v + iw (forward) and m = v − iw (backward) of each
-//! pair of bending coordinates; torsion, supports and housings as they are.
+//! pair of bending coordinates; torsion, axial motion, supports and housings as they are.
 //!
 //! A vector of circular coordinates has, in the place of the bending coordinates of a shaft, first all p and then all m.
-//! The coordinates of each of these chains, and of torsion, have the order of a band matrix: those of a node, the internal
+//! The coordinates of each of these chains, of torsion and of axial motion have the order of a band matrix: those of a node, the internal
 //! ones of the element after it, those of the next node. Forces transform in the same way as displacements:
 //! f_p = f_v + i f_w.
 
 use num_complex::Complex64;
 
-use super::Model;
+use super::{Model, RodChain};
 use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Singular};
 
 /// The coordinates of one chain of a shaft.
 struct Part {
     /// Index, in the order of the core, of the first coordinate.
     start: usize,
-    /// Order of the unknowns, (v, w) or θ, in a band matrix.
+    /// Order of the unknowns, (v, w), θ or the axial displacement, in a band matrix.
     order: BandOrder,
     /// Whether each unknown is a pair (v, w).
     lateral: bool,
@@ -35,10 +35,9 @@ impl Model {
             let bending = shaft.bending.as_ref();
             let bending =
                 bending.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: true });
-            let twist = shaft.twist.as_ref();
-            let twist =
-                twist.map(|chain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: false });
-            bending.into_iter().chain(twist)
+            let rod =
+                |chain: &RodChain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: false };
+            bending.into_iter().chain(shaft.rods().map(rod))
         });
         let housings = Part { start: self.housings.start, order: self.housings.band_order(), lateral: false };
         shafts.chain((!self.housings.inertia.is_empty()).then_some(housings))

@@ -1,9 +1,10 @@
 //! Dynamic stiffness S(λ) = λ²M + λ(C + ΩG) + K as band matrices of the shafts that a few coordinates couple.
 //!
 //! The circular coordinates p = v + iw (forward) and m = v − iw (backward) of each node uncouple the two planes of a shaft:
-//! the gyroscopic term is −iλΩ_s G_s for p and +iλΩ_s G_s for m. A shaft is therefore three chains: p, m and torsion. A
+//! the gyroscopic term is −iλΩ_s G_s for p and +iλΩ_s G_s for m. A shaft is therefore three chains, p, m and torsion,
+//! and a fourth one where it moves along its axis. A
 //! bearing with the same coefficients in every direction belongs to the chains. Other bearings couple p and m of their
-//! node, and a mesh couples six coordinates. The coordinates of supports and housings are a chain of their own.
+//! node, and a mesh couples those of its two gears. The coordinates of supports and housings are a chain of their own.
 //!
 //! `circular.rs` has the order of the circular coordinates, in which the internal coordinates of an element lie between
 //! those of its nodes.
@@ -83,7 +84,7 @@ impl Model {
         let mut sum = CoupledBands::default();
         for shaft in &self.shafts {
             push_bending(&mut sum, shaft, weights);
-            push_torsion(&mut sum, shaft, weights);
+            shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, weights)));
         }
         push_housings(&mut sum, &self.housings, weights);
         for support in &self.supports {
@@ -119,7 +120,7 @@ impl Model {
                     }
                 });
             }
-            if let Some(chain) = &shaft.twist {
+            for chain in shaft.rods() {
                 chain.stiffness.for_each(|row, column, value| {
                     if row == column {
                         diagonal[chain.start + row] = value;
@@ -160,14 +161,6 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
         sum.push(band);
     }
-}
-
-/// Appends the torsional chain of a shaft.
-fn push_torsion(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
-    let Some(chain) = &shaft.twist else {
-        return;
-    };
-    sum.push(weighted_sum(chain, weights));
 }
 
 /// Appends the coordinates of supports and housings, whose inertia couples none of them.

@@ -1,7 +1,8 @@
 //! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
 //!
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
-//! link: a bearing on a housing, the mount of a housing, a coupling, a drive. All are part of the matrices.
+//! link: a bearing on a housing, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
+//! coupling, a drive. All are part of the matrices.
 
 use std::ops::Range;
 
@@ -17,8 +18,10 @@ use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene}
 pub struct Link {
     /// Path of its entry in the scene.
     pub name: String,
-    /// Node of the bearing that it represents; `None` for another element.
+    /// Node of the bearing whose forces along y and z it represents; `None` for another element.
     pub bearing: Option<Node>,
+    /// Node of the bearing whose axial force it represents; `None` for another element.
+    pub thrust: Option<Node>,
     /// The scalars as entries (index of a coordinate, coefficient).
     pub rows: Vec<Row>,
     /// Coefficients over the scalars, with the index 0; entries beyond the number of scalars are zero.
@@ -41,7 +44,7 @@ pub struct Rest {
 impl Link {
     /// An element over the scalars of `rows` that is no bearing.
     pub fn new(name: String, rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
+        Self { name, bearing: None, thrust: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
     /// The scalars u for displacements q, or u̇ for velocities; zero beyond their number.
@@ -132,7 +135,8 @@ impl Model {
 
     /// Coordinates on which the bearings at a node act.
     pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
-        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
+        let is_at = |link: &&Link| link.bearing == Some(node) || link.thrust == Some(node);
+        let links = self.links.iter().filter(is_at).flat_map(|link| &link.rows);
         let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
         let rows = rows.chain(self.nonlinear_bearings_at(node).flat_map(|bearing| &bearing.rows));
         rows.flatten().map(|(index, _)| *index).collect()
@@ -148,7 +152,8 @@ impl Model {
     }
 }
 
-/// The links of a scene: mounts of supports and housings, couplings, drives, and bearings with constant coefficients that stand on them.
+/// The links of a scene: mounts of supports and housings, couplings, drives, bearings with constant coefficients that stand
+/// on them, and the axial and tilting coefficients of all bearings.
 pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     let mut links = Vec::new();
     for (index, housing) in scene.housings.iter().enumerate() {
@@ -167,6 +172,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         }
     }
     for (number, bearing) in scene.bearings.iter().enumerate() {
+        hold(scene, numbering, (number, bearing), &mut links);
         let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
             continue;
         };
@@ -178,6 +184,33 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         }
     }
     links
+}
+
+/// Springs and dampers of a bearing along the axis and against tilting. A support does not move along the axis and does not
+/// tilt; a housing that rotates does both at the place of the bearing.
+fn hold(scene: &Scene, numbering: &Numbering, (number, bearing): (usize, &Bearing), links: &mut Vec<Link>) {
+    let name = format!("bearings[{number}]");
+    let base = bearing.attachment.as_ref().and_then(|Attachment { housing, arm }| {
+        let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
+        scene.housings[*housing].inertia.map(|_| (first, *arm))
+    });
+    let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
+    if let Some(index) = numbering.displacement_along(bearing.node).filter(|_| bearing.axial != [0.0; 2]) {
+        let mut row = vec![(index, 1.0)];
+        // The point of the housing moves by B z − Γ y along the axis.
+        row.extend(base.iter().flat_map(|(first, [_, y, z])| [(first + 2, *y), (first + 3, *z)]));
+        let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
+        let link = Link::new(name.clone(), vec![row], stiffness, damping);
+        links.push(Link { thrust: Some(bearing.node), ..link });
+    }
+    if let Some(v) = numbering.translation(bearing.node).filter(|_| bearing.tilting != [0.0; 2]) {
+        let row = |lane: usize| {
+            let base = base.iter().map(|(first, _)| (first + 2 + lane, -1.0));
+            std::iter::once((v + 2 + lane, 1.0)).chain(base).collect()
+        };
+        let [stiffness, damping] = bearing.tilting.map(isotropic);
+        links.push(Link::new(name, vec![row(0), row(1)], stiffness, damping));
+    }
 }
 
 /// Displacements (v, w) of the shaft relative to what its bearing stands on; `None` without bending.
@@ -197,7 +230,7 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
 /// Springs and dampers of a coupling, over the displacements of hub a relative to hub b.
 fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut Vec<Link>) {
     let (name, [a, b]) = (format!("couplings[{number}]"), coupling.hubs);
-    let [_, lateral, tilting, torsional] =
+    let [axial, lateral, tilting, torsional] =
         std::array::from_fn(|kind| [coupling.stiffness[kind], coupling.damping[kind]]);
     let both = |[k, c]: [f64; 2]| [k, c].map(|value| [[value, 0.0], [0.0, value]]);
     let relative = |a: usize, b: usize| vec![(a, 1.0), (b, -1.0)];
@@ -215,9 +248,13 @@ fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut V
             links.push(Link { rest, ..Link::new(name.clone(), rows, stiffness, damping) });
         }
     }
-    if let (Some(a), Some(b)) = (numbering.twist(a), numbering.twist(b)) {
-        let [stiffness, damping] = torsional.map(|value| [[value, 0.0], [0.0, 0.0]]);
-        links.push(Link::new(name, vec![relative(a, b)], stiffness, damping));
+    let twists = (numbering.twist(a), numbering.twist(b), torsional);
+    let along = (numbering.displacement_along(a), numbering.displacement_along(b), axial);
+    for (a, b, coefficients) in [twists, along] {
+        if let (Some(a), Some(b)) = (a, b) {
+            let [stiffness, damping] = coefficients.map(|value| [[value, 0.0], [0.0, 0.0]]);
+            links.push(Link::new(name.clone(), vec![relative(a, b)], stiffness, damping));
+        }
     }
 }
 

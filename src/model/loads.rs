@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::{DofKind, Excitation, Model};
 use crate::connection::AppliedLoad;
-use crate::scene::{Node, VaryingLoad};
+use crate::scene::{Force, Node, VaryingLoad};
 
 impl Model {
     /// Forces and torques that depend on time, angle or speed, on the coordinates that the scene has.
@@ -54,7 +54,14 @@ impl Model {
             torques.map(|torque| torque.value * self.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
         let fixed = self.scene.forces.iter().filter(|force| !force.turns);
         let forces: f64 = fixed.map(|force| self.power(force.node, force.value, v)).sum();
-        [torque + forces, self.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum()]
+        let thrust: f64 = self.thrusts().map(|(index, force)| force * v[index]).sum();
+        [torque + forces + thrust, self.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum()]
+    }
+
+    /// Axial forces, N, with the index of their coordinate.
+    fn thrusts(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let thrust = |force: &Force| Some((self.numbering.displacement_along(force.node)?, force.axial));
+        self.scene.forces.iter().filter(|force| force.axial != 0.0).filter_map(thrust)
     }
 
     pub(super) fn assemble_constant_load(&self) -> DVector<f64> {
@@ -70,6 +77,7 @@ impl Model {
                 load[index + 1] += force.value.im;
             }
         }
+        self.thrusts().for_each(|(index, force)| load[index] += force);
         for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
             link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
         }

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::shaft::{BendingChain, TwistChain};
+use super::shaft::{BendingChain, RodChain};
 use super::{Model, Support};
 use crate::connection::{Coefficients, Row};
 use crate::linalg::{ChainMatrix, Sparse};
@@ -134,7 +134,7 @@ impl Model {
             if let Some(chain) = &shaft.bending {
                 chain.subtract_elastic::<2>(&x[chain.start..], &mut out[chain.start..]);
             }
-            if let Some(chain) = &shaft.twist {
+            for chain in shaft.rods() {
                 chain.subtract_elastic::<1>(&x[chain.start..], &mut out[chain.start..]);
             }
         }
@@ -188,7 +188,7 @@ impl Model {
     fn visit_mass(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.mass), add);
-            visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.mass), add);
+            shaft.rods().for_each(|chain| visit_rod(chain, Some(&chain.mass), add));
         }
         for (index, inertia) in self.housings.coordinates().zip(&self.housings.inertia) {
             add(index, index, *inertia);
@@ -198,14 +198,14 @@ impl Model {
     fn visit_shaft_stiffness(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| Some(&chain.stiffness), add);
-            visit_twist(shaft.twist.as_ref(), |chain| Some(&chain.stiffness), add);
+            shaft.rods().for_each(|chain| visit_rod(chain, Some(&chain.stiffness), add));
         }
     }
 
     fn visit_damping_without_meshes(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| chain.damping.as_ref(), add);
-            visit_twist(shaft.twist.as_ref(), |chain| chain.damping.as_ref(), add);
+            shaft.rods().for_each(|chain| visit_rod(chain, chain.damping.as_ref(), add));
         }
         self.visit_supports(|support| support.damping, add);
     }
@@ -278,13 +278,9 @@ fn visit_bending<'a>(
     }
 }
 
-/// Adds a matrix of the torsion of a shaft.
-fn visit_twist<'a>(
-    chain: Option<&'a TwistChain>,
-    select: impl Fn(&'a TwistChain) -> Option<&'a ChainMatrix<1>>,
-    add: Add<'_>,
-) {
-    if let Some((chain, part)) = chain.and_then(|chain| Some((chain, select(chain)?))) {
+/// Adds a matrix of the torsion or the axial motion of a shaft.
+fn visit_rod(chain: &RodChain, part: Option<&ChainMatrix<1>>, add: Add<'_>) {
+    if let Some(part) = part {
         part.for_each(|row, column, value| add(chain.start + row, chain.start + column, value));
     }
 }

@@ -4,8 +4,8 @@
 //! M q̈ + (C + ΩG) q̇ + K q + Σ_mesh F ∂δ/∂q = Σ_s K_s q_b,s(t) + f_unbalance(t) + f_torque + f_gravity
 //! ```
 //!
-//! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on six coordinates with one scalar
-//! force F. Matrices are stored per shaft as matrices of chains; dense and sparse ones (`matrices`) are assembled on
+//! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on the coordinates of its two gears
+//! with one scalar force F. Matrices are stored per shaft as matrices of chains; dense and sparse ones (`matrices`) are assembled on
 //! demand.
 
 mod at_speed;
@@ -28,9 +28,9 @@ pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
 pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
-pub use shaft::{BendingChain, Chain, Excitation, ShaftModel, TwistChain};
+pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, NonlinearBearing, Row, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -173,7 +173,9 @@ impl Model {
                 let translation = a.zip(b).map(|(a, b)| [a, b]);
                 // A scene with a mesh always includes torsion: `Scene::required_motion` ensures this.
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
-                GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, twist })
+                let [a, b] = nodes.map(|node| numbering.displacement_along(node));
+                let axial = a.zip(b).map(|(a, b)| [a, b]);
+                GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, axial, twist })
             })
             .collect();
         check_stiffness(&meshes)?;
@@ -214,7 +216,7 @@ impl Model {
     /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
     /// depend on the loads of a scene.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
-        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion);
+        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion, model.scene.axial);
         let nodes = |model: &Self| model.scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
         kinds(self) == kinds(other) && nodes(self) == nodes(other) && self.sigma_standing == other.sigma_standing
     }
@@ -241,6 +243,18 @@ impl Model {
             }
         }
         force
+    }
+
+    /// Coordinates and factors of the displacements v and w of the shaft at a node relative to what its first bearing stands
+    /// on; `None` in a model without lateral motion.
+    pub fn bearing_displacement(&self, node: Node) -> Option<[Row; 2]> {
+        let bearing = self.scene.bearings.iter().find(|bearing| bearing.node == node)?;
+        bearing_rows(&self.scene, &self.numbering, bearing)
+    }
+
+    /// Force of the shaft on the bearings at a node along its axis, N, for displacements q and velocities v.
+    pub fn axial_bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> f64 {
+        self.links.iter().filter(|link| link.thrust == Some(node)).map(|link| link.force(q, v)[0]).sum()
     }
 
     /// Indices, in the order of the core, of v and w of all nodes.
@@ -286,7 +300,7 @@ impl Model {
             if let Some(chain) = &shaft.bending {
                 chain.subtract_elastic::<2>(&q[chain.start..], &mut force.as_mut_slice()[chain.start..]);
             }
-            if let Some(chain) = &shaft.twist {
+            for chain in shaft.rods() {
                 chain.subtract_elastic::<1>(&q[chain.start..], &mut force.as_mut_slice()[chain.start..]);
             }
         }

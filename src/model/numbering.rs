@@ -2,19 +2,22 @@
 //!
 //! Order of the core: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
 //! the internal coordinates of bending of each element, as complex numbers too; then torsion, θ for each node and the
-//! internal coordinates of the twist of each element. Last come supports and housings: v, w, and Γ, −B, θ if they rotate.
-//! User order: for each node v, w, B, Γ, θ; then for each element and
+//! internal coordinates of the twist of each element; then axial motion, u in the same way. Last come supports and housings:
+//! v, w, and Γ, −B, θ if they rotate.
+//! User order: for each node u, v, w, B, Γ, θ; then for each element and
 //! each degree of its shape functions the same directions; then supports and housings. [`Numbering::dofs`] has this order.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::element::{BendingFunction, twist_degrees};
+use crate::element::{BendingFunction, rod_degrees};
 use crate::scene::{Node, Scene, Shaft};
 
 /// Motion that a coordinate describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DofKind {
+    /// Translation along x, the axis of the shaft.
+    Axial,
     /// Translation along y.
     V,
     /// Translation along z.
@@ -31,6 +34,7 @@ impl DofKind {
     /// Name in the user interface.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Axial => "u",
             Self::V => "v",
             Self::W => "w",
             Self::B => "B",
@@ -41,7 +45,7 @@ impl DofKind {
 
     /// Whether it belongs to bending.
     pub fn is_lateral(self) -> bool {
-        self != Self::Twist
+        !matches!(self, Self::Axial | Self::Twist)
     }
 }
 
@@ -75,6 +79,8 @@ struct Block {
     lateral: Option<Range<usize>>,
     /// Indices of the torsion coordinates in the order of the core.
     torsion: Option<Range<usize>>,
+    /// Indices of the axial coordinates in the order of the core.
+    axial: Option<Range<usize>>,
 }
 
 /// Numbering of the coordinates of a scene.
@@ -100,10 +106,11 @@ impl Numbering {
         let block = |shaft: &Shaft| {
             let (nodes, elements) = (shaft.nodes.len(), shaft.elements.len());
             let bending = BendingFunction::all(shaft.degree, shaft.shear).len();
-            let twist = twist_degrees(shaft.degree).count();
+            let rod = nodes + rod_degrees(shaft.degree).count() * elements;
             Block {
                 lateral: reserve(scene.lateral, 4 * nodes + 2 * bending * elements),
-                torsion: reserve(scene.torsion, nodes + twist * elements),
+                torsion: reserve(scene.torsion, rod),
+                axial: reserve(scene.axial, rod),
             }
         };
         let mut blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
@@ -112,6 +119,7 @@ impl Numbering {
             Block {
                 lateral: reserve(scene.lateral, if rotates { 4 } else { 2 }),
                 torsion: reserve(scene.lateral && rotates, 1),
+                axial: None,
             }
         }));
         let mut dofs = Vec::with_capacity(len);
@@ -168,11 +176,17 @@ impl Numbering {
         self.blocks[shaft].torsion.as_ref().map(|range| range.start)
     }
 
+    /// Index, in the order of the core, of the first axial coordinate of a shaft.
+    pub fn axial(&self, shaft: usize) -> Option<usize> {
+        self.blocks[shaft].axial.as_ref().map(|range| range.start)
+    }
+
     /// Index ranges, in the order of the core, of the parts that only meshes and links couple: the bending of every shaft,
-    /// then the torsion of every shaft.
+    /// then the torsion and the axial motion of every shaft.
     pub fn uncoupled_parts(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let bending = self.blocks.iter().filter_map(|block| block.lateral.clone());
-        bending.chain(self.blocks.iter().filter_map(|block| block.torsion.clone()))
+        let torsion = self.blocks.iter().filter_map(|block| block.torsion.clone());
+        bending.chain(torsion).chain(self.blocks.iter().filter_map(|block| block.axial.clone()))
     }
 
     /// Index, in the order of the core, of v at a node; w, Γ and −B have the next indices.
@@ -183,6 +197,11 @@ impl Numbering {
     /// Index, in the order of the core, of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
+    }
+
+    /// Index, in the order of the core, of u at a node.
+    pub fn displacement_along(&self, node: Node) -> Option<usize> {
+        self.axial(node.shaft).map(|start| start + node.node)
     }
 
     /// Writes a vector of a numbering with the same nodes and elements of lower degree in this numbering. The shape
@@ -206,6 +225,9 @@ impl Numbering {
 /// Appends the coordinates of a node.
 fn push_node(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
     let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: None, index, sign });
+    if let Some(range) = &block.axial {
+        push(DofKind::Axial, range.start + node.node, 1.0);
+    }
     if let Some(range) = &block.lateral {
         let first = range.start + 4 * node.node;
         push(DofKind::V, first, 1.0);
@@ -237,9 +259,14 @@ fn push_housing(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
 /// Appends the internal coordinates of the element after `node`, by the degree of their shape functions.
 fn push_element(dofs: &mut Vec<Dof>, node: Node, shaft: &Shaft, block: &Block) {
     let (nodes, functions) = (shaft.nodes.len(), BendingFunction::all(shaft.degree, shaft.shear));
-    let twists = twist_degrees(shaft.degree);
+    let rods = rod_degrees(shaft.degree);
     for degree in 2..=shaft.degree + 1 {
         let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: Some(degree), index, sign });
+        let in_rod = |range: &Range<usize>| range.start + nodes + rods.clone().count() * node.node + degree - 2;
+        let has_rod = rods.contains(&degree);
+        if let Some(range) = block.axial.as_ref().filter(|_| has_rod) {
+            push(DofKind::Axial, in_rod(range), 1.0);
+        }
         if let Some(range) = &block.lateral {
             let first = range.start + 4 * nodes + 2 * functions.len() * node.node;
             for (i, function) in functions.iter().enumerate() {
@@ -257,9 +284,8 @@ fn push_element(dofs: &mut Vec<Dof>, node: Node, shaft: &Shaft, block: &Block) {
                 }
             }
         }
-        if let Some(range) = block.torsion.as_ref().filter(|_| twists.contains(&degree)) {
-            let count = twists.clone().count();
-            push(DofKind::Twist, range.start + nodes + count * node.node + degree - 2, 1.0);
+        if let Some(range) = block.torsion.as_ref().filter(|_| has_rod) {
+            push(DofKind::Twist, in_rod(range), 1.0);
         }
     }
 }

@@ -15,7 +15,7 @@ impl Model {
             if let Some(chain) = &shaft.bending {
                 sum += chain.mass.quadratic_form::<2>(&v[chain.start..]);
             }
-            if let Some(chain) = &shaft.twist {
+            for chain in shaft.rods() {
                 sum += chain.mass.quadratic_form::<1>(&v[chain.start..]);
             }
         }
@@ -37,9 +37,7 @@ impl Model {
             {
                 sum += damping.quadratic_form::<2>(&v[chain.start..]);
             }
-            if let Some((chain, damping)) =
-                shaft.twist.as_ref().and_then(|chain| Some((chain, chain.damping.as_ref()?)))
-            {
+            for (chain, damping) in shaft.rods().filter_map(|chain| Some((chain, chain.damping.as_ref()?))) {
                 sum += damping.quadratic_form::<1>(&v[chain.start..]);
             }
         }
@@ -67,7 +65,7 @@ impl Model {
             if let Some(chain) = &shaft.bending {
                 sum += chain.elastic_form::<2>(&q[chain.start..]);
             }
-            if let Some(chain) = &shaft.twist {
+            for chain in shaft.rods() {
                 sum += chain.elastic_form::<1>(&q[chain.start..]);
             }
         }

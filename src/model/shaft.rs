@@ -1,8 +1,8 @@
-//! A shaft with its rigid bodies, as two chains of nodes: bending and torsion.
+//! A shaft with its rigid bodies, as chains of nodes: bending, and the rods of torsion and of axial motion.
 //!
 //! ```text
 //! M ü + (αM_s + βK_s) u̇ − iΩ_s G u̇ + K_s u = f     bending, complex: u = v + iw, φ = Γ − iB at each node
-//! J θ̈ + (αJ_s + βK_θ) θ̇ + K_θ θ = f               torsion
+//! J θ̈ + (αJ_s + βK_θ) θ̇ + K_θ θ = f               torsion, and axial displacement with the mass instead of J
 //! ```
 //!
 //! M and J contain shaft and bodies; Rayleigh damping (α, β) uses the matrices M_s and J_s of the shaft without bodies.
@@ -18,9 +18,9 @@ use num_complex::Complex64;
 
 use super::numbering::Numbering;
 use super::{bow, mass_error};
-use crate::element::{Beam, Bending, Elastic, InternalBeam, InternalBlocks, Twist, Values};
+use crate::element::{Beam, Bending, Elastic, InternalBeam, InternalBlocks, InternalRod, Rod, RodMatrices, Values};
 use crate::linalg::{ChainFactor, ChainMatrix, load};
-use crate::scene::{Node, Scene, SceneError};
+use crate::scene::{Body, Node, Scene, SceneError};
 
 /// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
 #[derive(Clone, Debug)]
@@ -43,8 +43,8 @@ pub struct Chain<const B: usize, E> {
 
 /// Bending: unknowns (u, φ); the lanes are the real and the imaginary part.
 pub type BendingChain = Chain<2, Bending>;
-/// Torsion: unknown θ with one lane.
-pub type TwistChain = Chain<1, Twist>;
+/// Torsion or axial motion: unknown θ or axial displacement, with one lane.
+pub type RodChain = Chain<1, Rod>;
 
 impl<const B: usize, E: Elastic<B>> Chain<B, E> {
     /// Indices of the coordinates, each unknown with `L` lanes.
@@ -125,7 +125,9 @@ pub struct ShaftModel {
     /// Gyroscopic matrix of bending per unit spin of this shaft, kg m².
     pub gyroscopic: ChainMatrix<2>,
     /// Torsion; `None` if the scene excludes it.
-    pub twist: Option<TwistChain>,
+    pub twist: Option<RodChain>,
+    /// Axial motion; `None` if the scene excludes it.
+    pub axial: Option<RodChain>,
     /// Forces of bow and unbalance.
     pub excitations: Vec<Excitation>,
     /// Stress-free shape in shaft coordinates: (u, φ) of the nodes, then the internal coordinates of bending; `None` for a
@@ -166,22 +168,13 @@ impl ShaftModel {
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
         };
-        let twist = match numbering.torsion(index) {
-            None => None,
-            Some(start) => {
-                let entry = |beam: &Beam, i, j| beam.torsional_mass[(i, j)];
-                let mut mass = assemble(&beams, entry, &inner, |inner| &inner.torsional_mass);
-                let entry = |beam: &Beam, i, j| beam.torsional_stiffness[(i, j)];
-                let stiffness = assemble(&beams, entry, &inner, |inner| &inner.torsional_stiffness);
-                let damping = rayleigh(alpha, &mass, beta, &stiffness);
-                for body in scene.bodies().filter(|body| body.node.shaft == index) {
-                    mass.nodal.add_at_node(body.node.node, 0, 0, body.polar_inertia);
-                }
-                let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
-                let elements = beams.iter().map(|beam| beam.twist).collect();
-                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
-            }
+        let twist =
+            RodParts { of: |beam| &beam.torsion, inner: |inner| &inner.torsion, body: |body| body.polar_inertia };
+        let axial = RodParts { of: |beam| &beam.axial, inner: |inner| &inner.axial, body: |body| body.mass };
+        let rod = |start: Option<usize>, parts: &RodParts| {
+            start.map(|start| rod(scene, index, start, parts, (&beams, &inner))).transpose()
         };
+        let (twist, axial) = (rod(numbering.torsion(index), &twist)?, rod(numbering.axial(index), &axial)?);
         let excitations = bending.as_ref().map(|chain| excitations(scene, index, chain, bow_shape.as_deref()));
         Ok(Self {
             ratio: scene.speed_ratios[index],
@@ -189,8 +182,15 @@ impl ShaftModel {
             bending,
             gyroscopic,
             twist,
+            axial,
             bow: bow_shape,
         })
+    }
+
+    /// Chains of torsion and of axial motion.
+    #[inline(always)]
+    pub fn rods(&self) -> impl Iterator<Item = &RodChain> {
+        self.twist.iter().chain(&self.axial)
     }
 
     /// `out += M x`.
@@ -198,7 +198,7 @@ impl ShaftModel {
         if let Some(chain) = &self.bending {
             chain.mass.multiply_add::<2>(1.0, &x[chain.start..], &mut out[chain.start..]);
         }
-        if let Some(chain) = &self.twist {
+        for chain in self.rods() {
             chain.mass.multiply_add::<1>(1.0, &x[chain.start..], &mut out[chain.start..]);
         }
     }
@@ -208,10 +208,44 @@ impl ShaftModel {
         if let Some(chain) = &self.bending {
             chain.mass_factor.solve::<2>(&mut x[chain.start..]);
         }
-        if let Some(chain) = &self.twist {
+        for chain in self.rods() {
             chain.mass_factor.solve::<1>(&mut x[chain.start..]);
         }
     }
+}
+
+/// Where the matrices of torsion or of axial motion come from.
+struct RodParts {
+    of: fn(&Beam) -> &RodMatrices,
+    inner: fn(&InternalBeam) -> &InternalRod,
+    /// Inertia of a body.
+    body: fn(&Body) -> f64,
+}
+
+/// The chain of torsion or of axial motion of shaft `index`, whose coordinates begin at `start`.
+fn rod(
+    scene: &Scene,
+    index: usize,
+    start: usize,
+    parts: &RodParts,
+    (beams, inner): (&[Beam], &[InternalBeam]),
+) -> Result<RodChain, SceneError> {
+    let [alpha, beta] = scene.rayleigh;
+    let mut mass =
+        assemble(beams, |beam, i, j| (parts.of)(beam).mass[(i, j)], inner, |inner| &(parts.inner)(inner).mass);
+    let stiffness = assemble(
+        beams,
+        |beam, i, j| (parts.of)(beam).stiffness[(i, j)],
+        inner,
+        |inner| &(parts.inner)(inner).stiffness,
+    );
+    let damping = rayleigh(alpha, &mass, beta, &stiffness);
+    for body in scene.bodies().filter(|body| body.node.shaft == index) {
+        mass.nodal.add_at_node(body.node.node, 0, 0, (parts.body)(body));
+    }
+    let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
+    let elements = beams.iter().map(|beam| (parts.of)(beam).rod).collect();
+    Ok(Chain { start, nodes: beams.len() + 1, mass, mass_factor, elements, stiffness, damping })
 }
 
 /// Assembles a matrix of the elements from the entries between their nodes and those of their internal coordinates.

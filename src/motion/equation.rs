@@ -1,6 +1,6 @@
 //! M q̈ = f(t) − K q − (C + ΩG) q̇ − Σ_mesh F ∂δ/∂q, node by node.
 //!
-//! One complex chain contains both bending planes of a shaft; a separate chain contains its twist.
+//! One complex chain contains both bending planes of a shaft; separate chains contain its twist and its axial motion.
 //! The file `first_order.rs` evaluates this equation.
 //!
 //! At a variable Ω, each evaluation uses the exact angle, spin and acceleration of every shaft. The torque that
@@ -16,7 +16,7 @@ use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
 use crate::model::{Link, Model, ShaftModel};
-use crate::scene::LoadLaw;
+use crate::scene::{Gear, LoadLaw};
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -300,9 +300,12 @@ impl<'m> EquationOfMotion<'m> {
     pub fn mobility(&self, mesh: usize) -> f64 {
         let scene = &self.model.scene;
         let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
+        let helix = self.model.meshes[mesh].helix.as_ref().map_or(0.0, |helix| helix.slope);
         let mobility = |gear: usize| {
-            let gear = &scene.gears[gear];
-            gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
+            let Gear { base_radius, pitch_radius, body, .. } = &scene.gears[gear];
+            let along = || helix.powi(2) * (1.0 / body.mass + pitch_radius.powi(2) / body.diametral_inertia);
+            let transverse = base_radius.powi(2) / body.polar_inertia + bending / body.mass;
+            if helix == 0.0 { transverse } else { transverse + along() }
         };
         mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
     }

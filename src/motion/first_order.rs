@@ -108,7 +108,7 @@ fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [
         }
         chain.mass_factor.solve::<2>(force);
     }
-    if let Some(chain) = &shaft.twist {
+    for chain in shaft.rods() {
         let range = chain.coordinates::<1>();
         let (q, v, force) = (&q[range.clone()], &v[range.clone()], &mut force[range]);
         chain.subtract_elastic::<1>(q, force);

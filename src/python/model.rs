@@ -307,6 +307,15 @@ impl PyModel {
         dict.set_item("mesh", mesh_fields(py, series, 1, model.meshes.len(), true)?)?;
         dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;
         dict.set_item("bearing_force", table(py, forces, bearings.len(), 2)?)?;
+        let relative = |node: &Node| {
+            let rows = model.bearing_displacement(*node).unwrap_or_default();
+            rows.map(|row| row.iter().map(|(index, factor)| factor * q[*index]).sum::<f64>())
+        };
+        let displacements: Vec<f64> = bearings.iter().flat_map(relative).collect();
+        dict.set_item("bearing_displacement", table(py, displacements, bearings.len(), 2)?)?;
+        let rest = vec![0.0; q.len()];
+        let along = bearings.iter().map(|node| model.axial_bearing_force(*node, q, &rest));
+        dict.set_item("axial_bearing_force", PyArray1::from_vec(py, along.collect()))?;
         Ok(dict)
     }
 

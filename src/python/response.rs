@@ -82,8 +82,13 @@ pub fn response_dict<'py>(
     dict.set_item("points", plan.points.iter().map(place).collect::<Vec<_>>())?;
     dict.set_item("displacement", stack(py, record.displacement, times, points, 2)?)?;
     dict.set_item("twist", table(py, record.twist, times, points)?)?;
+    let axial = model.scene.axial;
+    dict.set_item("axial", axial.then(|| table(py, record.axial, times, points)).transpose()?)?;
+    let forces = axial.then(|| table(py, record.axial_bearing_force, times, bearings)).transpose()?;
+    dict.set_item("axial_bearing_force", forces)?;
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
+    dict.set_item("bearing_displacement", stack(py, record.bearing_displacement, times, bearings, 2)?)?;
     let rolling = plan.bearings.iter().filter(|node| model.rolls_at(**node)).map(|node| owner.place(*node));
     let rolling: Vec<_> = rolling.collect();
     dict.set_item("rolling_contact", stack(py, record.rolling, times, rolling.len(), ROLLING_CHANNELS.len())?)?;

@@ -25,9 +25,10 @@ pub(super) fn check_contact(
     let tangent = ((centre_distance - base_circles) * (centre_distance + base_circles)).sqrt();
     let pitch = a.base_pitch();
     let [low, high] = path_of_contact(tangent, reach);
-    let ratio = (high - low) / pitch;
+    let (transverse, overlap) = ((high - low) / pitch, a.overlap(b) / pitch);
+    let ratio = transverse + overlap;
     let names = [&a.body.name, &b.body.name];
-    if ratio <= 0.0 {
+    if transverse <= 0.0 {
         let largest = base_circles.hypot(reach[0] + reach[1]);
         let message = format!(
             "the teeth of \"{}\" and \"{}\" cannot touch: their tips reach each other on the line of action up to a \
@@ -42,7 +43,7 @@ pub(super) fn check_contact(
         let excess = reach[of] - tangent;
         if excess > SAME * tangent {
             interferes = true;
-            let without = (reach[0] + reach[1] - tangent) / pitch;
+            let without = (reach[0] + reach[1] - tangent) / pitch + overlap;
             warnings.push(format!(
                 "{at}: involute interference: the tips of \"{}\" reach {:.3} mm beyond the base circle of \"{}\" along \
                  the line of action; there is no contact there, so the contact ratio is {ratio:.3}, not {without:.3}; \
@@ -72,10 +73,10 @@ pub(super) fn check_contact(
     Ok(())
 }
 
-/// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x)/sin²α
+/// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x) cos β/sin²α_t
 /// teeth. The limit is rounded to a whole number, as usual: 17 teeth for 20° without profile shift.
 pub(super) fn check_undercut(gear: &Gear, at: &EntryPath, warnings: &mut Vec<String>) {
-    let square = gear.pressure_angle.sin().powi(2);
+    let square = gear.transverse_pressure_angle().sin().powi(2) / gear.helix_angle.cos();
     let limit = (2.0 * (1.0 - gear.profile_shift) / square).round();
     let teeth = f64::from(gear.teeth);
     if teeth < limit {

@@ -1,4 +1,4 @@
-//! Spur gears: checks a described gear and computes its missing sizes and inertia.
+//! Spur and helical gears: checks a described gear and computes its missing sizes and inertia.
 
 use std::f64::consts::PI;
 
@@ -17,6 +17,9 @@ pub(super) const SAME: f64 = 1e-9;
 /// Default pressure angle of the basic rack, rad (ISO 53).
 const STANDARD_PRESSURE_ANGLE: f64 = 20.0 * PI / 180.0;
 
+/// Largest helix angle, rad. Usual ones are below 45°.
+const LARGEST_HELIX_ANGLE: f64 = PI / 3.0;
+
 /// A checked gear.
 #[derive(Clone, Debug)]
 pub struct Gear {
@@ -30,10 +33,12 @@ pub struct Gear {
     pub pitch_radius: f64,
     /// Tip radius, m.
     pub tip_radius: f64,
-    /// Module, m.
+    /// Module, m; of a helical gear the normal module.
     pub module: f64,
-    /// Pressure angle of the basic rack, rad.
+    /// Pressure angle of the basic rack, rad: that in the normal section of a helical gear.
     pub pressure_angle: f64,
+    /// Helix angle β on the reference circle, rad; positive for a right-hand helix, zero for a spur gear.
+    pub helix_angle: f64,
     /// Profile shift coefficient.
     pub profile_shift: f64,
     /// Face width, m, if the description gives it.
@@ -50,10 +55,30 @@ impl Gear {
         2.0 * PI * self.base_radius / f64::from(self.teeth)
     }
 
-    /// Half the angle of a tooth at the base circle without backlash, π/2z + 2x tan α/z + inv α, rad.
+    /// Transverse pressure angle α_t, rad: tan α_t = tan α_n/cos β.
+    pub fn transverse_pressure_angle(&self) -> f64 {
+        transverse_pressure_angle(self.pressure_angle, self.helix_angle)
+    }
+
+    /// Helix angle β_b on the base cylinder, rad: sin β_b = sin β cos α_n.
+    pub fn base_helix_angle(&self) -> f64 {
+        (self.helix_angle.sin() * self.pressure_angle.cos()).asin()
+    }
+
+    /// Length b tan β_b by which the contact moves along the path of contact over the face width b that this gear shares with
+    /// another one, m; zero for spur gears and without a face width. Over the base pitch it is the overlap ratio
+    /// ε_β = b sin β/(π m_n).
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let width = self.face_width.zip(other.face_width).map_or(0.0, |(a, b)| a.min(b));
+        if self.helix_angle == 0.0 { 0.0 } else { width * self.base_helix_angle().tan().abs() }
+    }
+
+    /// Half the angle of a tooth at the base circle without backlash, π/2z + 2x tan α_n/z + inv α_t, rad.
     pub fn half_angle(&self) -> f64 {
         let (teeth, tan) = (f64::from(self.teeth), self.pressure_angle.tan());
-        PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + tan - self.pressure_angle
+        let transverse = self.transverse_pressure_angle();
+        let involute = if self.helix_angle == 0.0 { tan } else { transverse.tan() };
+        PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + involute - transverse
     }
 
     /// Length of the line of action between the base circle and the tip circle, √(tip radius² − base radius²), m.
@@ -93,10 +118,16 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         let message = format!("must be below π/4 rad (is it in degrees?), got {pressure_angle}");
         return Err(at.field("pressure_angle").error(message));
     }
+    let helix_angle = at.field("helix_angle").finite(given.helix_angle.unwrap_or(0.0))?;
+    if helix_angle.abs() >= LARGEST_HELIX_ANGLE {
+        let message = format!("must be between -π/3 and π/3 rad (is it in degrees?), got {helix_angle}");
+        return Err(at.field("helix_angle").error(message));
+    }
     let profile_shift = at.field("profile_shift").finite(given.profile_shift.unwrap_or(0.0))?;
     let module_given = optional(given.module, "module", at)?;
-    let (module, base_radius) = module_and_base_radius(given, module_given, pressure_angle, at)?;
-    let pitch_radius = module * f64::from(given.teeth) / 2.0;
+    let angles = (transverse_pressure_angle(pressure_angle, helix_angle), helix_angle.cos());
+    let (module, base_radius) = module_and_base_radius(given, module_given, angles, at)?;
+    let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
     let tip_radius =
         optional(given.tip_radius, "tip_radius", at)?.unwrap_or(pitch_radius + module * (1.0 + profile_shift));
     if tip_radius <= base_radius {
@@ -113,6 +144,7 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         tip_radius,
         module,
         pressure_angle,
+        helix_angle,
         profile_shift,
         face_width,
         rack: module_given.map(|module| (module, pressure_angle)),
@@ -124,17 +156,23 @@ fn optional(value: Option<f64>, name: &str, at: &EntryPath) -> Result<Option<f64
     value.map(|value| at.field(name).positive(value)).transpose()
 }
 
-/// Module and base radius, m. If the description gives both, they must agree.
+/// Transverse pressure angle, rad, of a gear with the pressure angle `normal` in the normal section, rad.
+fn transverse_pressure_angle(normal: f64, helix_angle: f64) -> f64 {
+    if helix_angle == 0.0 { normal } else { (normal.tan() / helix_angle.cos()).atan() }
+}
+
+/// Normal module and base radius, m, with the transverse pressure angle, rad, and the cosine of the helix angle. If the
+/// description gives both, they must agree.
 fn module_and_base_radius(
     given: &description::Gear,
     module: Option<f64>,
-    pressure_angle: f64,
+    (pressure_angle, helix): (f64, f64),
     at: &EntryPath,
 ) -> Result<(f64, f64), SceneError> {
     let teeth = f64::from(given.teeth);
     match (module, optional(given.base_radius, "base_radius", at)?) {
         (Some(module), Some(base)) => {
-            let expected = module * teeth / 2.0 * pressure_angle.cos();
+            let expected = module / helix * teeth / 2.0 * pressure_angle.cos();
             if (base - expected).abs() > BASE_PITCH_TOLERANCE * expected {
                 let message =
                     format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
@@ -142,8 +180,8 @@ fn module_and_base_radius(
             }
             Ok((module, base))
         }
-        (Some(module), None) => Ok((module, module * teeth / 2.0 * pressure_angle.cos())),
-        (None, Some(base)) => Ok((2.0 * base / (teeth * pressure_angle.cos()), base)),
+        (Some(module), None) => Ok((module, module / helix * teeth / 2.0 * pressure_angle.cos())),
+        (None, Some(base)) => Ok((2.0 * base / (teeth * pressure_angle.cos()) * helix, base)),
         (None, None) => Err(at.error("needs module or base_radius")),
     }
 }

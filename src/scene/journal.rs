@@ -59,10 +59,6 @@ impl Journal {
                 return Err(at.field(name).error(message));
             }
         }
-        if given.support.is_some() {
-            let message = "a journal bearing stands on the ground; leave support out, or give a gb.Bearing with the stiffness and damping of JournalBearing.coefficients";
-            return Err(at.field("support").error(message));
-        }
         let read = |(name, value): (&str, Option<f64>)| {
             let missing = || at.error(format!("missing field `{name}` of the journal bearing"));
             at.field(name).positive(value.ok_or_else(missing)?)

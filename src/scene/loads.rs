@@ -35,7 +35,7 @@ pub struct Drive {
     pub damping: f64,
 }
 
-/// A constant lateral force, or one that turns with its shaft.
+/// A constant force, or one that turns with its shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct Force {
     /// Node on which it acts.
@@ -44,6 +44,8 @@ pub struct Force {
     pub value: Complex64,
     /// Whether it turns with the shaft.
     pub turns: bool,
+    /// Component along the axis, N, which does not turn.
+    pub axial: f64,
 }
 
 /// A load that depends on time, on the angle or on the speed of its shaft.
@@ -138,19 +140,22 @@ pub(super) fn drives(system: &SceneDescription, names: &Names, shafts: &[Shaft])
     system.drives.iter().enumerate().map(drive).collect()
 }
 
-/// Forces that are constant or turn with their shaft.
+/// Forces that are constant or turn with their shaft, and the constant axial part of others.
 pub(super) fn forces(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<Vec<Force>, SceneError> {
     let mut forces = Vec::new();
     for (index, given) in system.forces.iter().enumerate() {
         let at = EntryPath::entry("forces", index);
         let node = names.place(shafts, &given.at, &at.field("at"))?;
-        let turns = match given.order.map(|order| at.field("order").finite(order)).transpose()? {
-            None => false,
-            Some(1.0) => true,
-            Some(_) => continue,
-        };
-        if let ForceValue::Constant(value) = &given.value {
-            forces.push(Force { node, value: complex(Some(*value), &at.field("value"))?, turns });
+        let axial = at.field("axial").finite(given.axial.unwrap_or(0.0))?;
+        let order = given.order.map(|order| at.field("order").finite(order)).transpose()?;
+        match (&given.value, order) {
+            (ForceValue::Constant(value), None | Some(1.0)) => {
+                let value = complex(Some(*value), &at.field("value"))?;
+                forces.push(Force { node, value, turns: order.is_some(), axial });
+            }
+            // The lateral part depends on time or angle.
+            _ if axial != 0.0 => forces.push(Force { node, value: Complex64::ZERO, turns: false, axial }),
+            _ => {}
         }
     }
     Ok(forces)

@@ -101,7 +101,7 @@ fn mesh(
     Ok(Mesh { driver, driven, teeth, damping, centre_line_angle, centre_distance })
 }
 
-/// Refuses gears of different modules, pressure angles or base pitches.
+/// Refuses gears of different modules, pressure angles, base pitches or helix angles.
 fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -> Result<(), SceneError> {
     let differ = |first: f64, second: f64| (first - second).abs() > SAME * first.abs().max(second.abs());
     let names = || (a.body.name.as_str(), b.body.name.as_str());
@@ -117,6 +117,7 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
             return Err(at.error(message));
         }
     }
+    check_hands(a, b, at)?;
     let (pitch_a, pitch_b) = (a.base_pitch(), b.base_pitch());
     let difference = (pitch_a - pitch_b).abs() / pitch_a.max(pitch_b);
     let (first, second) = names();
@@ -128,4 +129,16 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
         warnings.push(format!("{at}: {message}; speeds follow the tooth numbers, forces the base radii"));
     }
     Ok(())
+}
+
+/// Refuses helices that do not fit: external gears need opposite hands of the same angle.
+fn check_hands(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
+    let (first, second) = (a.helix_angle, b.helix_angle);
+    if (first + second).abs() <= SAME * first.abs().max(second.abs()) {
+        return Ok(());
+    }
+    Err(at.error(format!(
+        "cannot mesh: \"{}\" has helix_angle {first} rad, \"{}\" {second} rad; external gears need opposite hands of the same angle: give \"{}\" helix_angle={}",
+        a.body.name, b.body.name, b.body.name, -first
+    )))
 }

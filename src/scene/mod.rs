@@ -91,6 +91,10 @@ pub struct Bearing {
     pub damping: BearingCoefficient,
     /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
     pub nonlinear: Option<Nonlinear>,
+    /// Stiffness, N/m, and damping, N s/m, along the axis.
+    pub axial: [f64; 2],
+    /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
+    pub tilting: [f64; 2],
     /// Its place on a housing; `None` on the ground.
     pub attachment: Option<Attachment>,
 }
@@ -141,6 +145,8 @@ pub struct Scene {
     pub lateral: bool,
     /// Whether nodes have the twist θ.
     pub torsion: bool,
+    /// Whether nodes have the axial displacement u.
+    pub axial: bool,
     /// Warnings of implausible values.
     pub warnings: Vec<String>,
 }
@@ -184,9 +190,11 @@ impl Scene {
             speed_ratios,
             lateral: true,
             torsion: true,
+            axial: false,
             warnings,
         };
         (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
+        scene.axial = scene.has_axial_motion(system.motion);
         let implausible = plausibility::check(system, &scene)?;
         scene.warnings.extend(implausible);
         Ok(scene)
@@ -293,12 +301,16 @@ impl Scene {
             || self.gravity != [0.0; 2]
             || !self.forces.is_empty()
             || varying(false);
+        let thrust = self.forces.iter().any(|force| force.axial != 0.0);
         let coupled = !self.couplings.is_empty();
         let supported = !self.bearings.is_empty();
         let motion = EntryPath::root("motion");
         match requested {
             Some(MotionKind::Lateral) if twisted => {
                 Err(motion.error("\"lateral\" has no twist, on which meshes, torques and drives act; use \"coupled\""))
+            }
+            Some(MotionKind::Lateral) if thrust => {
+                Err(motion.error("\"lateral\" has no axial motion, on which axial forces act; use \"coupled\""))
             }
             Some(MotionKind::Torsion) if bent => Err(motion
                 .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\"")),
@@ -308,6 +320,15 @@ impl Scene {
             None if supported || bent => Ok((true, twisted || coupled)),
             None => Ok((!twisted, true)),
         }
+    }
+
+    /// Whether nodes have an axial displacement: in a scene with lateral coordinates if a mesh has a helix, or if an axial
+    /// force or a bearing acts along the axis.
+    fn has_axial_motion(&self, requested: Option<MotionKind>) -> bool {
+        let helical = self.meshes.iter().any(|mesh| self.gears[mesh.driver].helix_angle != 0.0);
+        let loaded = self.forces.iter().any(|force| force.axial != 0.0);
+        let held = self.bearings.iter().any(|bearing| bearing.axial != [0.0; 2]);
+        self.lateral && requested != Some(MotionKind::Lateral) && (helical || loaded || held)
     }
 }
 
@@ -339,10 +360,23 @@ fn bearings(
             nonlinear: nonlinear::nonlinear(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
+            axial: coefficients([bearing.axial_stiffness, bearing.axial_damping], "axial", &at)?,
+            tilting: coefficients([bearing.tilting_stiffness, bearing.tilting_damping], "tilting", &at)?,
             attachment: attachments[index],
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// Stiffness and damping of a bearing in one direction; zero where the description gives none.
+fn coefficients(
+    [stiffness, damping]: [Option<f64>; 2],
+    direction: &str,
+    at: &EntryPath,
+) -> Result<[f64; 2], SceneError> {
+    let read =
+        |given: Option<f64>, name: &str| at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0));
+    Ok([read(stiffness, "stiffness")?, read(damping, "damping")?])
 }
 
 fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {

@@ -69,7 +69,7 @@ pub(super) fn stiffness_model(
             Ok(StiffnessModel::Mean(at.positive(model.mean.ok_or_else(|| at.error("needs mean"))?)?))
         }
         StiffnessKind::Iso6336 => Ok(StiffnessModel::Iso6336(given.face_width()?)),
-        StiffnessKind::Square => Ok(StiffnessModel::Square(given.scale()?)),
+        StiffnessKind::Square => Ok(StiffnessModel::Square(given.pair_scale()?)),
         StiffnessKind::Parabolic => given.parabolic(),
         StiffnessKind::PotentialEnergy => given.potential_energy(shaft_radii, warnings),
         StiffnessKind::Table => given.table(),
@@ -84,6 +84,18 @@ impl Given<'_> {
             (None, Some(pair)) => Ok(Scale::Pair(self.at.field("pair").positive(pair)?)),
             _ => Err(self.at.error("needs one of mean and pair")),
         }
+    }
+
+    /// The scale of tooth pairs; helical pairs need a face width, which their contact lines cross.
+    fn pair_scale(&self) -> Result<Scale, SceneError> {
+        if self.is_helical() {
+            self.face_width()?;
+        }
+        self.scale()
+    }
+
+    fn is_helical(&self) -> bool {
+        self.pair[0].helix_angle != 0.0
     }
 
     fn face_width(&self) -> Result<f64, SceneError> {
@@ -107,7 +119,7 @@ impl Given<'_> {
         if ratio > 1.0 {
             return Err(at.error(format!("must be at most 1, got {ratio}")));
         }
-        Ok(StiffnessModel::Parabolic(self.scale()?, ratio))
+        Ok(StiffnessModel::Parabolic(self.pair_scale()?, ratio))
     }
 
     fn potential_energy(
@@ -141,6 +153,10 @@ impl Given<'_> {
             }
         }
         let foundation = self.model.foundation.unwrap_or(Foundation::Separate);
+        if foundation == Foundation::Shared && self.is_helical() {
+            let message = "\"shared\" has no helical teeth; use \"separate\"";
+            return Err(self.at.field("foundation").error(message));
+        }
         Ok(StiffnessModel::PotentialEnergy(self.face_width()?, radii, foundation))
     }
 

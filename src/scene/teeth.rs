@@ -93,6 +93,10 @@ impl Teeth {
             let message = "\"shared\" cannot be combined with tip_relief; use \"separate\"";
             return Err(place.field("foundation").error(message));
         }
+        if given.tip_relief.is_some() && pair[0].helix_angle != 0.0 {
+            let message = "helical teeth take none; leave it out, or describe its effect by error=";
+            return Err(at.field("tip_relief").error(message));
+        }
         let pairs = stiffness.has_tooth_pairs();
         let relief = given.tip_relief.as_ref().map(|relief| self::relief(relief, pairs, &at.field("tip_relief")));
         let error = given.error.as_ref().map(|error| transmission_error(error, &at.field("error")));

@@ -56,7 +56,10 @@ FAULTS: list[Fault] = [
             "float(self.state[self.coordinates.twist(name)])",
             "-float(self.state[self.coordinates.twist(name)])",
         ),
-        ('self._data["bearing_force"][i]', 'self._data["bearing_force"][-1 - i]'),
+        (
+            'self._data["bearing_force"][self._bearing(shaft, position)]',
+            'self._data["bearing_force"][-1 - self._bearing(shaft, position)]',
+        ),
         ("i = meshes.index((driver, driven))", "i = 0"),
     ),
     *_faults(
@@ -72,7 +75,10 @@ FAULTS: list[Fault] = [
         ),
         ("np.full(self.time.shape, self.speed)", "np.full(self.time.shape, abs(self.speed))"),
         ("i = meshes.index((driver, driven))", "i = 0"),
-        ('self._data["bearing_force"][:, i]', '-self._data["bearing_force"][:, i]'),
+        (
+            'self._data["bearing_force"][:, self._bearing(shaft, position)]',
+            '-self._data["bearing_force"][:, self._bearing(shaft, position)]',
+        ),
         ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
     ),
     *_faults(
@@ -152,7 +158,10 @@ FAULTS: list[Fault] = [
     *_faults(
         "orders/channel.py",
         "signals",
-        ("force[:, component]", "force[:, 0]"),
+        (
+            "recording.bearing_force(of[1], of[2])[:, component]",
+            "recording.bearing_force(of[1], of[2])[:, 0]",
+        ),
         ("recording.displacement(at)[:, component]", "recording.displacement(at)[:, 0]"),
         ('{"force": MESH["force"], **MESH}', "MESH"),
         (
@@ -226,8 +235,8 @@ FAULTS: list[Fault] = [
     *_faults(
         "recording/channels.py",
         "signals",
-        ('{"v": "m", "w": "m", "twist": "rad"}', '{"w": "m", "v": "m", "twist": "rad"}'),
-        ('"twist": "rad"}', '"twist": "°"}'),
+        ('{"v": "m", "w": "m", "twist"', '{"w": "m", "v": "m", "twist"'),
+        ('"twist": "rad"', '"twist": "°"'),
     ),
     *_faults(
         "recording/tables.py",
@@ -428,7 +437,7 @@ FAULTS: list[Fault] = [
     *_faults(
         "plotting/mode_shape.py",
         "shape_plot frequency_plots",
-        ("position - gamma * y + beta * z", "position + gamma * y + beta * z"),
+        ("along - gamma * y + beta * z", "along + gamma * y + beta * z"),
         (
             "np.cos(around + twist), radius * np.sin(around + twist)",
             "np.cos(around - twist), radius * np.sin(around - twist)",
@@ -538,5 +547,24 @@ FAULTS: list[Fault] = [
         "recording/file.py",
         "checkpoint",
         ("tuple(value) if isinstance(value, list) else value", "value"),
+    ),
+    *_faults(
+        "recording/recording.py",
+        "helical",
+        ('self._axial("axial")[:, point]', 'self._axial("axial")[:, point - 1]'),
+        (
+            'self._axial("axial_bearing_force")[:, bearing]',
+            '-self._axial("axial_bearing_force")[:, bearing]',
+        ),
+    ),
+    *_faults(
+        "system/linear.py",
+        "helical",
+        (', "axial_stiffness", "tilting_stiffness")', ")"),
+    ),
+    *_faults(
+        "description/couplings.py",
+        "helical",
+        ('axial = description.get("axial", 0.0)', "axial = 0.0"),
     ),
 ]

@@ -43,6 +43,7 @@ class Drawn:
     film: float | None = None  # viscosity of oil films instead of the bearings, Pa s
     # number of balls, clearance [m] and phase of rolling bearings instead of the bearings
     balls: tuple[int, float, float] | None = None
+    helix: float | None = None  # helix angle of the first gear, rad; the others alternate
     angle: float = 0.4  # of the lines of centres, rad
     mesh: tuple[str, float, float] = ("mean", 1e8, 0.03)  # model, stiffness, damping ratio
     backlash: float | None = None
@@ -122,7 +123,7 @@ class Drawn:
                     bow=gb.Bow.points(x * metre, np.abs(bow), phases=np.angle(bow)),
                 )
             )
-            radius = module * self.teeth[i] / 2
+            radius = module * self.teeth[i] / 2 / np.cos(self.helix or 0.0)
             mass = 7850.0 * kilogram / metre**3 * np.pi * radius**2 * 0.02 * metre
             unbalance = self.unbalance if i == 0 else 0j
             gears.append(
@@ -132,6 +133,8 @@ class Drawn:
                     self.places[i] * long,
                     teeth=self.teeth[i],
                     module=module,
+                    helix_angle=sense * (-1) ** i * (self.helix or 0.0),
+                    face_width=None if self.helix is None else 0.02 * metre,
                     mass=mass,
                     diametral_inertia=mass * radius**2 / 4,
                     polar_inertia=mass * radius**2 / 2,
@@ -145,6 +148,7 @@ class Drawn:
                         end * long,
                         stiffness=self.matrix(*self.bearing[:3]) * 1e8 * force,
                         damping=np.eye(2) * self.bearing[3] * 1e3 * force * second,
+                        **self.hold(force, second),
                     )
                     if self.film is None and self.balls is None
                     else self.rolling(shaft, end * long, diameter * metre, i)
@@ -196,6 +200,12 @@ class Drawn:
             "rayleigh": (0.0, self.rayleigh * second),
             "gravity": (gravity.real, gravity.imag),
         }
+
+    def hold(self, force: float, second: float) -> dict[str, float]:
+        """Return what holds helical shafts along the axis, in units of a stiffness and of time."""
+        damping = self.bearing[3] * 3e2 * force * second
+        axial = {"axial_stiffness": 4e7 * force, "axial_damping": damping}
+        return {} if self.helix is None else axial
 
     @staticmethod
     def stiffness(kind: str, value: float) -> Any:
@@ -408,6 +418,40 @@ def test_trains_on_rolling_bearings_move_alike_by_two_methods_and_when_transform
     for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
         changed = replace(scene, **change)
         assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
+
+
+@settings(
+    max_examples=6 * int(TIMES or 1),
+    derandomize=TIMES is None,
+    database=None,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
+@given(drawn(), st.floats(0.02, 0.7), st.sampled_from([-1.0, 1.0]))
+def test_helical_trains_move_alike_by_two_methods_and_when_transformed(
+    scene: Drawn, size: float, hand: float
+):
+    scene = replace(scene, helix=hand * size)
+
+    def both(scene: Drawn, **how: Any) -> np.ndarray:
+        """Return the motion, with u, m, in the place of the twist of a second set of gears."""
+        run = scene.run(**how)
+        names = [scene.name("g", i) for i in range(len(scene.lengths))]
+        along = np.stack([run.axial(name) / scene.units[0] for name in names], axis=1)
+        lateral = unturned(run, scene)
+        return np.concatenate([lateral, np.stack([along, along, 0 * along], axis=-1)], axis=1)
+
+    exact = both(scene, method="rk45")
+    part = 1e-6 if scene.backlash is None else 1e-4
+    assert_near(both(scene), exact, part)
+    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
+        assert_near(both(replace(scene, **change), method="rk45"), exact, part)
+    for method in ("rk45", "exponential"):
+        balance = scene.run(record=["energy"], method=method).energy_balance()
+        scale = max(np.abs(balance.total).max() + np.ptp(balance.work), 1e-9)
+        # steps cross the kinks of a sharp engagement
+        tolerance = 1e-4 if scene.mesh[0] == "square" else 1e-5
+        assert np.abs(balance.residual).max() <= tolerance * scale
 
 
 @scenes(45)

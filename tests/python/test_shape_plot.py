@@ -35,15 +35,15 @@ def test_a_circle_moves_like_a_cross_section():
     x, r, quarter = 0.3, 0.1, np.pi / 2
     around = np.array([0.0, quarter])
     rest = [[x, r, 0.0], [x, 0.0, r]]
-    assert _ring(x, r, np.zeros(5), around) == pytest.approx(np.array(rest))
+    assert _ring(x, r, np.zeros(6), around) == pytest.approx(np.array(rest))
     # a translation moves all points equally
-    moved = _ring(x, r, np.array([0.01, 0.02, 0.0, 0.0, 0.0]), around)
-    assert moved == pytest.approx(np.add(rest, [0.0, 0.01, 0.02]))
+    moved = _ring(x, r, np.array([0.01, 0.02, 0.0, 0.0, 0.0, 0.03]), around)
+    assert moved == pytest.approx(np.add(rest, [0.03, 0.01, 0.02]))
     # plane sections: u = -y dv/dx - z dw/dx, with dv/dx = Γ and dw/dx = -B
-    tilted = _ring(x, r, np.array([0.0, 0.0, 0.1, 0.2, 0.0]), around)
+    tilted = _ring(x, r, np.array([0.0, 0.0, 0.1, 0.2, 0.0, 0.0]), around)
     assert tilted == pytest.approx(np.array([[x - 0.1 * r, r, 0.0], [x + 0.2 * r, 0.0, r]]))
     # a positive twist turns y towards z
-    twisted = _ring(x, r, np.array([0.0, 0.0, 0.0, 0.0, 0.3]), np.array([0.0]))
+    twisted = _ring(x, r, np.array([0.0, 0.0, 0.0, 0.0, 0.3, 0.0]), np.array([0.0]))
     assert twisted == pytest.approx(np.array([[x, r * np.cos(0.3), r * np.sin(0.3)]]))
 
 

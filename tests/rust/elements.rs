@@ -145,11 +145,11 @@ fn torsion_has_the_stiffness_and_the_inertia_of_a_tube() {
     let stiffness = STEEL.shear_modulus * polar / element.length;
     let inertia = STEEL.density * polar * element.length;
     let expected = Matrix2::new(1.0, -1.0, -1.0, 1.0) * stiffness;
-    assert!((beam.torsional_stiffness - expected).amax() < ROUND_OFF * stiffness);
-    assert!((beam.torsional_mass.sum() - inertia).abs() < ROUND_OFF * inertia);
+    assert!((beam.torsion.stiffness - expected).amax() < ROUND_OFF * stiffness);
+    assert!((beam.torsion.mass.sum() - inertia).abs() < ROUND_OFF * inertia);
     // For a rotation that increases linearly from 0 to 1 the effective inertia is ∫ξ² dξ = 1/3 of the total inertia.
-    assert!((beam.torsional_mass[(1, 1)] - inertia / 3.0).abs() < ROUND_OFF * inertia);
-    assert!((beam.twist.stiffness - stiffness).abs() < ROUND_OFF * stiffness);
+    assert!((beam.torsion.mass[(1, 1)] - inertia / 3.0).abs() < ROUND_OFF * inertia);
+    assert!((beam.torsion.rod.stiffness - stiffness).abs() < ROUND_OFF * stiffness);
 }
 
 #[test]
@@ -232,11 +232,11 @@ proptest! {
         let acting = beam.stiffness.amax() * q.iter().map(|value| value * value).sum::<f64>();
         prop_assert!((beam.bending.quadratic_form::<2>(&node(0), &node(4)) - form).abs() < 1e-14 * acting);
 
-        let torques = [q[2] - q[0], q[3] - q[1]].map(|twist| beam.twist.stiffness * twist);
-        let found = beam.twist.forces::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
+        let torques = [q[2] - q[0], q[3] - q[1]].map(|twist| beam.torsion.rod.stiffness * twist);
+        let found = beam.torsion.rod.forces::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
         prop_assert_eq!(found, [[torques], [torques.map(|torque| -torque)]]);
         let squares = (q[2] - q[0]).powi(2) + (q[3] - q[1]).powi(2);
-        let form = beam.twist.quadratic_form::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
-        prop_assert!((form - beam.twist.stiffness * squares).abs() <= 1e-15 * form);
+        let form = beam.torsion.rod.quadratic_form::<2>(&[[q[0], q[1]]], &[[q[2], q[3]]]);
+        prop_assert!((form - beam.torsion.rod.stiffness * squares).abs() <= 1e-15 * form);
     }
 }

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use gearbow::mesh::{
-    Centres, ContactMode, ContactPath, GearMesh, Geometry, Involute, LineOfAction, MeshPose, Overlap, ShaftPhase,
+    Centres, ContactMode, ContactPath, Directions, GearMesh, Geometry, Involute, LineOfAction, MeshPose, Overlap,
+    ShaftPhase,
 };
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
@@ -105,7 +106,8 @@ fn live(gear_mesh: &GearMesh, sigma: f64, q: &Vector6<f64>) -> Contact {
 
 fn gradient(gear_mesh: &GearMesh, sigma: f64, contact: &Contact) -> Vector6<f64> {
     let mut gradient = Vector6::zeros();
-    gear_mesh.gradient(sigma, contact.normal, |index, slope| gradient[index] += slope);
+    let directions = Directions { normal: contact.normal, ..gear_mesh.directions_at_rest(sigma) };
+    gear_mesh.gradient(sigma, &directions, |index, slope| gradient[index] += slope);
     gradient
 }
 
@@ -159,8 +161,8 @@ proptest! {
         let contact = live(&gear_mesh, sigma, &q);
         let mut tangent = Matrix6::zeros();
         let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
-        let (pressed, normal) = gear_mesh.mean_tangent(Geometry::Live, sigma, false, q.as_slice(), add).unwrap();
-        prop_assert_eq!((pressed, normal), (contact.force, contact.normal));
+        let (pressed, directions) = gear_mesh.mean_tangent(Geometry::Live, sigma, false, q.as_slice(), add).unwrap();
+        prop_assert_eq!((pressed, directions.normal), (contact.force, contact.normal));
         let slopes = gradient(&gear_mesh, sigma, &contact);
         let curvature: Matrix6<f64> = tangent - STIFFNESS * slopes * slopes.transpose();
         let force = |q: &Vector6<f64>| {

@@ -164,7 +164,7 @@ fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
     };
     for angles in [[0.0, 0.0], [0.4, -0.2], [2.0, 5.0]] {
         let ([ay, az], [by, bz]) = (turned([2e-5, 1e-5], angles[0]), turned([0.0, -3e-5], angles[1]));
-        let [ny, nz] = gear_mesh.normal_at_rest(1.0);
+        let [ny, nz] = gear_mesh.directions_at_rest(1.0).normal;
         let found = touch(&gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
         assert!((found + ny * (by - ay) + nz * (bz - az)).abs() < 1e-18, "{found:e}");
     }
@@ -388,7 +388,7 @@ fn pair_compliance_is_the_sum_of_both_teeth_and_their_contact() {
 /// from the beginning.
 fn path(length: f64, place: f64) -> ContactPath {
     let high = 4e-3 + length * 9e-3;
-    ContactPath { position: 4e-3 + place * 9e-3, tangent: high + 1e-2, low: 4e-3, high, pitch: 9e-3 }
+    ContactPath { position: 4e-3 + place * 9e-3, tangent: high + 1e-2, low: 4e-3, high, pitch: 9e-3, overlap: 0.0 }
 }
 
 /// The same pairs after the length of the line of action increases by `by`. An end of the path moves with it if the tip
@@ -614,12 +614,12 @@ proptest! {
         for (flank, sign) in [(Flank::Drive, 1.0), (Flank::Back, -1.0)] {
             let mut tangent = Matrix6::zeros();
             let add = |i: usize, j: usize, value: f64| tangent[(i, j)] += value;
-            let (force, normal) = gear_mesh.mean_tangent(geometry, sigma, flank == Flank::Back, q.as_slice(), add).unwrap();
+            let (force, directions) = gear_mesh.mean_tangent(geometry, sigma, flank == Flank::Back, q.as_slice(), add).unwrap();
             let (contact, acting) = forces(flank, &q);
             // Forces are at most 1e5 N; the tolerance is their round-off.
             prop_assert!((force - sign * contact.force).abs() < 1e-9, "{force} {}", contact.force);
             let mut expected = Vector6::zeros();
-            gear_mesh.gradient(sign * sigma, normal, |index, slope| expected[index] -= force * slope);
+            gear_mesh.gradient(sign * sigma, &directions, |index, slope| expected[index] -= force * slope);
             prop_assert!((acting - expected).amax() < 1e-9);
             // Differences with steps of 1e-6 m in stiffnesses of 3e8 N/m. Relative to centre distances of 0.1 m these
             // steps are 1e-5.

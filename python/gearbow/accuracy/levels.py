@@ -175,8 +175,8 @@ def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
     return LEVELS[name]
 
 
-def check_reduction(statistics: Statistics, level: Level | None) -> None:
-    """Warn if the error of a reduction to a given number of modes exceeds an accuracy level.
+def check_reduction(statistics: Statistics, level: Level | None, *, given: bool) -> None:
+    """Warn if the error of a reduction to fewer modes exceeds an accuracy level.
 
     Parameters
     ----------
@@ -184,6 +184,8 @@ def check_reduction(statistics: Statistics, level: Level | None) -> None:
         Statistics of the run.
     level : Level, optional
         Accuracy level of the run; None is the default level.
+    given : bool
+        Whether the user gave the number of modes.
 
     Warns
     -----
@@ -195,10 +197,16 @@ def check_reduction(statistics: Statistics, level: Level | None) -> None:
     level = level or LEVELS[DEFAULT]
     kinds = ("displacements", "mesh forces")
     permitted = (level.displacement, level.mesh_force)
+    cure = (
+        "keep more modes, or leave out modes"
+        if given
+        else "a signal varies little about its mean: give rtol instead of accuracy, for example "
+        f"rtol={level.rtol / 100:.0e}"
+    )
     for kind, error, most in zip(kinds, statistics.modes_error, permitted, strict=True):
         if error > most:
             message = (
-                f"modes: {statistics.modes} modes leave an error of {error:.1e} in {kind}, above "
-                f"{most:.0e} of accuracy {level.name!r}; keep more modes, or leave out modes"
+                f"{'modes' if given else 'accuracy'}: {statistics.modes} modes leave an error of "
+                f"{error:.1e} in {kind}, above {most:.0e} of accuracy {level.name!r}; {cure}"
             )
             warnings.warn(message, AccuracyWarning, stacklevel=3)

@@ -23,7 +23,8 @@ class Coordinates:
     Parameters
     ----------
     dofs : tuple of (str, float or (float, float), str)
-        Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
+        Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of
+        freedom.
         Those within an element have the positions of its ends and a degree ("v2").
     bodies : mapping of {str: (str, float)}
         Shaft and position [m] of each gear and disk; name and position of each support or housing.
@@ -126,6 +127,28 @@ class Coordinates:
             If the system has no twist.
         """
         return self._index(at, "twist", "twist")
+
+    def axial(self, at: At) -> int:
+        """Find the axial displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        int
+            Index of u.
+
+        Raises
+        ------
+        SceneError
+            If there is no such node.
+        GearbowError
+            If the system has no axial motion.
+        """
+        return self._index(at, "u", "axial motion")
 
     def _index(self, at: At, direction: str, motion: str) -> int:
         wanted = (*self._node(at), direction)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
-from gearbow._convert import complex_number
+from gearbow._convert import complex_number, real
 from gearbow._types import At, Plain
 from gearbow.description.load_values import described_value
 from gearbow.description.part import Part, freeze
@@ -18,8 +18,9 @@ __all__ = ["Coupling", "Drive", "Force"]
 class Coupling(Part):
     """A coupling between the ends of two coaxial shafts that turn at one speed.
 
-    Linear springs and dampers join two hubs: lateral, tilting and torsional. A large stiffness is a
-    rigid coupling. Shafts have no axial motion yet: the axial stiffness and damping have no effect.
+    Linear springs and dampers join two hubs: axial, lateral, tilting and torsional. A large
+    stiffness is a rigid coupling. Axial stiffness and damping act in a system with axial motion,
+    which helical gears, axial forces and bearings with an axial stiffness cause.
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ class Drive(Part):
 
 @dataclass(frozen=True)
 class Force(Part):
-    """A lateral force on a shaft.
+    """A force on a shaft.
 
     Parameters
     ----------
@@ -128,22 +129,28 @@ class Force(Part):
     order : float, optional
         The force turns with this multiple of the angle of its shaft, value·e^{i·order·ϑ}; None is
         fixed in space. A force of order 1 belongs to the synchronous response, with its bow.
+    axial : float
+        Constant force along the axis of the shaft, towards +x [N].
 
     Examples
     --------
     >>> import gearbow as gb
     >>> weight, rotating = gb.Force("disk", -50j), gb.Force("disk", 10.0, order=1)
+    >>> thrust = gb.Force("disk", axial=200.0)
     """
 
     at: At
-    value: complex | TimeSeries | Callable[[Any], Any]
+    value: complex | TimeSeries | Callable[[Any], Any] = 0.0
     order: float | None = None
+    axial: float = 0.0
 
     def _describe(self, path: str) -> dict[str, Plain]:
         given: dict[str, Plain] = {"at": place(self.at, f"{path}.at")}
         given["value"] = described_value(self.value, f"{path}.value", complex_number)
         if self.order is not None:
             given["order"] = complex_number(self.order, f"{path}.order")
+        if self.axial != 0.0:
+            given["axial"] = real(self.axial, f"{path}.axial", "a number [N]")
         return given
 
     @classmethod
@@ -153,7 +160,8 @@ class Force(Part):
             value = TimeSeries._from_description(value)
         elif isinstance(value, (list, tuple)):
             value = complex(*value)
-        return cls(_place(description["at"]), value, description.get("order"))
+        axial = description.get("axial", 0.0)
+        return cls(_place(description["at"]), value, description.get("order"), axial)
 
 
 def _place(at: Plain) -> At:

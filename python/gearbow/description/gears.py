@@ -63,7 +63,7 @@ class Disk(_Body):
 
 @dataclass(frozen=True)
 class Gear(_Body):
-    """A spur gear: a rigid disk with involute teeth.
+    """A spur or helical gear: a rigid disk with involute teeth.
 
     Parameters
     ----------
@@ -76,13 +76,16 @@ class Gear(_Body):
     teeth : int
         Number of teeth.
     module : float
-        Module [m]; give either this or `base_radius`.
+        Module [m], of a helical gear the normal module; give either this or `base_radius`.
     base_radius : float
         Base radius [m].
     face_width : float
         Face width [m].
     pressure_angle : float
-        Pressure angle of the basic rack [rad].
+        Pressure angle of the basic rack [rad], which is that in the normal section.
+    helix_angle : float
+        Helix angle on the reference circle [rad], positive for a right-hand helix; gears in mesh
+        have opposite hands of the same angle. A spur gear has 0.
     profile_shift : float
         Profile shift coefficient.
     tip_radius : float
@@ -115,6 +118,7 @@ class Gear(_Body):
     base_radius: float | None = None
     face_width: float | None = None
     pressure_angle: float = math.radians(20.0)
+    helix_angle: float = 0.0
     profile_shift: float = 0.0
     tip_radius: float | None = None
     mass: float | None = None
@@ -135,20 +139,21 @@ class Mesh(Part):
     driven : str
         Name of the driven gear.
     stiffness : float or Stiffness, optional
-        Stiffness along the line of action: a constant [N/m], or a model. None is the mean stiffness
-        of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both gears.
+        Stiffness along the line of action, normal to the teeth: a constant [N/m], or a model. None
+        is the mean stiffness of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both
+        gears.
     damping_ratio : float
         Damping ratio ζ of the damping 2ζ√(k mₑ), with the equivalent mass mₑ of the two gears on
         the line of action.
     damping : float, optional
-        Damping along the line of action [N s/m], instead of the ratio.
+        Damping along the line of action, normal to the teeth [N s/m], instead of the ratio.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional
         Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
     backlash : float, optional
-        Clearance of the flanks along the line of action, for the centres at rest [m]. None is a
-        mesh that never separates: its force can be tensile.
+        Clearance of the flanks along the line of action, normal to the teeth, for the centres at
+        rest [m]. None is a mesh that never separates: its force can be tensile.
     tip_relief : TipRelief, optional
         Relief of the tips of both gears; None is no relief.
     error : TransmissionError, optional

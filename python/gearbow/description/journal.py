@@ -12,6 +12,7 @@ from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
+from gearbow.description.supports import Support, with_support
 from gearbow.errors import ChannelError
 
 __all__ = ["FilmCoefficients", "JournalBearing", "JournalMotion"]
@@ -72,6 +73,13 @@ class JournalBearing(Part):
     grooves : array_like, shape (k, 2), optional
         Axial grooves of a finite film, in which the pressure is zero: angle of the middle, from y
         towards z, and extent [rad].
+    axial_stiffness : float
+        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
+    axial_damping : float
+        Damping along the axis of the shaft [N s/m].
+    support : str or Support, optional
+        What it stands on: the name of a support or housing of the system, or a support of its own.
+        None is the ground.
 
     Notes
     -----
@@ -105,6 +113,9 @@ class JournalBearing(Part):
     viscosity: float
     film: str = "short"
     grooves: ArrayLike | None = None
+    axial_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    support: str | Support | None = None
 
     def __post_init__(self) -> None:
         freeze(self, "grooves")
@@ -146,7 +157,7 @@ class JournalBearing(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "JournalBearing":
-        return cls(**description)
+        return cls(**with_support(description))
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +196,7 @@ class JournalMotion(ReadOnly):
         place : tuple of (str, float)
             Shaft and position of the bearing [m].
         displacement : ndarray, shape (2,) or (k, 2)
-            Displacements v and w [m].
+            Displacements v and w of the shaft relative to what the bearing stands on [m].
         force : ndarray, shape (2,) or (k, 2)
             Force of the shaft on the bearing [N].
 

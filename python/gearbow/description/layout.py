@@ -219,9 +219,11 @@ def reference_radius(body: Gear | Disk) -> float:
     """
     if isinstance(body, Disk):
         return float(np.sqrt(2.0 * body.polar_inertia / body.mass)) if body.mass > 0.0 else 0.0
+    helix = float(np.cos(body.helix_angle))
     if body.module is not None:
-        return body.module * body.teeth / 2.0
-    return (body.base_radius or 0.0) / float(np.cos(body.pressure_angle))
+        return body.module * body.teeth / 2.0 / helix
+    transverse = np.arctan2(np.tan(body.pressure_angle), helix)
+    return (body.base_radius or 0.0) / float(np.cos(transverse))
 
 
 def _next_origin(

@@ -14,7 +14,7 @@ from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed_table import SpeedTable
-from gearbow.description.supports import Support
+from gearbow.description.supports import Support, with_support
 from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
@@ -35,6 +35,15 @@ class Bearing(Part):
         of one of these against the speed of the shaft.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
+    axial_stiffness : float
+        Stiffness along the axis of the shaft [N/m]. One bearing of a shaft with helical gears needs
+        it.
+    axial_damping : float
+        Damping along the axis of the shaft [N s/m].
+    tilting_stiffness : float
+        Stiffness against rotations of the shaft about y and z [N m/rad].
+    tilting_damping : float
+        Damping of these rotations [N m s/rad].
     support : str or Support, optional
         What it stands on: the name of a support or housing of the system, or a support of its own.
         None is the ground.
@@ -50,6 +59,10 @@ class Bearing(Part):
     _: KW_ONLY
     stiffness: ArrayLike | SpeedTable
     damping: ArrayLike | SpeedTable = 0.0
+    axial_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    tilting_stiffness: float = 0.0
+    tilting_damping: float = 0.0
     support: str | Support | None = None
 
     @classmethod
@@ -60,12 +73,10 @@ class Bearing(Part):
             return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)
-        given = dict(description)
+        given = with_support(description)
         for key in ("stiffness", "damping"):
             if isinstance(given.get(key), Mapping):
                 given[key] = SpeedTable._from_description(given[key])
-        if isinstance(given.get("support"), Mapping):
-            given["support"] = Support._from_description(given["support"])
         return cls(**given)
 
 

@@ -11,7 +11,7 @@ from gearbow._core import rolling_coefficients
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part
-from gearbow.description.supports import Support
+from gearbow.description.supports import Support, with_support
 
 __all__ = ["RollingBearing", "RollingCoefficients", "RollingMotion"]
 
@@ -97,6 +97,14 @@ class RollingBearing(Part):
         Groove radius of a race over the ball diameter, above 0.5; None is 0.52.
     roller_length : float, optional
         Effective length of a roller [m]; a roller bearing needs it or `hertz_stiffness`.
+    axial_stiffness : float
+        Stiffness along the axis of the shaft [N/m]; it has no influence on the radial force.
+    axial_damping : float
+        Damping along the axis of the shaft [N s/m].
+    tilting_stiffness : float
+        Stiffness against rotations of the shaft about y and z [N m/rad].
+    tilting_damping : float
+        Damping of these rotations [N m s/rad].
     support : str or Support, optional
         What it stands on: the name of a support or housing of the system, or a support of its own.
         None is the ground.
@@ -138,6 +146,10 @@ class RollingBearing(Part):
     inner_groove: float | None = None
     outer_groove: float | None = None
     roller_length: float | None = None
+    axial_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    tilting_stiffness: float = 0.0
+    tilting_damping: float = 0.0
     support: str | Support | None = None
 
     def coefficients(self, load: float, cage_angle: float | None = None) -> RollingCoefficients:
@@ -207,7 +219,4 @@ class RollingBearing(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":
-        given = dict(description)
-        if isinstance(given.get("support"), Mapping):
-            given["support"] = Support._from_description(given["support"])
-        return cls(**given)
+        return cls(**with_support(description))

@@ -26,7 +26,8 @@ class Stiffness(Part):
     mean : float, optional
         Mean of the mesh over its cycle, for the centres at rest [N/m].
     pair : float, optional
-        Largest stiffness of one tooth pair [N/m], for "square" and "parabolic".
+        Largest stiffness of one tooth pair [N/m], for "square" and "parabolic"; of helical teeth
+        where the pair touches over its whole face width.
     end_ratio : float, optional
         Stiffness of a pair at the ends of the path of contact divided by that in the middle, for
         "parabolic".
@@ -64,6 +65,12 @@ class Stiffness(Part):
     stiffness. ``phase="twist"`` adds the twist and the corresponding force −∂U/∂q, so that an
     undamped train conserves its energy; damping then slows down a train that is free to rotate. It
     needs a smooth engagement.
+
+    Stiffnesses in N/m are normal to the teeth. For helical gears that is along the unit normal in
+    space; the stiffness of the transverse section is cos²β_b times as large, with the base helix
+    angle β_b. A pair of helical teeth touches along a line across the face: its stiffness is that
+    of the transverse sections, integrated over the face width, which both gears then need. Tip
+    relief and a shared foundation are for spur gears only.
 
     Examples
     --------
@@ -118,7 +125,9 @@ class Stiffness(Part):
         Notes
         -----
         ISO 6336-1:2006, clause 9, method B, for solid disks: c_γ = c(0.75 ε_α + 0.25), with the
-        stiffness c of one pair, which is 0.8 times its theoretical stiffness.
+        stiffness c of one pair, which is 0.8 times its theoretical stiffness. For helical gears it
+        has the virtual numbers of teeth z/cos³β, the factor cos β and the transverse contact ratio
+        ε_α, and is that of the transverse section; divided by cos²β_b it is normal to the teeth.
         """
         return cls("iso6336")
 
@@ -237,6 +246,9 @@ class Stiffness(Part):
         where f² is the compliance of both bodies for a pair at its position. The mesh stiffness
         is K = Σκ − (Σκf)²/(1 + Σκf²), with the stiffness κ of each pair without the bodies. It
         cannot be combined with tip relief.
+
+        The transverse sections of helical teeth are spur teeth with the transverse pressure angle
+        (accumulated integral potential energy method, Wan et al., Mech. Mach. Theory 92 (2015)).
 
         Each tooth is a cantilever with an involute profile down to the base circle and a straight
         profile from there to the root: Yang and Lin, *Hertzian damping, tooth friction and bending

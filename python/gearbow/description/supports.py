@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -10,7 +11,7 @@ from gearbow._types import Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import SceneError
 
-__all__ = ["Housing", "Support"]
+__all__ = ["Housing", "Support", "with_support"]
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,25 @@ class Support(Part):
     mass: float
     stiffness: ArrayLike
     damping: ArrayLike = 0.0
+
+
+def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
+    """Replace the description of the support of a bearing by the support.
+
+    Parameters
+    ----------
+    bearing : mapping
+        Plain description of a bearing.
+
+    Returns
+    -------
+    dict
+        The arguments of the bearing.
+    """
+    given = dict(bearing)
+    if isinstance(given.get("support"), Mapping):
+        given["support"] = Support._from_description(given["support"])
+    return given
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from gearbow.recording.recording import Recording
 __all__ = ["Channel", "channel"]
 
 #: Components of the force on a bearing.
-_BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()}
+_BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()} | {"x": "N"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +44,8 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
-        "v", "w" or "twist" of a place, "y" or "z" of the force on a bearing, or a field of
-        `MeshResponse`. None is "v", "y" or the mesh force.
+        "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
+        field of `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------
@@ -59,21 +59,24 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
     """
     of = place(of, "of")
     if isinstance(of, tuple) and len(of) == 3:
+        values: Array
         name, component = _chosen(of, quantity, _BEARING)
-        force = recording.bearing_force(of[1], of[2])
-        return Channel(
-            f"bearing {of[1]} at {of[2]:g} m {name}", _BEARING[name], force[:, component]
-        )
+        if name == "x":
+            values = recording.axial_bearing_force(of[1], of[2])
+        else:
+            values = recording.bearing_force(of[1], of[2])[:, component]
+        return Channel(f"bearing {of[1]} at {of[2]:g} m {name}", _BEARING[name], values)
     if of == "energy":
         _chosen(of, quantity, {"energy": "J"})
         return Channel("energy", "J", recording.energy)
     if isinstance(of, tuple) and isinstance(of[1], str):
         name, _ = _chosen(of, quantity, {"force": MESH["force"], **MESH})
-        values: Array = getattr(recording.mesh(of[0], of[1]), name)
+        values = getattr(recording.mesh(of[0], of[1]), name)
         return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", MESH[name], values)
     name, component = _chosen(of, quantity, POINT)
     at = of if isinstance(of, str) else (of[0], float(of[1]))
-    motion = recording.twist(at) if name == "twist" else recording.displacement(at)[:, component]
+    single = {"twist": recording.twist, "u": recording.axial}
+    motion = single[name](at) if name in single else recording.displacement(at)[:, component]
     return Channel(f"{place_label(at)} {name}", POINT[name], motion)
 
 

@@ -35,9 +35,10 @@ class _Motion(NamedTuple):
     gamma: Array
     beta: Array
     twist: Array
+    along: Array
 
     def at(self, position: float) -> Array:
-        """(v, w, Γ, B, θ) at a position, interpolated linearly."""
+        """(v, w, Γ, B, θ, u) at a position, interpolated linearly."""
         return np.array([np.interp(position, self.x, values) for values in self[1:]])
 
 
@@ -119,7 +120,7 @@ def _extent(layout: Layout) -> Array:
 def _lever(layout: Layout, dof: NodalDof) -> float:
     """Give the displacement of the surface per unit of a degree of freedom."""
     name, position, direction = dof
-    if direction in ("v", "w"):
+    if direction in ("u", "v", "w"):
         return 1.0
     if direction in ("B", "G"):
         return 0.0
@@ -144,16 +145,16 @@ def _motion(dofs: Sequence[NodalDof], name: str, values: Array) -> _Motion:
             nodes.setdefault(position, {})[direction] = value
     columns = [
         np.array([node.get(direction, 0.0) for node in nodes.values()])
-        for direction in ("v", "w", "G", "B", "twist")
+        for direction in ("v", "w", "G", "B", "twist", "u")
     ]
     return _Motion(np.array(list(nodes)), *columns)
 
 
 def _ring(position: float, radius: float, moved: Array, around: Array) -> Array:
-    """Give points of a circle on the shaft after its displacement, tilt and twist."""
-    v, w, gamma, beta, twist = moved
+    """Give points of a circle on the shaft after its displacements, tilt and twist."""
+    v, w, gamma, beta, twist, along = moved
     y, z = radius * np.cos(around + twist), radius * np.sin(around + twist)
-    return np.column_stack([position - gamma * y + beta * z, v + y, w + z])
+    return np.column_stack([position + along - gamma * y + beta * z, v + y, w + z])
 
 
 def _draw_tube(axes: Any, shaft: ShaftOutline, motion: _Motion, shade: str) -> None:
@@ -178,10 +179,10 @@ def _draw_disc(axes: Any, origin: Array, body: BodyOutline, motion: _Motion, sha
     rim = origin + _ring(body.position, body.radius, moved, AROUND)
     disc = Poly3DCollection([rim], facecolor=shade, edgecolor=shade, alpha=0.25, linewidth=1.6)
     axes.add_collection3d(disc)
-    rest = origin + _ring(body.position, body.radius, np.zeros(5), AROUND)
+    rest = origin + _ring(body.position, body.radius, np.zeros(6), AROUND)
     axes.plot(*rest.T, color="0.6", linewidth=0.8)
     spoke = origin + _ring(body.position, body.radius, moved, np.array([np.pi / 2.0]))
-    centre = origin + np.array([body.position, *moved[:2]])
+    centre = origin + np.array([body.position + moved[5], *moved[:2]])
     axes.plot(*np.vstack([centre, spoke]).T, color="black", linewidth=1.4)
 
 
@@ -195,9 +196,10 @@ def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:
     if "v" not in found:
         return np.array([[body.position, 0.0, 0.0]])
     cycle = np.exp(1j * AROUND)
+    along = scaled[found["u"]] if "u" in found else 0.0
     return np.column_stack(
         [
-            np.full(AROUND.size, body.position),
+            body.position + np.real(along * cycle),
             np.real(scaled[found["v"]] * cycle),
             np.real(scaled[found["w"]] * cycle),
         ]

@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.plotting.style import colour, legend, panels
@@ -14,7 +13,7 @@ __all__ = ["overview"]
 
 
 def overview(
-    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[NodalDof], twists: NDArray[np.bool_]
+    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[NodalDof], drawn: Sequence[str]
 ) -> Figure:
     """Draw mode shapes along the shafts.
 
@@ -26,26 +25,27 @@ def overview(
         Complex mode shapes.
     dofs : sequence of (str, float, str)
         Shaft, position [m] and direction of each degree of freedom of the nodes.
-    twists : ndarray of bool, shape (m,)
-        Whether to draw the twist of a mode instead of its displacement.
+    drawn : sequence of {"lateral", "twist", "u"}, length m
+        What to draw of each mode: its lateral displacement, its twist or its axial displacement.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each mode: v (solid) and w (dashed) or the twist, with the maximum 1.
+        One panel for each mode: v (solid) and w (dashed), the twist or u, with the maximum 1.
     """
     shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
     with panels(len(titles), 3.0, columns=2, width=13.0) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
-            lines = {"twist": "-"} if twists[mode] else {"v": "-", "w": "--"}
+            lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
             shape = _real(shapes[mode], [direction in lines for _, _, direction in dofs])
             for (direction, line), (i, shaft) in product(lines.items(), enumerate(shafts)):
                 at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (shaft, direction)]
                 x = [dofs[n][1] for n in at]
-                label = None if direction == "w" else shaft
-                panel.plot(x, shape[at], line, color=colour(i), label=label)
+                name = None if direction == "w" else shaft
+                panel.plot(x, shape[at], line, color=colour(i), label=name)
             panel.set(title=title, xlabel="position [m]")
-            panel.set(ylabel="twist" if twists[mode] else "v (w dashed)", ylim=(-1.15, 1.15))
+            label = "v (w dashed)" if drawn[mode] == "lateral" else drawn[mode]
+            panel.set(ylabel=label, ylim=(-1.15, 1.15))
         legend(figure, axes[0])
     return figure
 

@@ -18,6 +18,8 @@ INTERVALS = 48
 Entries: TypeAlias = dict[float | tuple[float, float], dict[str, ComplexArray]]
 #: The direction of a displacement, that of its slope, and the sign of the slope.
 PLANES = (("v", "G", 1.0), ("w", "B", -1.0))
+#: The directions of a rod: the twist and the axial displacement.
+RODS = ("twist", "u")
 
 
 def refined(
@@ -86,11 +88,12 @@ def _element(
             angle += _product(_integrated(n), xi, sign * values)
         yield across, u
         yield slope, sign * angle
-    if "twist" in first:
-        twist = np.outer(1.0 - xi, first["twist"]) + np.outer(xi, last["twist"])
-        for n, values in inside.get("twist", {}).items():
-            twist += _product(_integrated(n), xi, values)
-        yield "twist", twist
+    for direction in RODS:
+        if direction in first:
+            along = np.outer(1.0 - xi, first[direction]) + np.outer(xi, last[direction])
+            for n, values in inside.get(direction, {}).items():
+                along += _product(_integrated(n), xi, values)
+            yield direction, along
 
 
 def _product(function: Legendre, xi: Array, values: ComplexArray) -> ComplexArray:

@@ -10,7 +10,7 @@ __all__ = ["BEARING", "MESH", "POINT", "ROLLING"]
 _CONNECTION = connection_channels()
 
 #: Quantities of a node.
-POINT = {"v": "m", "w": "m", "twist": "rad"}
+POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"}
 #: Quantities of a mesh: the fields of `MeshResponse`.
 MESH = _CONNECTION["mesh"]
 #: Quantities of the bearings at a node: the components of their force.

@@ -215,9 +215,11 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
         },
         **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
     }
-    energies = [name for name in expected if name.startswith("energy")]
-    if all(header(name) is None for name in energies):
-        expected = {name: value for name, value in expected.items() if name not in energies}
+    # A run without energies, a system without axial motion, and an older file lack these arrays.
+    for group in ("energy", "axial", "bearing_displacement"):
+        names = [name for name in expected if name.startswith(group)]
+        if all(header(name) is None for name in names):
+            expected = {name: value for name, value in expected.items() if name not in names}
     if not about["rolling_bearings"]:
         expected = {
             name: value for name, value in expected.items() if not name.startswith("rolling_")
@@ -255,12 +257,15 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "points": [(shaft, position, names) for shaft, position, names in about["points"]],
             "displacement": arrays["displacement"],
             "twist": arrays["twist"],
+            "axial": arrays.get("axial"),
             "bearings": [(shaft, position) for shaft, position in about["bearings"]],
             "bearing_force": arrays["bearing_force"],
+            "bearing_displacement": arrays.get("bearing_displacement"),
             "rolling_bearings": [
                 (shaft, position) for shaft, position in about["rolling_bearings"]
             ],
             "rolling_contact": contact,
+            "axial_bearing_force": arrays.get("axial_bearing_force"),
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),

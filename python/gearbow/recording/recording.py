@@ -1,7 +1,7 @@
 """Access to the recorded signals of a run by name and place."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -154,6 +154,52 @@ class Recording(ReadOnly):
         """
         return self._data["twist"][:, self._point(name)]
 
+    def axial(self, name: At) -> Array:
+        """Axial displacement of a place.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Displacement u along x [m].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record. If the system has no axial
+            motion.
+        """
+        point = self._point(name)
+        return self._axial("axial")[:, point]
+
+    def axial_bearing_force(self, shaft: str, position: float) -> Array:
+        """Force of a shaft on a bearing along the axis.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Component along x [N].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record. If the system has no axial
+            motion.
+        """
+        bearing = self._bearing(shaft, position)
+        return self._axial("axial_bearing_force")[:, bearing]
+
     def bearing_force(self, shaft: str, position: float) -> Array:
         """Force of a shaft on a bearing.
 
@@ -174,12 +220,35 @@ class Recording(ReadOnly):
         ChannelError
             If it was not recorded; the message says what to record.
         """
-        i = locate(self._data["bearings"], shaft, position)
-        if i is None:
-            raise self._missing(
-                f"the bearing force at ({shaft!r}, {position:g})", ("bearing", shaft, position)
-            )
-        return self._data["bearing_force"][:, i]
+        return self._data["bearing_force"][:, self._bearing(shaft, position)]
+
+    def bearing_displacement(self, shaft: str, position: float) -> Array:
+        """Displacement of a shaft relative to what its bearing stands on.
+
+        A proximity probe in the bearing housing measures it.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Components along y and z [m].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record.
+        """
+        bearing = self._bearing(shaft, position)
+        found = self._data.get("bearing_displacement")
+        if found is None:
+            raise ChannelError("the file of this run has no displacements at bearings; run again")
+        return found[:, bearing]
 
     def journal(self, shaft: str, position: float) -> JournalMotion:
         """Time history of a journal bearing.
@@ -201,10 +270,12 @@ class Recording(ReadOnly):
         ChannelError
             If the bearing was not recorded, or is no journal bearing of a known scene.
         """
-        force = self.bearing_force(shaft, position)
+        force, displacement = (
+            self.bearing_force(shaft, position),
+            self.bearing_displacement(shaft, position),
+        )
         bearings = () if self.request is None else self.request.description.get("bearings", ())
-        at = (shaft, position)
-        return JournalMotion.of(bearings, at, self.displacement(at), force)
+        return JournalMotion.of(bearings, (shaft, position), displacement, force)
 
     def rolling(self, shaft: str, position: float) -> RollingMotion:
         """Time history of a rolling bearing.
@@ -329,6 +400,23 @@ class Recording(ReadOnly):
             if found is not None:
                 return found
         raise self._missing(f"the motion of {name!r}", name)
+
+    def _bearing(self, shaft: str, position: float) -> int:
+        i = locate(self._data["bearings"], shaft, position)
+        if i is None:
+            raise self._missing(
+                f"the bearing force at ({shaft!r}, {position:g})", ("bearing", shaft, position)
+            )
+        return i
+
+    def _axial(self, name: Literal["axial", "axial_bearing_force"]) -> Array:
+        found = self._data.get(name)
+        if found is None:
+            raise ChannelError(
+                "the system has no axial motion; helical gears, axial forces and bearings with "
+                "axial_stiffness cause it"
+            )
+        return found
 
     def _missing(self, what: str, record: Record) -> ChannelError:
         recorded = ", ".join(repr(item) for item in self.recorded) or "nothing"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
+from gearbow._types import Array, RunData
 from gearbow.description.speed import plain_speed
 from gearbow.recording.channels import BEARING, MESH, ROLLING
 from gearbow.recording.energy import ENERGIES, WORKS
@@ -26,7 +27,10 @@ FORMAT = 1
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
     "twist": ("rad", ("time", "point")),
+    "axial": ("m", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
+    "bearing_displacement": ("m", ("time", "bearing", "axis")),
+    "axial_bearing_force": ("N", ("time", "bearing")),
     "energy": ("J", ("time",)),
     **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
     **{f"mesh_{name}": (unit, ("time", "mesh")) for name, unit in MESH.items()},
@@ -100,26 +104,51 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 
     data = run.data
     columns = {}
+    along = data.get("axial")
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
             columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
+            if along is not None:
+                columns[f"{name} u [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
-    for i, (shaft, position) in enumerate(data["bearings"]):
-        for axis, (field, unit) in enumerate(BEARING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
-    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
-        for j, (field, unit) in enumerate(ROLLING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
+    columns |= _bearing_columns(data)
     if data["energy"] is not None:
         columns["energy [J]"] = data["energy"]
     for name, values in (data["energy_terms"] or {}).items():
         columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(data["time"], name="time [s]"))
     return table
+
+
+def _bearing_columns(data: RunData) -> dict[str, Array]:
+    """Collect the quantities of bearings by their names with units."""
+    columns: dict[str, Array] = {}
+    thrust, displacement = data.get("axial_bearing_force"), data.get("bearing_displacement")
+    for i, (shaft, position) in enumerate(data["bearings"]):
+        for axis, (field, unit) in enumerate(BEARING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
+        if thrust is not None:
+            columns[f"{shaft}@{position:g} force_x [N]"] = thrust[:, i]
+        if displacement is not None:
+            for axis, field in enumerate(("displacement_y", "displacement_z")):
+                columns[f"{shaft}@{position:g} {field} [m]"] = displacement[:, i, axis]
+    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
+        for j, (field, unit) in enumerate(ROLLING.items()):
+            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
+    return columns
+
+
+def optional_arrays(data: RunData) -> dict[str, Array | None]:
+    """Collect the arrays that a run may lack; None without axial motion, or from an older file."""
+    return {
+        "axial": data.get("axial"),
+        "axial_bearing_force": data.get("axial_bearing_force"),
+        "bearing_displacement": data.get("bearing_displacement"),
+    }
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
@@ -131,6 +160,9 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "twist": data["twist"],
         "bearing_force": data["bearing_force"],
     }
+    for name, values in optional_arrays(data).items():
+        if values is not None:
+            arrays[name] = values
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["rolling_bearings"]:
         contact = data["rolling_contact"]

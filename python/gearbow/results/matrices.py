@@ -26,7 +26,8 @@ class Matrices(ReadOnly):
     gyroscopic : ndarray, shape (n, n)
         Gyroscopic matrix G per unit reference speed [kg m²]; skew-symmetric.
     dofs : tuple of (str, float or (float, float), str)
-        Shaft, position [m] and direction ("v", "w", "B", "G" or "twist") of each degree of freedom.
+        Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of
+        freedom.
         Those within an element have the positions of its ends and a degree ("v2").
 
     Examples

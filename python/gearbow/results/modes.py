@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Modes"]
 
 #: Name of the motion to which each direction contributes: bending has the name of its translation.
-_DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist"}
+_DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Modes(ReadOnly):
     damping_ratios : ndarray, shape (m,)
         Damping ratios.
     whirl : tuple of str
-        "forward", "backward", "planar", "torsion", "rigid" or "coupled" for each mode.
+        "forward", "backward", "planar", "torsion", "axial", "rigid" or "coupled" for each mode.
     shapes : ndarray, shape (m, n)
         Complex shapes; the motion is Re(shape exp(eigenvalue t)).
     eigenvalues : ndarray, shape (m,)
@@ -113,8 +113,8 @@ class Modes(ReadOnly):
         Returns
         -------
         dict of {(str, str): ndarray of shape (m,)}
-            Share for each (shaft, "v" | "w" | "twist"). The rotation of a bent shaft belongs to
-            its translation. The shares of a mode add up to 1.
+            Share for each (shaft, "u" | "v" | "w" | "twist"). The rotation of a bent shaft belongs
+            to its translation. The shares of a mode add up to 1.
         """
         return dict(self._shares)
 
@@ -220,11 +220,13 @@ class Modes(ReadOnly):
                 for frequency, name in zip(self.frequencies_hz, self.names(), strict=True)
             ]
             shares = self.energy_shares()
-            twist = sum(share for (_, direction), share in shares.items() if direction == "twist")
-            twists = np.broadcast_to(twist, len(self.whirl)) > 0.5
+            drawn = np.full(len(self.whirl), "lateral", dtype=object)
+            for rod in ("twist", "u"):
+                share = sum(share for (_, direction), share in shares.items() if direction == rod)
+                drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             most = whole(count, "count")
             shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
-            return modes.overview(titles[:most], shapes, dofs, twists)
+            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]))
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")

@@ -137,8 +137,8 @@ class Response(Recording):
             A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
             position [m]) or "energy".
         quantity : str, optional
-            "v", "w" or "twist" of a place, "y" or "z" of the force on a bearing, or a field of
-            `MeshResponse`. None is "v", "y" or the mesh force.
+            "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
+            field of `MeshResponse`. None is "v", "y" or the mesh force.
         window : {"hann", "flat top", "none"}
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
             whole periods.

@@ -131,6 +131,48 @@ class Static(ReadOnly):
         """
         return float(self.state[self.coordinates.twist(name)])
 
+    def axial(self, name: At) -> float:
+        """Axial displacement of a place.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        float
+            Displacement u along x [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no axial motion.
+        """
+        return float(self.state[self.coordinates.axial(name)])
+
+    def axial_bearing_force(self, shaft: str, position: float) -> float:
+        """Force of a shaft on a bearing along the axis.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        position : float
+            Position of the bearing [m].
+
+        Returns
+        -------
+        float
+            Component along x [N].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing.
+        """
+        return float(self._data["axial_bearing_force"][self._bearing(shaft, position)])
+
     def bearing_force(self, shaft: str, position: float) -> Array:
         """Force of a shaft on a bearing.
 
@@ -151,12 +193,7 @@ class Static(ReadOnly):
         ChannelError
             If there is no such bearing.
         """
-        i = locate(self._data["bearings"], shaft, position)
-        if i is None:
-            raise ChannelError(
-                f"no bearing at ({shaft!r}, {position:g}); there are {self._data['bearings']}"
-            )
-        force: Array = self._data["bearing_force"][i]
+        force: Array = self._data["bearing_force"][self._bearing(shaft, position)]
         return force
 
     def journal(self, shaft: str, position: float) -> JournalMotion:
@@ -179,8 +216,9 @@ class Static(ReadOnly):
         ChannelError
             If there is no such journal bearing.
         """
-        force, at = self.bearing_force(shaft, position), (shaft, position)
-        return JournalMotion.of(self._bearings, at, self.displacement(at), force)
+        force = self.bearing_force(shaft, position)
+        displacement = self._data["bearing_displacement"][self._bearing(shaft, position)]
+        return JournalMotion.of(self._bearings, (shaft, position), displacement, force)
 
     def mesh(self, driver: str, driven: str) -> MeshState:
         """State of one mesh.
@@ -207,6 +245,14 @@ class Static(ReadOnly):
             raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {meshes}")
         i = meshes.index((driver, driven))
         return MeshState(**{name: float(values[i]) for name, values in self._data["mesh"].items()})
+
+    def _bearing(self, shaft: str, position: float) -> int:
+        i = locate(self._data["bearings"], shaft, position)
+        if i is None:
+            raise ChannelError(
+                f"no bearing at ({shaft!r}, {position:g}); there are {self._data['bearings']}"
+            )
+        return i
 
     def __repr__(self) -> str:
         return f"Static({self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes)"

@@ -257,9 +257,10 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     recorded: Any = {
         name: both(first[name], second[name])
         for name in (
-            *("time", "displacement", "twist", "bearing_force"),
-            *("rolling_contact", "mesh", "energy", "energy_terms"),
+            *("time", "displacement", "twist", "axial", "bearing_force", "axial_bearing_force"),
+            *("bearing_displacement", "rolling_contact", "mesh", "energy", "energy_terms"),
         )
+        if name in first
     }
     return {**second, **recorded, "events": [*first["events"], *second["events"]]}
 

@@ -354,11 +354,12 @@ class SystemDescription:
         Returns
         -------
         tuple of (str, float or (float, float), str)
-            First those of the nodes: shaft, position [m] and "v", "w" (translation along y, z),
-            "B", "G" (rotation about y, z) or "twist". Then those within elements of a degree above
-            1: shaft, positions of the two ends of the element [m], and the direction with the
-            degree of the shape function, for example "v2". Last come supports and housings: name,
-            x of the centre of mass [m] and "v", "w", with "B", "G", "twist" if they rotate.
+            First those of the nodes: shaft, position [m] and "u" (translation along x, in a system
+            with axial motion), "v", "w" (along y, z), "B", "G" (rotation about y, z) or "twist".
+            Then those within elements of a degree above 1: shaft, positions of the two ends of the
+            element [m], and the direction with the degree of the shape function, for example "v2".
+            Last come supports and housings: name, x of the centre of mass [m] and "v", "w", with
+            "B", "G", "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 

@@ -163,7 +163,7 @@ class LinearAnalyses(SystemDescription):
         Parameters
         ----------
         stiffnesses : array_like, shape (k,)
-            Stiffnesses of every bearing, the same in every direction [N/m]. Damping has no effect.
+            Stiffnesses of every bearing along y and z [N/m]. Damping has no effect.
         excitation : float
             Order of the excitation. At a critical speed, an undamped mode has the frequency
             excitation·Ω. The order is 1 for unbalance of the reference shaft.
@@ -188,7 +188,7 @@ class LinearAnalyses(SystemDescription):
         for stiffness in wanted:
             description = self.description
             for bearing in description.get("bearings", ()):
-                kept = ("shaft", "position", "support")
+                kept = ("shaft", "position", "support", "axial_stiffness", "tilting_stiffness")
                 place = {key: bearing[key] for key in kept if key in bearing}
                 bearing.clear()
                 bearing.update(place, stiffness=float(stiffness))

@@ -195,8 +195,8 @@ class Simulation(LinearAnalyses):
             response = system._run(arguments, profile, (wanted, rows), progress, file)
             if level is not None and stages is None and modes is None:
                 response.accuracy = level.explanation(response.events, coarse)
-            if modes is not None:
-                check_reduction(response.statistics, level)
+            if modes is not None or level is not None:
+                check_reduction(response.statistics, level, given=modes is not None)
             if file is not None:
                 file.finish(response.to_record())
         return response

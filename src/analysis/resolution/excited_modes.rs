@@ -3,7 +3,7 @@
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
-use crate::model::{Model, ShaftModel};
+use crate::model::{Model, RodChain, ShaftModel};
 
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
 /// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
@@ -20,8 +20,8 @@ pub struct ExcitedMode {
     pub damping: f64,
     /// Square of the amplitude of each signal after a step of its load.
     pub squares: Vec<f64>,
-    /// Fractions of the elastic energy in the bending and in the torsion of each shaft.
-    pub energy: Vec<[f64; 2]>,
+    /// Fractions of the elastic energy in the bending, in the torsion and in the axial strain of each shaft.
+    pub energy: Vec<[f64; 3]>,
 }
 
 /// A signal that a load excites.
@@ -170,15 +170,15 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Twice the elastic energy of the bending and of the torsion of a shaft, J.
-fn elastic_energy(shaft: &ShaftModel, q: &[f64]) -> [f64; 2] {
+/// Twice the elastic energy of the bending, of the torsion and of the axial strain of a shaft, J.
+fn elastic_energy(shaft: &ShaftModel, q: &[f64]) -> [f64; 3] {
     let bending = shaft.bending.as_ref().map_or(0.0, |chain| chain.elastic_form::<2>(&q[chain.start..]));
-    let twist = shaft.twist.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]));
-    [bending, twist]
+    let rod = |chain: &Option<RodChain>| chain.as_ref().map_or(0.0, |chain| chain.elastic_form::<1>(&q[chain.start..]));
+    [bending, rod(&shaft.twist), rod(&shaft.axial)]
 }
 
 /// Forces of inertia, n entries each, of a uniform and of a linear acceleration of each shaft along y and along z, and of
-/// a uniform angular acceleration about x.
+/// a uniform acceleration about x and along x.
 fn inertia_loads(model: &Model) -> Vec<Vec<f64>> {
     let mut loads = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
@@ -201,7 +201,7 @@ fn inertia_loads(model: &Model) -> Vec<Vec<f64>> {
                 });
             }
         }
-        if let Some(start) = model.numbering.torsion(shaft) {
+        for start in model.numbering.torsion(shaft).into_iter().chain(model.numbering.axial(shaft)) {
             push(&|motion, node, _| motion[start + node] = 1.0);
         }
     }

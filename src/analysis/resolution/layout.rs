@@ -23,6 +23,8 @@ struct Segment {
     bending: BendingWave,
     /// Speed of a torsion wave, m/s.
     torsion: f64,
+    /// Speed of an axial wave, m/s.
+    axial: f64,
 }
 
 /// Dispersion of the bending waves of a Timoshenko beam: with the longitudinal speed c, the speed s of shear waves and the
@@ -88,7 +90,8 @@ impl Layout {
                 shear: if shaft.shear { density / (kappa * shear_modulus) } else { 0.0 },
                 flexural: longitudinal / (gyration * gyration),
             };
-            segments.push(Segment { length, stations, bending, torsion: (shear_modulus / density).sqrt() });
+            let [torsion, axial] = [shear_modulus, youngs_modulus].map(|modulus| (modulus / density).sqrt());
+            segments.push(Segment { length, stations, bending, torsion, axial });
             start += length;
         }
         Self { segments, length: shaft.length() }
@@ -115,10 +118,10 @@ impl Layout {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Relative errors of a frequency ω, rad/s, at which the shaft vibrates in bending and in torsion, by the element
-    /// lengths of each segment.
-    pub fn frequency_errors(&self, lengths: &[Vec<f64>], degree: usize, frequency: f64) -> [f64; 2] {
-        let mut errors = [0.0; 2];
+    /// Relative errors of a frequency ω, rad/s, at which the shaft vibrates in bending, in torsion and along its axis, by the
+    /// element lengths of each segment.
+    pub fn frequency_errors(&self, lengths: &[Vec<f64>], degree: usize, frequency: f64) -> [f64; 3] {
+        let mut errors = [0.0; 3];
         for (segment, lengths) in self.segments.iter().zip(lengths) {
             for (error, wavenumber) in errors.iter_mut().zip(segment.wavenumbers(frequency)) {
                 let sum: f64 = lengths.iter().map(|length| length * dispersion(degree, wavenumber * length)).sum();
@@ -178,9 +181,9 @@ impl Segment {
         })
     }
 
-    /// Wavenumbers of bending and torsion waves, 1/m.
-    fn wavenumbers(&self, frequency: f64) -> [f64; 2] {
-        [self.bending.wavenumber(frequency), frequency / self.torsion]
+    /// Wavenumbers of bending, torsion and axial waves, 1/m.
+    fn wavenumbers(&self, frequency: f64) -> [f64; 3] {
+        [self.bending.wavenumber(frequency), frequency / self.torsion, frequency / self.axial]
     }
 }
 

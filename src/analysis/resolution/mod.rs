@@ -15,7 +15,7 @@ use super::AnalysisError;
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
 
-use crate::element::{BendingFunction, twist_degrees};
+use crate::element::{BendingFunction, rod_degrees};
 use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::description::Resolution;
@@ -317,8 +317,8 @@ impl Search<'_> {
         let shear = self.given.shafts[self.automatic[i]].shear;
         let scene = &self.model.scene;
         let bending = 4 * (elements + 1) + 2 * BendingFunction::all(degree, shear).len() * elements;
-        let twist = elements + 1 + twist_degrees(degree).count() * elements;
-        usize::from(scene.lateral) * bending + usize::from(scene.torsion) * twist
+        let rod = elements + 1 + rod_degrees(degree).count() * elements;
+        usize::from(scene.lateral) * bending + (usize::from(scene.torsion) + usize::from(scene.axial)) * rod
     }
 
     /// Expected error of the worst load: RMS of the difference between the step responses.
@@ -346,7 +346,8 @@ impl Search<'_> {
         for (i, layout) in self.layouts.iter().enumerate() {
             let errors = layout.frequency_errors(&lengths[i], degrees[i], mode.frequency);
             let energy = mode.energy[self.automatic[i]];
-            error += errors[0] * energy[0] + errors[1] * energy[1];
+            // Without axial motion its energy is zero, and the sum that of the other two.
+            error += errors[0] * energy[0] + errors[1] * energy[1] + errors[2] * energy[2];
         }
         let change = mode.frequency * error.min(1.0);
         let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, change));

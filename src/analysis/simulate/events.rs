@@ -7,7 +7,7 @@
 
 use super::checkpoint::{Margins, RecorderState};
 use crate::integrate::Trajectory;
-use crate::mesh::{Centres, ContactMode, Flank, GearMesh};
+use crate::mesh::{Centres, ContactMode, Flank, GearMesh, Helix};
 use crate::motion::EquationOfMotion;
 
 /// The kind of an event.
@@ -214,5 +214,10 @@ fn has_moved(mesh: &GearMesh, v: &[f64], since: f64) -> bool {
     let rate = mesh.relative(v);
     // No flank closes faster than this.
     let fastest = rate.rolling_displacement.abs() + rate.relative_displacement[0].hypot(rate.relative_displacement[1]);
+    let tilting = |helix: &Helix| {
+        let [y, z] = mesh.involute.centres_at_rest();
+        helix.slope.abs() * y.hypot(z) * rate.tilt[0].hypot(rate.tilt[1])
+    };
+    let fastest = fastest + mesh.helix.as_ref().map_or(0.0, tilting);
     fastest * since > TOUCHING * mesh.involute.base_radius[0]
 }

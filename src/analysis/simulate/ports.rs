@@ -54,8 +54,9 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
         if let Some(v) = model.numbering.translation(node).filter(|v| recorded(*v)) {
             ports.rows.push([v, v + 1].map(|index| linear.row(&[(index, 1.0)], false)).to_vec());
         }
-        if let Some(twist) = model.numbering.twist(node).filter(|twist| recorded(*twist)) {
-            ports.rows.push(vec![linear.row(&[(twist, 1.0)], false)]);
+        let single = model.numbering.twist(node).into_iter().chain(model.numbering.displacement_along(node));
+        for index in single.filter(|index| recorded(*index)) {
+            ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
         }
     }
     for index in model.housings.coordinates().filter(|index| recorded(*index)) {

@@ -2,7 +2,7 @@
 
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
-use super::{RecordPlan, RecorderState};
+use super::{Point, RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::motion::{Energies, EquationOfMotion};
@@ -16,8 +16,14 @@ pub struct Record {
     pub displacement: Vec<f64>,
     /// θ of every point, rad; zero in a scene without twist.
     pub twist: Vec<f64>,
+    /// u of every point, m; empty in a scene without axial motion.
+    pub axial: Vec<f64>,
+    /// Axial force of the shaft on the bearings of every bearing node, N; empty in a scene without axial motion.
+    pub axial_bearing_force: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
+    /// Displacement (y, z) of the shaft at every recorded bearing node relative to what the bearing stands on, m.
+    pub bearing_displacement: Vec<f64>,
     /// Quantities of [`ROLLING_CHANNELS`](crate::connection::ROLLING_CHANNELS) of every bearing node with rolling elements.
     pub rolling: Vec<f64>,
     /// One vector for each quantity of [`MESH_CHANNELS`].
@@ -40,6 +46,8 @@ pub(super) struct Recorder<'a, 'm> {
     origin: f64,
     /// Indices of the coordinates that recording needs.
     coordinates: Vec<usize>,
+    /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
+    bearing_rows: Vec<Option<[Row; 2]>>,
     /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -65,7 +73,10 @@ impl<'a, 'm> Recorder<'a, 'm> {
             time: room(1),
             displacement: room(2 * plan.points.len()),
             twist: room(plan.points.len()),
+            axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
+            axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
             bearing_force: room(2 * plan.bearings.len()),
+            bearing_displacement: room(2 * plan.bearings.len()),
             rolling: Vec::new(),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
@@ -73,6 +84,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         };
         Self {
             coordinates: plan.coordinates(model),
+            bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             displacement: vec![0.0; BATCH * model.len()],
             velocity: vec![0.0; BATCH * model.len()],
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
@@ -164,19 +176,28 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 series.push(value);
             }
         }
+        let of_rows = |rows: &[Row; 2]| {
+            rows.each_ref().map(|row| row.iter().map(|(index, factor)| factor * q[*index]).sum::<f64>())
+        };
         for point in &self.plan.points {
             let translation = model.numbering.translation(point.node);
             let own = translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]);
-            let of_row = |row: &Row| row.iter().map(|(index, factor)| factor * q[*index]).sum();
-            self.record.displacement.extend(point.rows.as_ref().map_or(own, |rows| rows.each_ref().map(of_row)));
+            self.record.displacement.extend(point.rows.as_ref().map_or(own, of_rows));
             self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
         }
-        for node in &self.plan.bearings {
+        for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
             self.record.bearing_force.extend(force);
+            self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], of_rows));
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
             }
+        }
+        if model.scene.axial {
+            let along = |point: &Point| model.numbering.displacement_along(point.node).map_or(0.0, |index| q[index]);
+            self.record.axial.extend(self.plan.points.iter().map(along));
+            let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
+            self.record.axial_bearing_force.extend(forces);
         }
         Ok(())
     }

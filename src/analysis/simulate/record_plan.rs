@@ -37,7 +37,7 @@ pub struct Point {
 /// The quantities to record.
 #[derive(Clone, Debug, Default)]
 pub struct RecordPlan {
-    /// Nodes whose displacement and twist are recorded.
+    /// Nodes whose displacement, twist and axial displacement are recorded.
     pub points: Vec<Point>,
     /// Nodes whose bearing force is recorded.
     pub bearings: Vec<Node>,
@@ -153,19 +153,21 @@ impl RecordPlan {
         let mut add_node = |node: Node| {
             coordinates.extend(model.numbering.translation(node).into_iter().flat_map(|v| [v, v + 1]));
             coordinates.extend(model.numbering.twist(node));
+            coordinates.extend(model.numbering.displacement_along(node));
         };
         self.points.iter().for_each(|point| add_node(point.node));
         self.bearings.iter().for_each(|node| add_node(*node));
         let rows = self.points.iter().flat_map(|point| &point.rows).flatten().flatten();
         let points: Vec<usize> = rows.map(|(index, _)| *index).collect();
         let bases: Vec<usize> = self.bearings.iter().flat_map(|node| model.bearing_coordinates(*node)).collect();
+        let of_meshes: Vec<usize> = self.meshes.iter().flat_map(|mesh| model.meshes[*mesh].indices()).collect();
         for mesh in &self.meshes {
             let pair = &model.scene.meshes[*mesh];
             for gear in [pair.driver, pair.driven] {
                 add_node(model.scene.gears[gear].body.node);
             }
         }
-        coordinates.extend(points.into_iter().chain(bases));
+        coordinates.extend(points.into_iter().chain(bases).chain(of_meshes));
         coordinates.sort_unstable();
         coordinates.dedup();
         coordinates

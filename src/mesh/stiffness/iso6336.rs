@@ -1,4 +1,4 @@
-//! ISO 6336-1:2006, clause 9, method B: stiffness of steel spur gears with the standard basic rack.
+//! ISO 6336-1:2006, clause 9, method B: stiffness of steel gears with the standard basic rack, in the transverse section.
 
 use crate::scene::Gear;
 
@@ -18,9 +18,12 @@ const CORRECTION: f64 = 0.8;
 /// Conversion factor from N/(mm µm) to N/m².
 const UNIT: f64 = 1e9;
 
-/// Stiffness of a pair of solid gears; the gear blank and basic rack factors C_R and C_B are 1.
+/// Stiffness of a pair of solid gears; the gear blank and basic rack factors C_R and C_B are 1. Helical gears have the virtual
+/// numbers of teeth z/cos³β, and cos β converts the stiffness to the transverse section; `contact_ratio` is the transverse
+/// one.
 pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
-    let (za, zb) = (f64::from(a.teeth), f64::from(b.teeth));
+    let helix = a.helix_angle.cos();
+    let [za, zb] = [a, b].map(|gear| f64::from(gear.teeth) / helix.powi(3));
     let (xa, xb) = (a.profile_shift, b.profile_shift);
     let flexibility = 0.047_23 + 0.155_51 / za + 0.257_91 / zb
         - 0.006_35 * xa
@@ -29,6 +32,6 @@ pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
         - 0.241_88 * xb / zb
         + 0.005_29 * xa * xa
         + 0.001_82 * xb * xb;
-    let single = CORRECTION / flexibility * UNIT;
+    let single = CORRECTION / flexibility * UNIT * helix;
     Iso6336 { flexibility, single, mesh: single * (0.75 * contact_ratio + 0.25) }
 }

@@ -14,6 +14,7 @@
 mod curve;
 mod engagement;
 mod iso6336;
+mod lines;
 mod model;
 mod pair;
 mod potential_energy;
@@ -21,6 +22,7 @@ mod shared;
 
 pub use curve::{PeriodicCurve, UniformCurve};
 pub use iso6336::{Iso6336, iso6336};
+pub use lines::ContactLines;
 pub use model::build;
 pub use pair::ToothPair;
 pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
@@ -58,6 +60,8 @@ pub enum Stiffness {
         /// Tip relief, if the teeth have any.
         relief: Option<Relief>,
     },
+    /// Pairs of helical teeth.
+    Lines(ContactLines),
     /// Pairs of teeth that share the gear bodies.
     Shared(Shared),
     /// Stiffness of the whole mesh over its cycle, N/m.
@@ -87,6 +91,7 @@ impl Stiffness {
             // `while_engaged` has returned its stiffness.
             Self::Mean(_) => ElasticState::default(),
             Self::Shared(shared) => shared.elastic_state(path, engaged, deflection),
+            Self::Lines(lines) => lines.elastic_state(path, deflection),
             Self::Cycle(cycle) => {
                 let (k, slope) = cycle.at(path.position / path.pitch);
                 let half = deflection * deflection / 2.0;
@@ -163,7 +168,10 @@ impl Stiffness {
             Self::Mean(k) => *k,
             Self::Cycle(cycle) => cycle.mean(),
             Self::Shared(shared) => shared.mean(path),
-            Self::Pairs { pair, engagement, .. } => mean_of_pairs(pair, engagement, path),
+            // The mean over the cycle does not depend on the overlap.
+            Self::Pairs { pair, engagement, .. } | Self::Lines(ContactLines { pair, engagement }) => {
+                mean_of_pairs(pair, engagement, path)
+            }
         }
     }
 
@@ -173,7 +181,9 @@ impl Stiffness {
             Self::Mean(k) => *k,
             Self::Cycle(cycle) => cycle.largest(),
             Self::Shared(shared) => shared.largest(path),
-            Self::Pairs { pair, .. } => pair.largest(path) * ((path.high - path.low) / path.pitch).ceil().max(1.0),
+            Self::Pairs { pair, .. } | Self::Lines(ContactLines { pair, .. }) => {
+                pair.largest(path) * ((path.high - path.low) / path.pitch).ceil().max(1.0)
+            }
         }
     }
 }

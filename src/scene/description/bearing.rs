@@ -19,6 +19,18 @@ pub struct Bearing {
     /// Damping, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<BearingCoefficient>,
+    /// Stiffness along the axis of the shaft, N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness: Option<f64>,
+    /// Damping along the axis of the shaft, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_damping: Option<f64>,
+    /// Stiffness against rotations about y and z, N m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_stiffness: Option<f64>,
+    /// Damping of rotations about y and z, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_damping: Option<f64>,
     /// Diameter of a journal, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter: Option<f64>,

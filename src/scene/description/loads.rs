@@ -45,7 +45,7 @@ pub struct Drive {
     pub damping: Option<f64>,
 }
 
-/// A lateral force on a shaft.
+/// A force on a shaft.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Force {
@@ -56,6 +56,9 @@ pub struct Force {
     /// Angle of the force per angle of the shaft; a force without an order does not turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
+    /// Constant force along the axis of the shaft, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial: Option<f64>,
 }
 
 /// Values over time; between them a cubic, outside the first or the last value.

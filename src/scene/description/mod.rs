@@ -18,7 +18,7 @@ pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
-pub use speed_table::{BearingCoefficient, Outside, SpeedTable};
+pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
 };
@@ -106,7 +106,7 @@ pub enum MotionKind {
     Lateral,
     /// Twist only: θ.
     Torsion,
-    /// All: v, w, B, Γ, θ.
+    /// All: v, w, B, Γ, θ, and u where the scene has helical gears, axial forces or axial stiffness of bearings.
     Coupled,
 }
 
@@ -173,7 +173,7 @@ pub struct Disk {
     pub unbalance: Option<Complex>,
 }
 
-/// A spur gear. It needs `module` or `base_radius`.
+/// A spur or helical gear. It needs `module` or `base_radius`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
@@ -186,7 +186,7 @@ pub struct Gear {
     /// Number of teeth.
     #[serde(deserialize_with = "whole")]
     pub teeth: u32,
-    /// Module, m.
+    /// Module, m; of a helical gear the normal module.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub module: Option<f64>,
     /// Base radius, m.
@@ -198,6 +198,9 @@ pub struct Gear {
     /// Pressure angle of the basic rack, rad; 20° by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_angle: Option<f64>,
+    /// Helix angle on the reference circle, rad, positive for a right-hand helix; a spur gear by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub helix_angle: Option<f64>,
     /// Profile shift coefficient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile_shift: Option<f64>,
@@ -253,29 +256,6 @@ pub struct Mesh {
     /// Unloaded transmission error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<TransmissionError>,
-}
-
-/// A 2×2 coefficient of a bearing over (y, z).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]]")]
-pub enum Coefficient {
-    /// Isotropic coefficient.
-    Isotropic(f64),
-    /// Coefficients along y and z.
-    Orthotropic([f64; 2]),
-    /// The full matrix.
-    Full([[f64; 2]; 2]),
-}
-
-impl Coefficient {
-    /// The matrix by rows, over (y, z).
-    pub fn rows(self) -> [[f64; 2]; 2] {
-        match self {
-            Self::Isotropic(k) => [[k, 0.0], [0.0, k]],
-            Self::Orthotropic([yy, zz]) => [[yy, 0.0], [0.0, zz]],
-            Self::Full(rows) => rows,
-        }
-    }
 }
 
 /// A gear or disk by name, or a position on a shaft.

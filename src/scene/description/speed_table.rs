@@ -6,8 +6,6 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::Coefficient;
-
 /// Stiffness or damping of a bearing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -87,5 +85,28 @@ impl<'de> Deserialize<'de> for BearingCoefficient {
         }
 
         source.deserialize_any(Reader)
+    }
+}
+
+/// A 2×2 coefficient of a bearing over (y, z).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]]")]
+pub enum Coefficient {
+    /// Isotropic coefficient.
+    Isotropic(f64),
+    /// Coefficients along y and z.
+    Orthotropic([f64; 2]),
+    /// The full matrix.
+    Full([[f64; 2]; 2]),
+}
+
+impl Coefficient {
+    /// The matrix by rows, over (y, z).
+    pub fn rows(self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Isotropic(k) => [[k, 0.0], [0.0, k]],
+            Self::Orthotropic([yy, zz]) => [[yy, 0.0], [0.0, zz]],
+            Self::Full(rows) => rows,
+        }
     }
 }

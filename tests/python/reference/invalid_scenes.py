@@ -51,6 +51,7 @@ SCENE: dict[str, Any] = {
             "module": 3e-3,
             "face_width": 0.03,
             "pressure_angle": 0.35,
+            "helix_angle": 0.0,
             "profile_shift": 0.01,
             "tip_radius": 0.0405,
             "mass": 1.0,
@@ -89,7 +90,16 @@ SCENE: dict[str, Any] = {
         {"driver": "g2", "driven": "g3", "stiffness": 2e8, "damping": 100.0},
     ],
     "bearings": [
-        {"shaft": "input", "position": 0.0, "stiffness": 1e8, "damping": 500.0},
+        {
+            "shaft": "input",
+            "position": 0.0,
+            "stiffness": 1e8,
+            "damping": 500.0,
+            "axial_stiffness": 1e7,
+            "axial_damping": 100.0,
+            "tilting_stiffness": 1e4,
+            "tilting_damping": 1.0,
+        },
         {"shaft": "input", "position": 0.5, "stiffness": (1e8, 2e8), "damping": (500.0, 100.0)},
         {
             "shaft": "output",
