@@ -126,10 +126,10 @@ class _Paused(TypedDict, total=False):
 
 
 class _Axial(_Paused, total=False):
-    """Axial motion at k times; None or absent for a system without axial motion."""
+    """Axial motion at k times; absent for a system without axial motion."""
 
-    axial: Array | None
-    axial_bearing_force: Array | None
+    axial: Array
+    axial_bearing_force: Array
 
 
 class RunData(_Axial):

@@ -36,7 +36,7 @@ from gearbow.recording.schema import (
     text,
     whole,
 )
-from gearbow.recording.tables import CHANNELS, FORMAT, arrays_of, metadata_of, to_xarray
+from gearbow.recording.tables import AXIAL, CHANNELS, FORMAT, arrays_of, metadata_of, to_xarray
 
 __all__ = ["load", "read", "save"]
 
@@ -240,10 +240,8 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "points": [(shaft, position, names) for shaft, position, names in about["points"]],
             "displacement": arrays["displacement"],
             "twist": arrays["twist"],
-            "axial": arrays.get("axial"),
             "bearings": [(shaft, position) for shaft, position in about["bearings"]],
             "bearing_force": arrays["bearing_force"],
-            "axial_bearing_force": arrays.get("axial_bearing_force"),
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),
@@ -255,6 +253,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
                 name: tuple(value) if isinstance(value, list) else value
                 for name, value in about["statistics"].items()
             },
+            **{name: arrays[name] for name in AXIAL if name in arrays},
         },
         speed=read_speed(about["speed"]),
         kinematics=Kinematics.from_plain(about["kinematics"]),

@@ -18,11 +18,22 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["CHANNELS", "FORMAT", "arrays_of", "metadata_of", "to_dataframe", "to_xarray"]
+__all__ = [
+    "AXIAL",
+    "CHANNELS",
+    "FORMAT",
+    "arrays_of",
+    "axial_arrays",
+    "metadata_of",
+    "to_dataframe",
+    "to_xarray",
+]
 
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
 
+#: Arrays over time of a system with axial motion.
+AXIAL = ("axial", "axial_bearing_force")
 #: Unit and axes of every array over time.
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
@@ -101,7 +112,7 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
 
     data = run.data
     columns = {}
-    along, thrust = axial_arrays(data).values()
+    along, thrust = data.get("axial"), data.get("axial_bearing_force")
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
@@ -125,9 +136,10 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     return table
 
 
-def axial_arrays(data: RunData) -> dict[str, Array | None]:
-    """Collect the arrays of axial motion; None for a system without axial motion."""
-    return {"axial": data.get("axial"), "axial_bearing_force": data.get("axial_bearing_force")}
+def axial_arrays(data: RunData) -> dict[str, Array]:
+    """Collect the arrays of axial motion; none for a system without axial motion."""
+    plain: dict[str, Any] = dict(data)
+    return {name: plain[name] for name in AXIAL if name in plain}
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
@@ -139,9 +151,7 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "twist": data["twist"],
         "bearing_force": data["bearing_force"],
     }
-    for name, values in axial_arrays(data).items():
-        if values is not None:
-            arrays[name] = values
+    arrays |= axial_arrays(data)
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["energy"] is not None:
         arrays["energy"] = data["energy"]
