@@ -140,9 +140,9 @@ class _Paused(TypedDict, total=False):
 class _Optional(_Paused, total=False):
     """Arrays at k times that a run may lack: axial motion, and what older files do not contain."""
 
-    axial: Array | None
-    axial_bearing_force: Array | None
-    bearing_displacement: Array | None
+    axial: Array
+    axial_bearing_force: Array
+    bearing_displacement: Array
 
 
 class RunData(_Optional):

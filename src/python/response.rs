@@ -82,10 +82,10 @@ pub fn response_dict<'py>(
     dict.set_item("points", plan.points.iter().map(place).collect::<Vec<_>>())?;
     dict.set_item("displacement", stack(py, record.displacement, times, points, 2)?)?;
     dict.set_item("twist", table(py, record.twist, times, points)?)?;
-    let axial = model.scene.axial;
-    dict.set_item("axial", axial.then(|| table(py, record.axial, times, points)).transpose()?)?;
-    let forces = axial.then(|| table(py, record.axial_bearing_force, times, bearings)).transpose()?;
-    dict.set_item("axial_bearing_force", forces)?;
+    if model.scene.axial {
+        dict.set_item("axial", table(py, record.axial, times, points)?)?;
+        dict.set_item("axial_bearing_force", table(py, record.axial_bearing_force, times, bearings)?)?;
+    }
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;
     dict.set_item("bearing_displacement", stack(py, record.bearing_displacement, times, bearings, 2)?)?;

@@ -152,6 +152,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                         base_radius: None,
                         face_width: width.or(Some(0.02)),
                         pressure_angle,
+                        helix_angle: Some(if first { 0.05 } else { -0.05 }),
                         profile_shift: Some(shift),
                         // With few teeth and a large negative profile shift, the default tip circle may lie inside the base circle.
                         tip_radius: Some(module * (f64::from(teeth) / 2.0 + 1.0)),
@@ -215,6 +216,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                     at: Place::Shaft("one".to_owned(), l2.min(l1)),
                     value: ForceValue::Constant(Complex::Pair([stiffness, damping])),
                     order: vector.then_some(1.0),
+                    axial: Some(damping),
                 }],
                 torques: vec![
                     torque(Place::Body("a".to_owned()), Some(damping * 1e3)),

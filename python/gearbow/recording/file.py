@@ -37,7 +37,7 @@ from gearbow.recording.schema import (
     text,
     whole,
 )
-from gearbow.recording.tables import CHANNELS, FORMAT, arrays_of, metadata_of, to_xarray
+from gearbow.recording.tables import CHANNELS, FORMAT, OPTIONAL, arrays_of, metadata_of, to_xarray
 
 __all__ = ["load", "read", "save"]
 
@@ -257,19 +257,16 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "points": [(shaft, position, names) for shaft, position, names in about["points"]],
             "displacement": arrays["displacement"],
             "twist": arrays["twist"],
-            "axial": arrays.get("axial"),
             "bearings": [(shaft, position) for shaft, position in about["bearings"]],
             "bearing_force": arrays["bearing_force"],
-            "bearing_displacement": arrays.get("bearing_displacement"),
             "rolling_bearings": [
                 (shaft, position) for shaft, position in about["rolling_bearings"]
             ],
             "rolling_contact": contact,
-            "axial_bearing_force": arrays.get("axial_bearing_force"),
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),
-            "energy_terms": energies if "energy" in arrays else None,  # type: ignore[typeddict-item]
+            "energy_terms": energies if "energy" in arrays else None,
             "events": [tuple(event) for event in about["events"]],
             "final": final,
             "statistics": {
@@ -277,6 +274,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
                 name: tuple(value) if isinstance(value, list) else value
                 for name, value in about["statistics"].items()
             },
+            **{name: arrays[name] for name in OPTIONAL if name in arrays},  # type: ignore[typeddict-item]
         },
         speed=read_speed(about["speed"]),
         kinematics=Kinematics.from_plain(about["kinematics"]),

@@ -18,11 +18,22 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["CHANNELS", "FORMAT", "arrays_of", "metadata_of", "to_dataframe", "to_xarray"]
+__all__ = [
+    "CHANNELS",
+    "FORMAT",
+    "OPTIONAL",
+    "arrays_of",
+    "metadata_of",
+    "optional_arrays",
+    "to_dataframe",
+    "to_xarray",
+]
 
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
 
+#: Arrays over time that a run may lack: of axial motion, and those that older files do not contain.
+OPTIONAL = ("axial", "axial_bearing_force", "bearing_displacement")
 #: Unit and axes of every array over time.
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
@@ -142,13 +153,10 @@ def _bearing_columns(data: RunData) -> dict[str, Array]:
     return columns
 
 
-def optional_arrays(data: RunData) -> dict[str, Array | None]:
-    """Collect the arrays that a run may lack; None without axial motion, or from an older file."""
-    return {
-        "axial": data.get("axial"),
-        "axial_bearing_force": data.get("axial_bearing_force"),
-        "bearing_displacement": data.get("bearing_displacement"),
-    }
+def optional_arrays(data: RunData) -> dict[str, Array]:
+    """Collect the recorded arrays of those that a run may lack."""
+    plain: dict[str, Any] = dict(data)
+    return {name: plain[name] for name in OPTIONAL if name in plain}
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
@@ -160,9 +168,7 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
         "twist": data["twist"],
         "bearing_force": data["bearing_force"],
     }
-    for name, values in optional_arrays(data).items():
-        if values is not None:
-            arrays[name] = values
+    arrays |= optional_arrays(data)
     arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
     if data["rolling_bearings"]:
         contact = data["rolling_contact"]

@@ -11,6 +11,7 @@ from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
+from gearbow.recording.tables import optional_arrays
 
 #: Accepted types of the speed of a run.
 SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
@@ -49,21 +50,17 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
         return data
     rows = rows[rows < data["time"].size]
     energy, terms = data["energy"], data["energy_terms"]
-    along, thrust = data.get("axial"), data.get("axial_bearing_force")
-    relative = data.get("bearing_displacement")
     return {
         **data,
         "time": data["time"][rows],
         "displacement": data["displacement"][rows],
         "twist": data["twist"][rows],
-        "axial": None if along is None else along[rows],
         "bearing_force": data["bearing_force"][rows],
         "rolling_contact": data["rolling_contact"][rows],
-        "axial_bearing_force": None if thrust is None else thrust[rows],
-        "bearing_displacement": None if relative is None else relative[rows],
         "mesh": {name: values[rows] for name, values in data["mesh"].items()},
         "energy": None if energy is None else energy[rows],
         "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
+        **{name: values[rows] for name, values in optional_arrays(data).items()},  # type: ignore[typeddict-item]
     }
 
 
