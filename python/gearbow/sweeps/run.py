@@ -51,7 +51,7 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         cluster. At most 1000 points are submitted at the same time.
     store : str or path-like, optional
         A file to which each finished point is written at once. The same call with an existing file
-        computes the missing points only; failed points are not repeated. A file of another sweep
+        computes the missing and the failed points only. A file of another sweep
         is refused: other parameters, functions, or versions of gearbow or Python. What `make` and
         `measure` call in other modules is not compared.
     progress : bool or callable, optional

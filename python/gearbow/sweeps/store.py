@@ -88,7 +88,7 @@ class Store:
     Attributes
     ----------
     known : dict of {int: Outcome}
-        Outcomes of the points that the file contains at the start.
+        Outcomes of the points that the file contains at the start, without failed ones.
 
     Raises
     ------
@@ -126,7 +126,7 @@ class Store:
         if not self.path.exists():
             write(self.path, self._head, {})
         try:
-            head, self.known, self._end = _read(self.path)
+            head, found, self._end = _read(self.path)
         except GearbowError as error:
             raise SceneError(f"store: {error}; remove it or give another file") from None
         for where, was, now in differences(head, self._head):
@@ -134,6 +134,7 @@ class Store:
                 f"store: {self.path} belongs to a sweep with {where} {short(was)}, not "
                 f"{short(now)}; remove it or give another file"
             )
+        self.known = {i: outcome for i, outcome in found.items() if outcome.values is not None}
         self._file = self.path.open("r+b")
 
     def __exit__(self, *_: object) -> None:

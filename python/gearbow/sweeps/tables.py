@@ -20,13 +20,13 @@ __all__ = ["column", "shape_of", "to_dataframe", "to_xarray"]
 
 def shape_of(name: str, outcomes: Mapping[int, Outcome]) -> tuple[int, ...]:
     """Return the shape of a value, which must be the same at all points."""
-    shapes = {
-        np.shape(found.values[name]): number
-        for number, found in outcomes.items()
-        if found.values is not None and name in found.values
-    }
+    shapes: dict[tuple[int, ...], int] = {}
+    for number in sorted(outcomes):
+        found = outcomes[number].values
+        if found is not None and name in found:
+            shapes.setdefault(np.shape(found[name]), number)
     if len(shapes) > 1:
-        (one, at), (other, there), *_ = sorted(shapes.items(), key=lambda item: item[1])
+        (one, at), (other, there), *_ = shapes.items()
         raise GearbowError(
             f"{name}: has the shape {one} at point {at} and {other} at point {there}; let "
             "`measure` return arrays of one shape, or read the values of each point"
