@@ -51,9 +51,9 @@ impl PyModel {
         Ok(py.detach(|| Self::build(description))?)
     }
 
-    /// Uses the modes and state-space models of another system, if the two differ in loads only.
-    fn share(&self, other: &Self) {
-        self.share_linear_part(other);
+    /// Uses the modes and state-space models of another system, if the two differ in loads only; returns whether it does.
+    fn share(&self, other: &Self) -> bool {
+        self.share_linear_part(other)
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
