@@ -101,6 +101,7 @@ figures: demo
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/mesh_models.py
 	$(BIN)/python examples/resonance_sweep.py
+	$(BIN)/python examples/map.py
 	$(BIN)/python -c "from PIL import Image; \
 	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
 

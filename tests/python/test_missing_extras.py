@@ -62,7 +62,12 @@ print("done")
 
 @pytest.mark.parametrize(
     ("extra", "missing"),
-    [("plot", "matplotlib"), ("netcdf", "xarray,h5netcdf,h5py"), ("dataframe", "pandas"), ("sweep", "xarray,pandas")],
+    [
+        ("plot", "matplotlib"),
+        ("netcdf", "xarray,h5netcdf,h5py"),
+        ("dataframe", "pandas"),
+        ("sweep", "xarray,pandas"),
+    ],
 )
 def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):
     ended = python(EXTRAS, missing, tmp_path, extra)
