@@ -103,7 +103,7 @@ class Sweep(Sequence[SweepPoint]):
 
     @property
     def failed(self) -> tuple[SweepPoint, ...]:
-        """Points that ended with an error.
+        """Give the points that ended with an error.
 
         Returns
         -------
