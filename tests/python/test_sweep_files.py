@@ -185,6 +185,9 @@ def test_the_identity_of_a_function_is_that_of_its_content():
     assert identity(closure(base, 1.0)) == again
     assert identity(closure(base, 2.0)) != again
     assert identity(closure(base.replace(gravity=9.81), 1.0)) != again
+    one = base.replace(forces=[gb.Force("g1", lambda time: 1.0 * time)])
+    other = base.replace(forces=[gb.Force("g1", lambda time: 2.0 * time)])
+    assert identity(closure(one, 1.0)) != identity(closure(other, 1.0))
     assert identity(closure({"a", "b"}, np.arange(3))) == identity(
         closure({"b", "a"}, np.arange(3))
     )

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from gearbow.errors import GearbowError
+
 __all__ = ["identity"]
 
 
@@ -29,11 +31,6 @@ def identity(function: Callable[..., Any]) -> dict[str, str]:
     -------
     dict
         The keys are "name" and "digest" (hexadecimal).
-
-    Raises
-    ------
-    SceneError
-        If the function refers to a system without a plain form.
     """
     digest = hashlib.sha256()
     for piece in _pieces(function, set()):
@@ -82,7 +79,10 @@ def _parts(value: Any) -> list[Any]:
     if is_dataclass(value) and not isinstance(value, type):
         return [getattr(value, field.name) for field in fields(value)]
     if isinstance(getattr(type(value), "description", None), property):  # a system
-        return [value.description]
+        try:
+            return [value.description]
+        except GearbowError:  # loads that are functions of time have no plain form
+            return [vars(value)]
     called = vars(type(value)).get("__call__")
     if isinstance(called, types.FunctionType):
         return [called, getattr(value, "__dict__", None)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import shown
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import SceneError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -79,8 +79,7 @@ def failure(error: BaseException) -> Outcome:
     Outcome
         Its type, message and traceback as text.
     """
-    kind = type(error)
-    name = kind.__name__ if issubclass(kind, GearbowError) else kind.__qualname__
+    name = type(error).__qualname__
     text = f"{name}: {error}" if str(error) else name
     return Outcome(None, text, "".join(traceback.format_exception(error)))
 
