@@ -50,7 +50,7 @@ def test_the_error_names_the_variation():
 
 
 def test_other_threads_continue_while_a_system_is_made():
-    """Making a system with chosen elements needs modes, which takes time."""
+    """A system with chosen elements needs modes. A thread that cannot run counts two ticks at most."""
     ticks = 0
     end = threading.Event()
 
@@ -61,11 +61,17 @@ def test_other_threads_continue_while_a_system_is_made():
 
     shaft = gb.Shaft("rotor", length=5.0, outer_diameter=0.05)
     bearings = [gb.Bearing("rotor", float(x), stiffness=1e8) for x in range(6)]
+    system = gb.RotorSystem([shaft], bearings=bearings, resolution="reference")
+    description = system.description
     thread = threading.Thread(target=count)
     thread.start()
-    before = ticks
-    gb.RotorSystem([shaft], bearings=bearings, resolution="reference")
-    during = ticks - before
+    most = 0
+    for _ in range(20):  # a busy machine may not run the thread at once
+        before = ticks
+        type(system._model)(description)
+        most = max(most, ticks - before)
+        if most > 5:
+            break
     end.set()
     thread.join()
-    assert during > 5
+    assert most > 5
