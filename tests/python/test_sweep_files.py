@@ -71,6 +71,38 @@ def test_a_killed_sweep_is_resumed(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["map.sweep"]
 
 
+FULL = """
+import resource, sys
+import gearbow as gb
+from concurrent.futures import ThreadPoolExecutor
+from test_sweep import AB, number, plain, same
+
+path = sys.argv[1]
+whole = gb.sweep(plain, AB, number)
+soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), hard))
+try:
+    gb.sweep(plain, AB, number, ThreadPoolExecutor(1), path)
+except OSError as error:
+    computed = error.sweep.computed
+else:
+    raise SystemExit("the space was enough")
+resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+kept = gb.Sweep.load(path).computed
+assert 0 < kept < 6 and kept <= computed, (kept, computed)
+same(gb.sweep(plain, AB, number, store=path), whole)
+print("done")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
+def test_a_full_disk_keeps_the_complete_records(tmp_path):
+    gb.sweep(plain, AB, number, store=tmp_path / "whole.sweep")
+    size = (tmp_path / "whole.sweep").stat().st_size
+    ended = python(FULL, tmp_path / "map.sweep", size - 200)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+
+
 def test_an_incomplete_record_at_the_end_is_ignored(tmp_path):
     path = tmp_path / "map.sweep"
     sweep = gb.sweep(plain, AB, number, ThreadPoolExecutor(1), path)

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from math import prod
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from gearbow._types import Plain
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.outcome import Outcome
+
+if TYPE_CHECKING:
+    from io import FileIO
 
 __all__ = ["Store", "head_of", "read", "write"]
 
@@ -102,7 +105,7 @@ class Store:
         self.known: dict[int, Outcome] = {}
         self._head = json.loads(json.dumps(head))
         self._lock = FileLock(self.path)
-        self._file: BinaryIO | None = None
+        self._file: FileIO | None = None
         self._end = 0
         if not self.path.parent.is_dir():
             raise SceneError(f"store: there is no folder {self.path.parent}")
@@ -135,7 +138,8 @@ class Store:
                 f"{short(now)}; remove it or give another file"
             )
         self.known = {i: outcome for i, outcome in found.items() if outcome.values is not None}
-        self._file = self.path.open("r+b")
+        # Without a buffer, which would keep the data of a write that failed.
+        self._file = self.path.open("r+b", buffering=0)
 
     def __exit__(self, *_: object) -> None:
         try:
@@ -163,13 +167,14 @@ class Store:
         """
         if self._file is None:
             raise SceneError("store: the file is not open")
-        record = _sealed(_content(number, outcome))
+        sealed = _sealed(_content(number, outcome))
         # An interrupted call may have left a part of a record.
         self._file.seek(self._end)
         self._file.truncate()
-        self._file.write(record)
-        self._file.flush()
-        self._end += len(record)
+        left = memoryview(sealed)
+        while left:
+            left = left[self._file.write(left) :]
+        self._end += len(sealed)
 
 
 def write(
