@@ -1,8 +1,10 @@
 """Print the cost of many runs of the train of the bow study: shared set-up, and two threads.
 
-The runs differ in the torque and in the phases of the bows. The accuracy is "engineering", with the
-duration as the second size. `python benches/many.py` takes a minute on two idle cores; the argument
-gives the number of runs. Wall-clock times need idle cores: the best of the repetitions counts.
+The runs differ in the torque and in the phases of the bows. The accuracy is "engineering", and the
+sizes are two durations. `python benches/many.py` takes a minute on two idle cores; the argument
+gives the number of runs. The share of the calling thread bounds the part of the work that threads
+cannot share: it alone may hold the lock of the interpreter. With --wall, the wall-clock time of two
+threads is compared with that of one, which needs two idle cores.
 """
 
 import argparse
@@ -20,7 +22,7 @@ from gearbow.study.case import system
 SPEED = 100.0  # of the input shaft, rad/s
 DURATIONS = (0.1, 1.0)  # s
 SCALED = 1000  # runs
-REPEATS = 3
+REPEATS = 2
 
 
 def train() -> gb.RotorSystem:
@@ -53,7 +55,16 @@ def measured(work: Callable[[], object]) -> tuple[float, float]:
     return best
 
 
-def row(duration: float, count: int) -> list[str]:
+def calling_share(base: gb.RotorSystem, changes: list[dict[str, Any]], duration: float) -> float:
+    """Return the CPU time of the calling thread over that of the process."""
+    cpu, own = time.process_time(), time.thread_time()
+    for change in changes:
+        base.replace(**change).simulate(duration, SPEED)
+    cpu, own = time.process_time() - cpu, time.thread_time() - own
+    return own / cpu
+
+
+def row(duration: float, count: int, *, wall: bool) -> list[str]:
     """Measure runs of one duration."""
     base = train()
     changes = variations(base, count)
@@ -74,28 +85,34 @@ def row(duration: float, count: int) -> list[str]:
 
     apart, _ = measured(alone)
     shared, one = measured(together(1))
-    _, two = measured(together(2))
     scale = SCALED / count
-    return [
+    cells = [
         f"{duration:g} s",
         f"{apart * scale:.0f} s",
         f"{shared * scale:.0f} s",
         f"{shared / apart:.2f}",
-        f"{two / one:.2f}",
+        f"{100.0 * calling_share(base, changes, duration):.0f} %",
     ]
+    if wall:
+        _, two = measured(together(2))
+        cells.append(f"{two / one:.2f}")
+    return cells
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("count", type=int, nargs="?", default=40, help="number of runs")
-    count: int = parser.parse_args().count
+    parser.add_argument("--wall", action="store_true", help="compare two threads with one")
+    given = parser.parse_args()
+    count: int = given.count
     titles = ["duration of a run", f"CPU, {SCALED} separate runs", "with `simulate_many`", "ratio"]
-    titles.append("wall clock, two threads / one")
+    titles.append("share of the calling thread")
+    titles += ["wall clock, two threads / one"] * given.wall
     print(f"Times are those of {count} runs, scaled to {SCALED}.\n")
     print(f"| {' | '.join(titles)} |\n|{'---|' * len(titles)}")
     for duration in DURATIONS:
-        print(f"| {' | '.join(row(duration, count))} |")
+        print(f"| {' | '.join(row(duration, count, wall=given.wall))} |")
 
 
 if __name__ == "__main__":
