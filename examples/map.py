@@ -124,10 +124,10 @@ def figure(over_speed: gb.Sweep, over_unbalance: gb.Sweep) -> Figure:
 def first_loss(sweep: gb.Sweep) -> str:
     """Return for some speeds the smallest bow at which the teeth separate."""
     apart = sweep.values("smallest") <= 0.0
-    lines = ["speed [rad/s]   smallest bow with loss of contact [µm]"]
+    lines = ["| speed [rad/s] | smallest bow with loss of contact [µm] |", "|---|---|"]
     for row, speed in zip(apart[::4], sweep.parameters["speed"][::4], strict=True):
         bows = np.array(sweep.parameters["bow"])[row]
-        lines.append(f"{speed:13g}   {f'{1e6 * bows.min():g}' if bows.size else 'none'}")
+        lines.append(f"| {speed:g} | {f'{1e6 * bows.min():g}' if bows.size else 'none'} |")
     return "\n".join(lines)
 
 
@@ -145,12 +145,12 @@ def sobol(count: int) -> str:
     points = [dict(zip(UNCERTAIN, row, strict=True)) for row in values]
     found = gb.sweep(train, points, force).values("amplitude")
     result = indices.analyze(problem, found, calc_second_order=False, seed=1)
-    lines = [f"{len(points)} runs", f"{'parameter':12}{'first order':>14}{'total':>14}"]
+    lines = ["| parameter | first order | total |", "|---|---|---|"]
     for i, name in enumerate(UNCERTAIN):
         entries = [(result[kind][i], result[f"{kind}_conf"][i]) for kind in ("S1", "ST")]
-        lines.append(
-            f"{name:12}" + "".join(f"{value:7.2f} ± {half:.2f}" for value, half in entries)
-        )
+        cells = " | ".join(f"{value:.2f} ± {half:.2f}" for value, half in entries)
+        lines.append(f"| {name} | {cells} |")
+    lines.append(f"\n{len(points)} runs")
     return "\n".join(lines)
 
 
@@ -169,12 +169,11 @@ def main() -> None:
         grid: dict[str, Any] = {"unbalance": UNBALANCES, "phase": PHASES, "bow": [BOW]}
         over_unbalance = gb.sweep(train, grid, force, progress=True)
         print(first_loss(over_speed))
-        print(f"{len(over_speed) + len(over_unbalance)} runs")
+        print(f"\n{len(over_speed) + len(over_unbalance)} runs")
         output: Path = given.output
         output.parent.mkdir(parents=True, exist_ok=True)
         figure(over_speed, over_unbalance).savefig(output)
-        print(f"figure: {output.name}")
-    print(f"CPU time: {time.process_time() - begin:.0f} s")
+    print(f"in {time.process_time() - begin:.0f} s of CPU time")
 
 
 if __name__ == "__main__":
