@@ -10,7 +10,7 @@ FIGURE := examples/output/bowed_train.png
 # Modules without public names: their docstrings need no sections.
 INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/load_values.py description/part.py \
 	description/places.py \
-	recording/container.py recording/recording.py recording/schema.py recording/tables.py system/run.py)
+	recording/container.py recording/recording.py recording/schema.py recording/tables.py sweeps/tables.py system/run.py)
 
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
@@ -101,6 +101,7 @@ figures: demo
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/mesh_models.py
 	$(BIN)/python examples/resonance_sweep.py
+	$(BIN)/python examples/map.py
 	$(BIN)/python -c "from PIL import Image; \
 	Image.open('$(FIGURE)').convert('RGB').quantize(32).save('docs/bowed_train.png', optimize=True)"
 

@@ -11,6 +11,7 @@ The layers, each of which depends only on those before it:
 - `gearbow.accuracy`: accuracy levels, and the estimated error of a run,
 - `gearbow.results`: results of the analyses,
 - `gearbow.analysis` and `gearbow.tradeoff`: analyses that run variants of a system,
+- `gearbow.sweeps`: sweeps over parameters, in parallel,
 - `gearbow.system`: the class `RotorSystem`.
 
 Methods named `plot` import `gearbow.plotting`, whose functions take arrays.
@@ -70,6 +71,8 @@ from gearbow.results.peak import Peak
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.sweeps.result import Sweep, SweepPoint
+from gearbow.sweeps.run import sweep
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Recommendation, Tradeoff
 from gearbow.tradeoff.trial import Trial
@@ -129,6 +132,8 @@ __all__ = [
     "Static",
     "Stiffness",
     "Support",
+    "Sweep",
+    "SweepPoint",
     "Synchronous",
     "TimeSeries",
     "TipRelief",
@@ -138,6 +143,7 @@ __all__ = [
     "Trial",
     "Waterfall",
     "__version__",
+    "sweep",
     "waterfall",
 ]
 

@@ -1,7 +1,7 @@
 """Files that are written as a whole, and locks between processes.
 
 gearbow writes every file with `replacing`. It writes a temporary file in the same folder, which
-replaces the target when all data are on the disk.
+replaces the target when all data are on the disk. Only the store of a sweep appends to its file.
 """
 
 import errno

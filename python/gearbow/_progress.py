@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
+from gearbow._parallel import check_stop
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning
 
@@ -23,11 +24,18 @@ WATCHED = 1.0
 
 @contextmanager
 def reported(
-    progress: bool | Progress | None, total: float, unit: str = "s", *, estimate: bool = True
+    progress: bool | Progress | None,
+    total: float,
+    unit: str = "s",
+    *,
+    estimate: bool = True,
+    numbers: str = ".3g",
 ) -> Iterator[Progress | None]:
     """Give the callable that receives the completed fraction; True makes a progress bar.
 
-    With `estimate`, a run of more than one hour gives a `RunTimeWarning`.
+    With `estimate`, the fraction is that of a run: a run of more than one hour gives a
+    `RunTimeWarning`, and a run in a thread stops when its group of calls must stop. `numbers` is
+    the format of the completed and the total amount.
     """
     if progress is not True:
         report = progress or None
@@ -35,7 +43,8 @@ def reported(
         return
     with tqdm(
         total=total,
-        bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} " + unit + " [{elapsed}<{remaining}]",
+        bar_format=f"{{l_bar}}{{bar}}| {{n:{numbers}}}/{{total:{numbers}}} {unit} "
+        "[{elapsed}<{remaining}]",
         # Show every report, because the remaining time changes without progress too.
         miniters=0,
     ) as bar:
@@ -48,7 +57,10 @@ def reported(
 
 
 class _Estimate:
-    """Forwards the completed fraction, and warns once about a run of more than one hour."""
+    """Forwards the completed fraction, and warns once about a run of more than one hour.
+
+    It also ends a run in a thread whose group of calls must stop.
+    """
 
     def __init__(self, report: Progress | None) -> None:
         self._report = report
@@ -56,6 +68,7 @@ class _Estimate:
         self._warned = False
 
     def __call__(self, fraction: float) -> None:
+        check_stop()
         if self._report is not None:
             self._report(fraction)
         now = time.perf_counter()

@@ -46,16 +46,21 @@ impl PyModel {
         &self.cached.model
     }
 
-    /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of
-    /// nonlinear bearings depends on the loads, so that systems with them share nothing.
-    pub fn share_linear_part(&self, other: &Self) {
-        if !self.model().nonlinear_bearings.is_empty() {
-            return;
-        }
-        let plain = |model: &Self| model.resolved.description.without_loads();
-        if self.model().has_coordinates_of(other.model()) && plain(self) == plain(other) {
+    /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of nonlinear
+    /// bearings depends on the loads, so that systems with them share nothing. Returns whether the two share.
+    pub fn share_linear_part(&self, other: &Self) -> bool {
+        // The resolved description contains the elements, which are all that the option `resolution` determines.
+        let plain = |model: &Self| {
+            let description = model.resolved.description.without_loads();
+            SceneDescription { resolution: None, ..description }
+        };
+        let shares = self.model().nonlinear_bearings.is_empty()
+            && self.model().has_coordinates_of(other.model())
+            && plain(self) == plain(other);
+        if shares {
             self.cached.share(&other.cached);
         }
+        shares
     }
 
     /// Runs an analysis that Ctrl-C can stop. Refuses it if its dense matrices do not fit into memory.

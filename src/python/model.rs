@@ -39,18 +39,21 @@ enum Site {
 #[pymethods]
 impl PyModel {
     #[new]
-    fn new(description: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(Self::build(SceneDescription::from_objects(&mut Depythonizer::from_object(description))?)?)
+    fn new(py: Python<'_>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
+        // The choice of the elements needs the modes: other threads of Python continue meanwhile.
+        Ok(py.detach(|| Self::build(description))?)
     }
 
     #[staticmethod]
-    fn from_toml(text: &str) -> PyResult<Self> {
-        Ok(Self::build(SceneDescription::from_toml(text)?)?)
+    fn from_toml(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let description = SceneDescription::from_toml(text)?;
+        Ok(py.detach(|| Self::build(description))?)
     }
 
-    /// Uses the modes and state-space models of another system, if the two differ in loads only.
-    fn share(&self, other: &Self) {
-        self.share_linear_part(other);
+    /// Uses the modes and state-space models of another system, if the two differ in loads only; returns whether it does.
+    fn share(&self, other: &Self) -> bool {
+        self.share_linear_part(other)
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

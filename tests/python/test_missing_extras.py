@@ -30,6 +30,7 @@ run = system.simulate(1e-3, 100.0, output_step=1e-5, record=["gears", "meshes", 
 speeds = [50.0, 100.0, 150.0]
 modes, campbell, synchronous = system.modes(), system.campbell(speeds), system.synchronous(speeds)
 spectrum, folder = run.spectrum("g1"), sys.argv[2]
+sweep = gb.sweep(dict, {"a": [1.0, 2.0]}, lambda system, a: a)
 calls = {
     "plot": [
         response.plot, modes.plot, campbell.plot, lambda: synchronous.plot("g1"),
@@ -42,6 +43,7 @@ calls = {
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
+    "sweep": [sweep.to_xarray, sweep.to_dataframe],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
     ],
@@ -60,7 +62,12 @@ print("done")
 
 @pytest.mark.parametrize(
     ("extra", "missing"),
-    [("plot", "matplotlib"), ("netcdf", "xarray,h5netcdf,h5py"), ("dataframe", "pandas")],
+    [
+        ("plot", "matplotlib"),
+        ("netcdf", "xarray,h5netcdf,h5py"),
+        ("dataframe", "pandas"),
+        ("sweep", "xarray,pandas"),
+    ],
 )
 def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):
     ended = python(EXTRAS, missing, tmp_path, extra)

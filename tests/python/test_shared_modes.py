@@ -63,6 +63,23 @@ def test_results_do_not_depend_on_the_system_that_was_replaced(name: str):
         np.testing.assert_array_equal(one, other)
 
 
+def test_systems_that_differ_in_loads_share_modes_however_the_resolution_is_given():
+    shares = {
+        name: SYSTEM.replace(**change)._model.share(SYSTEM._model)
+        for name, change in CHANGES.items()
+    }
+    # the reversed torque presses the opposite flanks at rest; a torque elsewhere adds a node
+    loads = ("bow", "no bow", "unbalance", "gravity")
+    assert [name for name in CHANGES if shares[name]] == list(loads)
+    assert SYSTEM.replace(torques=[gb.Torque("g1", 1.0)])._model.share(SYSTEM._model)
+    # a file gives the option, which the default system leaves out
+    shafts = [replace(shaft, elements=None) for shaft in SHAFTS]
+    automatic = SYSTEM.replace(shafts=shafts)
+    given = gb.RotorSystem.from_dict({**automatic.description, "resolution": "engineering"})
+    assert "resolution" in given.description
+    assert given.replace(gravity=9.81)._model.share(given._model)
+
+
 def test_results_of_a_table_over_the_speed_do_not_depend_on_the_system_that_was_replaced():
     table = gb.SpeedTable([0.0, 500.0], [1e8, 2e8])
     bearings = [replace(bearing, stiffness=table) for bearing in BEARINGS]

@@ -4,7 +4,7 @@ import copy
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 
 from gearbow._core import __version__
@@ -12,13 +12,10 @@ from gearbow._types import Plain
 from gearbow.study.settings import Settings
 from gearbow.system import RotorSystem
 
-__all__ = ["ALL", "Case", "cases", "description", "key", "system"]
+__all__ = ["ALL", "Case", "cases", "description", "influential", "key", "system"]
 
 #: Value of `Case.where` for a bow on every shaft.
 ALL = "all"
-
-#: Version of the content of a run file. A new version makes old files unused.
-_FORMAT = 3
 
 
 @dataclass(frozen=True)
@@ -200,15 +197,42 @@ def system(settings: Settings, case: Case) -> RotorSystem:
     return RotorSystem._from_description(description(settings, case))
 
 
-def key(settings: Settings, case: Case) -> str:
-    """Return a file name for a case, a digest of everything that its result depends on.
+def influential(settings: Settings) -> Settings:
+    """Return the settings that a run of a given case depends on.
 
     Parameters
     ----------
     settings : Settings
         The study.
-    case : Case
-        The case.
+
+    Returns
+    -------
+    Settings
+        The settings without the lists of values and the parameters of tables, so that another
+        backlash of the table of limits does not repeat the runs.
+    """
+    return replace(
+        settings,
+        bows=(),
+        torques=(),
+        speeds=(),
+        accuracy="",
+        phase_steps=0,
+        phase_bow=0.0,
+        modes=0,
+        backlash=0.0,
+    )
+
+
+def key(settings: Settings, wanted: Sequence[Case]) -> str:
+    """Return a file name for runs, a digest of everything that their results depend on.
+
+    Parameters
+    ----------
+    settings : Settings
+        The study.
+    wanted : sequence of Case
+        The cases.
 
     Returns
     -------
@@ -216,12 +240,9 @@ def key(settings: Settings, case: Case) -> str:
         Hexadecimal digits; they change with every parameter and with the version of gearbow.
     """
     whole = {
-        "format": _FORMAT,
         "version": __version__,
-        "scene": description(settings, case),
-        "case": asdict(case),
-        "settle": settings.settle,
-        "samples": settings.samples,
+        "settings": asdict(influential(settings)),
+        "cases": [asdict(case) for case in wanted],
     }
     text = json.dumps(whole, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]

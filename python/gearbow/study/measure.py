@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gearbow.results.response import Response
     from gearbow.system import RotorSystem
 
-__all__ = ["UNITS", "Measured", "measure"]
+__all__ = ["UNITS", "Measured", "measure", "signals"]
 
 #: Unit of each recorded quantity.
 UNITS = {**POINT, "radius": "m", **MESH, "line_of_action": "rad"}
@@ -191,7 +191,26 @@ def measure(settings: Settings, case: Case) -> Measured:
     Measured
         The signals.
     """
-    train = system(settings, case)
+    return signals(settings, system(settings, case), case)
+
+
+def signals(settings: Settings, train: "RotorSystem", case: Case) -> Measured:
+    """Simulate the system of a case and return the signals of its last revolution.
+
+    Parameters
+    ----------
+    settings : Settings
+        The study.
+    train : RotorSystem
+        The system of the case.
+    case : Case
+        The case.
+
+    Returns
+    -------
+    Measured
+        The signals.
+    """
     slowest = float(np.abs(train.speed_ratios).min())
     turn = 2.0 * np.pi / (case.speed * slowest)
     parts = np.linspace(0.0, 1.0, settings.samples + 1)

@@ -1,34 +1,31 @@
-"""Runs of the bow study on all cores; each result is stored in a file.
+"""Runs of the bow study: sweeps over its cases, which files store.
 
-The name of a file is a digest of everything that the result depends on. An interrupted study
-therefore continues with the missing runs, and a study with other parameters repeats only the runs
-that they affect. A file is written completely or not at all.
+The name of a file is a digest of everything that its results depend on. An interrupted study
+therefore continues with the missing runs, and a study with other parameters has another file.
 """
 
-import os
-import zipfile
-import zlib
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import nullcontext
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from tqdm import tqdm
+from numpy.typing import NDArray
 
-from gearbow._files import replacing
-from gearbow.study.case import Case, cases, key
-from gearbow.study.measure import Measured, measure
+from gearbow.errors import GearbowError
+from gearbow.study.case import Case, cases, influential, key, system
+from gearbow.study.measure import Measured, signals
 from gearbow.study.settings import Settings
+from gearbow.sweeps.result import SweepPoint
+from gearbow.sweeps.run import sweep
+from gearbow.system import RotorSystem
 
 __all__ = ["Results", "find", "run"]
 
 Results = Mapping[Case, Measured]
-
-#: Errors of reading a missing or damaged file (RuntimeError: unknown compression).
-_INVALID = (
-    *(FileNotFoundError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, ValueError),
-    *(TypeError, AttributeError, RuntimeError, OverflowError, MemoryError, SyntaxError),
-)
 
 
 def run(
@@ -41,7 +38,7 @@ def run(
     settings : Settings
         The study.
     folder : path-like
-        Folder of the run files.
+        Folder of the file of the runs.
     workers : int, optional
         Number of parallel runs; None is the number of cores. It does not affect the results.
     progress : bool
@@ -55,30 +52,10 @@ def run(
     Raises
     ------
     GearbowError
-        If a run fails. The files of the finished runs remain.
+        If a run fails. The file contains the other runs.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    wanted = {case: folder / f"{key(settings, case)}.npz" for case in cases(settings)}
-    missing = [case for case, path in wanted.items() if _read(path) is None]
-    # A simulation releases the interpreter lock, so threads run in parallel.
-    pool = ThreadPoolExecutor(max_workers=workers or os.cpu_count())
-    try:
-        futures = [pool.submit(_make, settings, case, wanted[case]) for case in missing]
-        bar = tqdm(
-            as_completed(futures),
-            total=len(wanted),
-            initial=len(wanted) - len(missing),
-            unit="run",
-            disable=not progress,
-        )
-        for future in bar:
-            future.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
-    # All results come from the files, so an interrupted study gives the same bits.
-    results = {case: _read(path) for case, path in wanted.items()}
-    return {case: result for case, result in results.items() if result is not None}
+    with nullcontext() if workers is None else ThreadPoolExecutor(workers) as executor:
+        return _run(settings, cases(settings), Path(folder), executor, progress=progress)
 
 
 def find(settings: Settings, case: Case, folder: Path) -> Measured:
@@ -91,12 +68,12 @@ def find(settings: Settings, case: Case, folder: Path) -> Measured:
     case : Case
         The case; it need not be one of `cases`.
     folder : path-like
-        Folder of the run files.
+        Folder of the files.
 
     Returns
     -------
     Measured
-        The result, as read from the file.
+        The result.
 
     Raises
     ------
@@ -105,39 +82,57 @@ def find(settings: Settings, case: Case, folder: Path) -> Measured:
     OSError
         If the file cannot be written or read.
     """
-    path = Path(folder) / f"{key(settings, case)}.npz"
-    found = _read(path)
-    if found is None:
-        _make(settings, case, path)
-        found = _read(path)
-    if found is None:
-        raise OSError(f"{path}: the file of a run cannot be read after writing it; check the disk")
-    return found
+    return _run(settings, [case], Path(folder), None)[case]
 
 
-def _make(settings: Settings, case: Case, path: Path) -> None:
-    measured = measure(settings, case)
+def _run(
+    settings: Settings,
+    wanted: Sequence[Case],
+    folder: Path,
+    executor: Executor | None,
+    *,
+    progress: bool = False,
+) -> Results:
+    folder.mkdir(parents=True, exist_ok=True)
+    simulated = influential(settings)
+    done = sweep(
+        partial(_make, simulated),
+        [asdict(case) for case in wanted],
+        partial(_measure, simulated),
+        executor,
+        folder / f"{key(settings, wanted)}.sweep",
+        progress,
+    )
+    if done.failed:
+        point = done.failed[0]
+        raise GearbowError(
+            f"study: {len(done.failed)} of {len(done)} runs failed; that of "
+            f"{Case(**point.parameters)}: {point.error}"
+        )
+    return dict(zip(wanted, map(_unpacked, done), strict=True))
+
+
+def _make(settings: Settings, **parameters: Any) -> RotorSystem:
+    return system(settings, Case(**parameters))
+
+
+def _measure(settings: Settings, train: RotorSystem, **parameters: Any) -> dict[str, NDArray[Any]]:
+    """Return the signals as deviations from the first value in single precision: seven digits."""
+    measured = signals(settings, train, Case(**parameters))
     names = list(measured.signals)
     values = np.array([measured.signals[name] for name in names])
-    # Deviations from the first value in single precision: seven digits at half the size.
     first = values[:, :1]
-    with replacing(path) as file:
-        np.savez_compressed(
-            file,
-            turn=measured.turn,
-            names=np.array(names),
-            first=first,
-            change=(values - first).astype(np.float32),
-            events=np.array(measured.events, dtype=np.str_),
-        )
+    return {
+        "turn": measured.turn,
+        "names": np.array(names),
+        "first": first,
+        "change": (values - first).astype(np.float32),
+        "events": np.array(measured.events, dtype=np.str_),
+    }
 
 
-def _read(path: Path) -> Measured | None:
-    """Return the content of a run file; None if it is missing or damaged."""
-    try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            names = [(str(of), str(quantity)) for of, quantity in file["names"]]
-            signals = dict(zip(names, file["first"] + file["change"], strict=True))
-            return Measured(file["turn"], signals, tuple(str(event) for event in file["events"]))
-    except _INVALID:
-        return None
+def _unpacked(point: SweepPoint) -> Measured:
+    values = point.values or {}
+    names = [(str(of), str(quantity)) for of, quantity in values["names"]]
+    found = dict(zip(names, values["first"] + values["change"], strict=True))
+    return Measured(values["turn"], found, tuple(str(event) for event in values["events"]))

@@ -8,16 +8,16 @@ file prevents simultaneous use by a second run.
 import hashlib
 import json
 import os
-import reprlib
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from gearbow._compare import differences, short
 from gearbow._convert import number
 from gearbow._core import __version__, check_final
 from gearbow._files import BusyError, FileLock
@@ -125,16 +125,16 @@ class Checkpoint:
             asked, checkpoint = known["asked"], known["checkpoint"]
             if checkpoint is not None:
                 check_final(record.data["final"], checkpoint)
-            differences = list(_differences(asked, self._asked))
+            different = list(differences(asked, self._asked))
         except (KeyError, TypeError):
             message = "it is a response without a valid checkpoint entry"
             raise self._invalid(message) from None
         except (GearbowError, RecursionError) as error:
             raise self._invalid(error) from None
-        for where, was, now in differences:
+        for where, was, now in different:
             raise SceneError(
-                f"checkpoint: {self.path} belongs to a run with {where} {_short(was)}, "
-                f"not {_short(now)}"
+                f"checkpoint: {self.path} belongs to a run with {where} {short(was)}, "
+                f"not {short(now)}"
             )
         if checkpoint is None:
             self.complete = record
@@ -265,11 +265,6 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     return {**second, **recorded, "events": [*first["events"], *second["events"]]}
 
 
-def _short(value: Any) -> str:
-    """Format a value of a file for a message, shortened if necessary."""
-    return str(value) if isinstance(value, str | float | int | None) else reprlib.repr(value)
-
-
 def _plain(value: Any) -> Any:
     """Convert arguments for JSON. The length and digest of an array represent it."""
     if isinstance(value, Mapping):
@@ -280,16 +275,3 @@ def _plain(value: Any) -> Any:
         digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return {"length": value.size, "digest": digest}
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _differences(was: Any, now: Any, where: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Find the differences between two pieces of plain data."""
-    if isinstance(was, dict) and isinstance(now, dict):
-        for name in {**was, **now}:
-            place = f"{where}.{name}".lstrip(".")
-            yield from _differences(was.get(name), now.get(name), place)
-    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
-        for i, (a, b) in enumerate(zip(was, now, strict=True)):
-            yield from _differences(a, b, f"{where}[{i}]")
-    elif repr(was) != repr(now):
-        yield where, was, now

@@ -1,6 +1,7 @@
 """The rotor system with all its analyses."""
 
 from gearbow.analysis.balance import balance
+from gearbow.sweeps.many import simulate_many
 from gearbow.system.simulation import Simulation
 from gearbow.tradeoff.ask import tradeoff
 
@@ -98,5 +99,6 @@ class RotorSystem(Simulation):
     0.10
     """
 
+    simulate_many = simulate_many
     tradeoff = tradeoff
     balance = balance

@@ -1,0 +1,144 @@
+"""Parallel calls of a function: a limited number of submitted calls, and a stop of running calls.
+
+Python delivers Ctrl-C to the main thread only. A simulation in another thread therefore asks at
+each report of its progress whether it must stop (`check_stop`).
+"""
+
+import os
+import queue
+import threading
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from itertools import islice
+from types import TracebackType
+from typing import Any
+
+from gearbow._convert import shown
+from gearbow.errors import SceneError
+
+__all__ = ["ParallelCalls", "check_stop", "cores"]
+
+#: Largest number of calls that are submitted and not finished: enough to keep a cluster busy, and
+#: little memory.
+PENDING = 1000
+#: Time that running calls have to end after a request to stop [s]. A simulation needs 0.1 s.
+GRACE = 1.0
+
+#: Identifiers of the groups of calls that must stop.
+_stopped: set[str] = set()
+#: The attribute `group` is the identifier of the group that the call of this thread belongs to.
+_current = threading.local()
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def check_stop() -> None:
+    """Raise `KeyboardInterrupt` in a call whose group must stop."""
+    if getattr(_current, "group", None) in _stopped:
+        raise KeyboardInterrupt
+
+
+def _call(group: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Call a function as part of a group. It is at module level so that processes can import it."""
+    _current.group = group
+    try:
+        check_stop()
+        return function(*arguments)
+    finally:
+        _current.group = None
+
+
+class ParallelCalls:
+    """Calls of one function with many arguments, in the order of their completion.
+
+    The ``with`` statement stops all calls at its end, also after an exception. Iteration gives the
+    number and the future of each call; `finished` gives those that ended before or during the stop
+    and that the iteration has not given.
+
+    Parameters
+    ----------
+    function : callable
+        The function; an executor of processes imports it.
+    arguments : iterable of tuple
+        Arguments of each call. It is read as the calls are submitted.
+    executor : Executor, optional
+        Runs the calls; None is one thread for each core.
+
+    Raises
+    ------
+    SceneError
+        If the executor has no method `submit`.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        arguments: Iterable[tuple[Any, ...]],
+        executor: Executor | None = None,
+    ) -> None:
+        if executor is not None and not callable(getattr(executor, "submit", None)):
+            raise SceneError(
+                "executor: must be an executor of concurrent.futures, or None for threads, got "
+                f"{shown(executor)}"
+            )
+        self._function = function
+        self._waiting = enumerate(arguments)
+        self._own = executor is None
+        self._executor = ThreadPoolExecutor(cores(), "gearbow") if executor is None else executor
+        self._group = uuid.uuid4().hex
+        self._pending: dict[Future[Any], int] = {}
+        self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+
+    def __enter__(self) -> "ParallelCalls":
+        return self
+
+    def __iter__(self) -> Iterator[tuple[int, "Future[Any]"]]:
+        self._submit()
+        while self._pending:
+            future = self._done.get()
+            yield self._pending[future], future
+            # Only after the caller has taken it: an exception before that must not lose it.
+            del self._pending[future]
+            self._submit()
+
+    def _submit(self) -> None:
+        for number, arguments in islice(self._waiting, PENDING - len(self._pending)):
+            future = self._executor.submit(_call, self._group, self._function, arguments)
+            self._pending[future] = number
+            future.add_done_callback(self._done.put)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        _stopped.add(self._group)
+        for future in list(self._pending):
+            future.cancel()
+        running = [future for future in self._pending if not future.cancelled()]
+        # Calls that do not end in time continue in the background.
+        ended = not wait(running, timeout=GRACE).not_done
+        if self._own:
+            self._executor.shutdown(wait=ended, cancel_futures=True)
+        if ended:
+            _stopped.discard(self._group)
+
+    def finished(self) -> Iterator[tuple[int, "Future[Any]"]]:
+        """Give the remaining calls that returned a result.
+
+        Yields
+        ------
+        tuple of (int, Future)
+            Number and future of a call. The last call that the iteration gave may be among them.
+        """
+        for future, number in list(self._pending.items()):
+            if future.done() and not future.cancelled() and future.exception() is None:
+                del self._pending[future]
+                yield number, future

@@ -1,0 +1,1 @@
+"""Parameter sweeps: measures of many systems, computed in parallel and stored in a file."""

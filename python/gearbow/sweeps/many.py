@@ -1,0 +1,124 @@
+"""The method `gearbow.RotorSystem.simulate_many`."""
+
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Executor
+from typing import Any
+
+from gearbow._convert import shown
+from gearbow._parallel import ParallelCalls
+from gearbow._progress import reported
+from gearbow._types import Progress
+from gearbow.analysis.protocol import System
+from gearbow.errors import GearbowError, SceneError
+from gearbow.results.response import Response
+
+__all__ = ["simulate_many"]
+
+
+def simulate_many(
+    system: System,
+    variations: Iterable[Mapping[str, Any]],
+    duration: float,
+    speed: Any,
+    *,
+    executor: Executor | None = None,
+    progress: bool | Progress | None = None,
+    **options: Any,
+) -> list[Response]:
+    """Simulate variations of this system in parallel.
+
+    Variations that differ from the system in loads only (torques, forces, bows, unbalance, gravity)
+    share its modes and state-space models. The responses have the bits of
+    ``system.replace(**variation).simulate(duration, speed, **options)``.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    variations : iterable of mapping
+        Arguments of `replace` for each variation, for example ``{"torques": [...]}``.
+    duration : float
+        Simulated time [s].
+    speed : float, SpeedProfile, callable or (times, speeds)
+        Speed of the reference shaft [rad/s].
+    executor : concurrent.futures.Executor, optional
+        Runs the variations; None is one thread for each core. Processes share no modes.
+    progress : bool or callable, optional
+        True shows a progress bar; a callable receives the completed fraction of the variations.
+    **options
+        Further arguments of `simulate`, except `checkpoint`.
+
+    Returns
+    -------
+    list of Response
+        The response of each variation.
+
+    Raises
+    ------
+    SceneError
+        If a variation or an argument is invalid.
+    GearbowError
+        The error of `simulate`. Its message begins with the number and the content of the
+        variation. This and every other exception has the attribute `.responses`: the list of
+        responses, None for those that were not computed.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[shaft], bearings=bearings)
+    >>> variations = [{"gravity": g} for g in (1.62, 9.81)]
+    >>> moon, earth = system.simulate_many(variations, 0.1, 100.0, record=[("rotor", 0.5)])
+    >>> sags = [run.displacement(("rotor", 0.5))[-1, 1] for run in (moon, earth)]
+    >>> print([f"{1e6 * sag:.1f} µm" for sag in sags])
+    ['-5.3 µm', '-31.9 µm']
+    """
+    wanted = [_variation(entry, number) for number, entry in enumerate(variations)]
+    if options.get("checkpoint") is not None:
+        raise SceneError("checkpoint: one file cannot contain several runs; use simulate")
+    responses: list[Response | None] = [None] * len(wanted)
+    arguments = ((system, changes, duration, speed, options) for changes in wanted)
+    calls = ParallelCalls(_simulate, arguments, executor)
+    try:
+        with (
+            reported(progress, len(wanted), "runs", estimate=False, numbers=".0f") as report,
+            calls,
+        ):
+            for count, (number, future) in enumerate(calls, 1):
+                error = future.exception()
+                if error is not None:
+                    raise _named(error, number, wanted[number])
+                responses[number] = future.result()
+                if report is not None:
+                    report(count / len(wanted))
+    except BaseException as error:
+        for number, future in calls.finished():
+            responses[number] = future.result()
+        error.responses = responses  # type: ignore[attr-defined]
+        raise
+    return [response for response in responses if response is not None]
+
+
+def _variation(entry: object, number: int) -> dict[str, Any]:
+    if not isinstance(entry, Mapping):
+        raise SceneError(
+            f"variations[{number}]: must be a dict of arguments of `replace`, got {shown(entry)}"
+        )
+    return dict(entry)
+
+
+def _simulate(
+    system: System, changes: dict[str, Any], duration: float, speed: Any, options: dict[str, Any]
+) -> Response:
+    return system.replace(**changes).simulate(duration, speed, **options)  # type: ignore[no-any-return]
+
+
+def _named(error: BaseException, number: int, changes: dict[str, Any]) -> BaseException:
+    """Return the same error with the number and the content of the variation in its message."""
+    if not isinstance(error, GearbowError):
+        return error
+    named = type(error)(f"variations[{number}] = {shown(changes)}: {error}")
+    named.response = error.response
+    named.__cause__ = error
+    return named

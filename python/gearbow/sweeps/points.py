@@ -1,0 +1,180 @@
+"""Points of a sweep: a grid of parameter values, or a list of them."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias, overload
+
+import numpy as np
+
+from gearbow._convert import shown
+from gearbow._types import Plain
+from gearbow.errors import SceneError
+
+__all__ = ["Parameters", "Points"]
+
+#: Accepted parameters of a sweep: a grid, or a list of points.
+Parameters: TypeAlias = Mapping[str, Iterable[Any]] | Iterable[Mapping[str, Any]]
+
+
+class Points(Sequence[dict[str, Any]]):
+    """The points of a sweep; a grid is not expanded.
+
+    Parameters
+    ----------
+    given : mapping of {str: iterable} or iterable of mapping
+        The values of each parameter, all combinations of which are points, the last parameter
+        varying fastest; or the parameters of each point.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the parameters.
+    axes : dict of {str: list} or None
+        Values of each parameter of a grid; None for a list of points.
+
+    Raises
+    ------
+    SceneError
+        If there is no point, or a name or a list is invalid.
+    """
+
+    def __init__(self, given: object) -> None:
+        self.axes: dict[str, list[Any]] | None = None
+        self._rows: list[dict[str, Any]] = []
+        if isinstance(given, Mapping):
+            self.axes = {
+                _name(name, "parameters"): _list(values, f"parameters.{name}")
+                for name, values in given.items()
+            }
+            self.names = tuple(self.axes)
+        else:
+            self._rows = [_row(row, i) for i, row in enumerate(_list(given, "parameters"))]
+            self.names = tuple(self._rows[0])
+        if not self.names:
+            raise SceneError("parameters: must name at least one parameter, got none")
+        for i, row in enumerate(self._rows):
+            if set(row) != set(self.names):
+                raise SceneError(
+                    f"parameters[{i}]: must have the names {', '.join(self.names)} of "
+                    f"parameters[0], got {', '.join(row) or 'none'}"
+                )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each parameter of a grid, or the number of points of a list.
+
+        Returns
+        -------
+        tuple of int
+            The numbers.
+        """
+        if self.axes is None:
+            return (len(self._rows),)
+        return tuple(len(values) for values in self.axes.values())
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    @overload
+    def __getitem__(self, index: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[dict[str, Any]]: ...
+    def __getitem__(self, index: int | slice) -> dict[str, Any] | list[dict[str, Any]]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"there are {len(self)} points, got the index {index}")
+        index %= len(self)
+        if self.axes is None:
+            return {name: self._rows[index][name] for name in self.names}
+        point = {}
+        for name, values in reversed(self.axes.items()):
+            index, place = divmod(index, len(values))
+            point[name] = values[place]
+        return {name: point[name] for name in self.names}
+
+    def column(self, name: str) -> list[Any]:
+        """Return the values of a parameter: of an axis of a grid, or of each point of a list.
+
+        Parameters
+        ----------
+        name : str
+            The parameter.
+
+        Returns
+        -------
+        list
+            The values.
+        """
+        if self.axes is not None:
+            return self.axes[name]
+        return [row[name] for row in self._rows]
+
+    def plain(self) -> dict[str, Plain]:
+        """Return the points as plain data.
+
+        Returns
+        -------
+        dict
+            ``{"grid": {name: values}}`` or ``{"points": [{name: value}]}``.
+
+        Raises
+        ------
+        SceneError
+            If a value has no plain form.
+        """
+        if self.axes is not None:
+            return {"grid": _plain(self.axes, "parameters")}
+        return {"points": _plain([self[i] for i in range(len(self))], "parameters")}
+
+
+def _name(name: object, where: str) -> str:
+    if not isinstance(name, str):
+        raise SceneError(f"{where}: the name of a parameter must be text, got {shown(name)}")
+    return str(name)
+
+
+def _list(values: object, where: str) -> list[Any]:
+    """Read a list. NumPy numbers become those of Python, so that a file gives the same values."""
+    if isinstance(values, np.ndarray) and values.ndim == 1:
+        values = values.tolist()
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        wanted = "a list of values" if "." in where else "a dict of lists or a list of dicts"
+        raise SceneError(f"{where}: must be {wanted}, got {shown(values)}")
+    if isinstance(values, np.ndarray):
+        raise SceneError(
+            f"{where}: must be one list of values, got an array of the shape {values.shape}"
+        )
+    found = [_python(value) for value in values]
+    if not found:
+        raise SceneError(f"{where}: must have at least one entry, got none")
+    return found
+
+
+def _row(row: object, index: int) -> dict[str, Any]:
+    where = f"parameters[{index}]"
+    if not isinstance(row, Mapping):
+        raise SceneError(f"{where}: must be a dict of the parameters of a point, got {shown(row)}")
+    return {_name(name, where): _python(value) for name, value in row.items()}
+
+
+def _python(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _plain(value: Any, where: str) -> Plain:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, Mapping):
+        return {
+            _name(name, where): _plain(entry, f"{where}.{name}") for name, entry in value.items()
+        }
+    if isinstance(value, list | tuple):
+        return [_plain(entry, f"{where}[{i}]") for i, entry in enumerate(value)]
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufU":
+        return value.tolist()
+    raise SceneError(
+        f"{where}: a file contains only numbers, texts, None and lists of them, got "
+        f"{shown(value)}; use a number or a name as the parameter, and make the object from it in "
+        "`make`"
+    )

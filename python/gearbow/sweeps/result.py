@@ -1,0 +1,285 @@
+"""Result of a sweep: the values of all points, as arrays, tables and files."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, overload
+
+from numpy.typing import NDArray
+
+from gearbow._lookup import nearest
+from gearbow._types import Plain
+from gearbow.errors import ChannelError, GearbowError
+from gearbow.sweeps import store, tables
+from gearbow.sweeps.outcome import Outcome, Values
+from gearbow.sweeps.points import Points
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+__all__ = ["Sweep", "SweepPoint"]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPoint:
+    """One point of a sweep.
+
+    Parameters
+    ----------
+    parameters : mapping of {str: object}
+        The parameters.
+    values : mapping of {str: NumPy scalar or ndarray}, optional
+        The measured values by name; "value" if `measure` returned no dict. None if the point failed
+        or was not computed.
+    error : str
+        Type and message of the error; empty if the point did not fail.
+    details : str
+        The traceback of the error.
+    """
+
+    parameters: Mapping[str, Any]
+    values: Values | None
+    error: str = ""
+    details: str = field(default="", repr=False)
+
+
+class Sweep(Sequence[SweepPoint]):
+    """Measured values of many systems, made by `gearbow.sweep`.
+
+    A sweep is the sequence of its points, in the order of the parameters: the last parameter of a
+    grid varies fastest.
+
+    Parameters
+    ----------
+    points : Points
+        The parameters.
+    outcomes : mapping of {int: Outcome}
+        Outcome of each computed point.
+    functions : tuple of (dict, dict)
+        Identities of `make` and `measure`.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> def shaft(diameter, length):
+    ...     rotor = gb.Shaft("rotor", length=length, outer_diameter=diameter)
+    ...     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, length)]
+    ...     return gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> def lowest(system, **parameters):
+    ...     return system.modes().frequencies_hz[2]
+    >>> sweep = gb.sweep(shaft, {"diameter": [0.04, 0.05], "length": [0.5, 1.0]}, lowest)
+    >>> sweep
+    Sweep(diameter 2 × length 2: 4 points)
+    >>> print(sweep[1].parameters, f"{sweep[1].values['value']:.0f} Hz")
+    {'diameter': 0.04, 'length': 1.0} 314 Hz
+    >>> print(sweep.values().round())
+    [[1074.  314.]
+     [1100.  379.]]
+    """
+
+    def __init__(
+        self,
+        points: Points,
+        outcomes: Mapping[int, Outcome],
+        functions: tuple[dict[str, str], dict[str, str]],
+    ) -> None:
+        self._points = points
+        self._outcomes = dict(outcomes)
+        self._functions = functions
+
+    @property
+    def parameters(self) -> Mapping[str, tuple[Any, ...]]:
+        """Give the values of each parameter: of each axis of a grid, or of each point of a list.
+
+        Returns
+        -------
+        mapping of {str: tuple}
+            The values.
+        """
+        points = self._points
+        return MappingProxyType({name: tuple(points.column(name)) for name in points.names})
+
+    @property
+    def failed(self) -> tuple[SweepPoint, ...]:
+        """Give the points that ended with an error.
+
+        Returns
+        -------
+        tuple of SweepPoint
+            The points, with their parameters and errors.
+        """
+        numbers = (number for number, found in self._outcomes.items() if found.values is None)
+        return tuple(self[number] for number in sorted(numbers))
+
+    @property
+    def computed(self) -> int:
+        """Number of computed points, with the failed ones.
+
+        Returns
+        -------
+        int
+            `len` of the sweep, less if it was interrupted.
+        """
+        return len(self._outcomes)
+
+    def values(self, name: str | None = None) -> NDArray[Any]:
+        """Return a measured value of all points.
+
+        Parameters
+        ----------
+        name : str, optional
+            The value; None if there is only one.
+
+        Returns
+        -------
+        ndarray, shape (parameters..., axes...)
+            One axis for each parameter of a grid, or one for a list of points, then the axes of the
+            value. Points that failed or were not computed are NaN, for texts empty; whole numbers
+            and truth values then become floats.
+
+        Raises
+        ------
+        ChannelError
+            If there is no value of this name, or more than one value and no name.
+        GearbowError
+            If the shape of the value differs between points.
+        """
+        names = self._names()
+        if name is None and len(names) == 1:
+            (name,) = names
+        if name not in names:
+            if not names:
+                errors = [point.error for point in self.failed[:1]]
+                raise ChannelError(
+                    f"no point has a value; {errors[0] if errors else 'none was computed'}"
+                )
+            what = "there is more than one value" if name is None else f"{name!r}: is no value"
+            near = "" if name is None else nearest(name, names)
+            raise ChannelError(f"{what}{near}; the values are {', '.join(names)}")
+        return tables.column(name, self._outcomes, len(self)).reshape(
+            self._points.shape + tables.shape_of(name, self._outcomes)
+        )
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the sweep as a data set.
+
+        Returns
+        -------
+        xarray.Dataset
+            One variable for each value. The dimensions are the parameters of a grid, or "point"
+            with the parameters as coordinates, then ``name_0``, ``name_1``... for the axes of a
+            value. For points without values, see `values`.
+
+        Raises
+        ------
+        GearbowError
+            If the shape of a value differs between points, or a value has the name of a parameter.
+        MissingExtraError
+            If xarray is not installed.
+        """
+        named = {name: self.values(name) for name in self._names()}
+        return tables.to_xarray(self._points, named)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the sweep as a table with one row for each point.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One column for each parameter and each value, ``name[0]``, ``name[1]``... for the
+            entries of an array, and "error", which is empty for a point that did not fail. For
+            points without values, see `values`.
+
+        Raises
+        ------
+        GearbowError
+            If the shape of a value differs between points, or a value has the name of a parameter.
+        MissingExtraError
+            If pandas is not installed.
+        """
+        named = {name: self.values(name) for name in self._names()}
+        return tables.to_dataframe(self._points, named, [point.error for point in self])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the sweep to a file, in the format of the argument `store` of `gearbow.sweep`.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file.
+
+        Raises
+        ------
+        SceneError
+            If a parameter is neither a number, a text, None nor a list of them.
+        OSError
+            If the file cannot be written. An existing file is unchanged.
+        """
+        store.write(path, self._head(), self._outcomes)
+
+    def _head(self) -> dict[str, Plain]:
+        return store.head_of(*self._functions, self._points.plain())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Sweep":
+        """Read a file of `save` or a store, complete or not.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file.
+
+        Returns
+        -------
+        Sweep
+            The sweep.
+
+        Raises
+        ------
+        GearbowError
+            If the file is damaged or has another content.
+        OSError
+            If the file cannot be opened.
+        """
+        head, outcomes = store.read(path)
+        points = Points(next(iter(head["parameters"].values())))
+        if max(outcomes, default=-1) >= len(points):
+            raise GearbowError(
+                f"{path}: contains the point {max(outcomes)}, but there are {len(points)} points"
+            )
+        return cls(points, outcomes, (head["make"], head["measure"]))
+
+    def _names(self) -> list[str]:
+        """Names of the values of all points, each once."""
+        found = (self._outcomes[number].values for number in sorted(self._outcomes))
+        return list(
+            dict.fromkeys(name for values in found if values is not None for name in values)
+        )
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __iter__(self) -> Iterator[SweepPoint]:
+        return (self[number] for number in range(len(self)))
+
+    @overload
+    def __getitem__(self, index: int) -> SweepPoint: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[SweepPoint]: ...
+    def __getitem__(self, index: int | slice) -> SweepPoint | list[SweepPoint]:
+        if isinstance(index, slice):
+            return [self[number] for number in range(*index.indices(len(self)))]
+        parameters = self._points[index]
+        found = self._outcomes.get(index % len(self), Outcome())
+        return SweepPoint(parameters, found.values, found.error, found.details)
+
+    def __repr__(self) -> str:
+        points, failed = self._points, len(self.failed)
+        names = [f"{name} {size}" for name, size in zip(points.names, points.shape, strict=False)]
+        text = " × ".join(names) if points.axes is not None else ", ".join(points.names)
+        missing = len(self) - self.computed
+        counts = [f"{len(self)} points"]
+        counts += [f"{failed} failed"] * bool(failed) + [f"{missing} not computed"] * bool(missing)
+        return f"{type(self).__name__}({text}: {', '.join(counts)})"

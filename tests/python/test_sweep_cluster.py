@@ -1,0 +1,67 @@
+"""A sweep on a cluster of Dask, one worker of which is killed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed")
+
+CLUSTER = """
+import os, signal, sys, time
+import numpy as np
+import gearbow as gb
+from distributed import Client, LocalCluster
+from test_sweep import GRID, force, pair, same
+
+def main():
+    folder = sys.argv[1]
+    cluster = LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+        local_directory=folder,
+    )
+    with cluster, Client(cluster) as client:
+        workers = [entry["pid"] for entry in client.run(lambda: {"pid": os.getpid()}).values()]
+        assert len(set(workers)) == 2
+        killed = []
+
+        def report(fraction):
+            if fraction > 0.2 and not killed:
+                killed.append(workers[0])
+                os.kill(workers[0], signal.SIGKILL)
+
+        sweep = gb.sweep(
+            pair, GRID, slow, client.get_executor(), f"{folder}/map.sweep", report
+        )
+        assert killed and not sweep.failed and sweep.computed == len(sweep) == 6, sweep
+    same(sweep, gb.sweep(pair, GRID, slow))
+    same(sweep, gb.Sweep.load(f"{folder}/map.sweep"))
+    print("done")
+
+def slow(system, **parameters):
+    time.sleep(0.2)  # so that the killed worker has points to compute
+    return force(system, **parameters)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills a process")
+def test_a_killed_worker_does_not_lose_points(tmp_path):
+    script = tmp_path / "cluster.py"  # the workers import the functions of the main module
+    script.write_text(CLUSTER, encoding="utf-8")
+    here = str(Path(__file__).parent)
+    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
+    ended = subprocess.run(
+        [sys.executable, script, tmp_path],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
