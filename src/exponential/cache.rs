@@ -73,7 +73,7 @@ impl<'m> PropagatorCache<'m> {
     /// Slow and fast modes of a step of a level; `None` if A is dense, or a pair of modes is neither.
     pub fn mode_split(&self, level: usize) -> Option<&ModeSplit> {
         let split = || match &self.linear.matrix {
-            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level)),
+            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level), self.rule.whole.len()),
             StateMatrix::Dense(_) => None,
         };
         self.mode_splits[level].get_or_init(split).as_ref()

@@ -1,9 +1,9 @@
 //! e^{At} of a motion in mode pairs for any time t within the longest step, as a product of tabulated matrices.
 //!
 //! t is written in digits to the base 16, in units of a fraction of the shortest substep. Each digit has a table of fifteen
-//! matrices.
+//! matrices, each computed at its first use.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use super::packed::{Aligned, aligned};
 use super::phi::{Block, phi_of_pair};
@@ -16,6 +16,9 @@ const BITS: usize = 4;
 /// is exact within it.
 const FURTHER_HALVINGS: usize = 12;
 
+/// Values of a digit other than zero.
+const VALUES: usize = (1 << BITS) - 1;
+
 /// Largest number of digits: at most 30 + 12 binary digits, and one digit for the longest step itself.
 pub(super) const MAX_DIGITS: usize = 12;
 
@@ -24,8 +27,8 @@ pub(super) const MAX_DIGITS: usize = 12;
 pub struct Fractions {
     /// Unit of the digits, s.
     pub unit: f64,
-    /// For each digit, the lowest first, e^{At} with t = 1 to 15 times its value, computed at the first use.
-    tables: Vec<OnceCell<Vec<[Aligned; 4]>>>,
+    /// For each digit, the lowest first, e^{At} with t = 1 to 15 times its value.
+    tables: Vec<[OnceLock<[Aligned; 4]>; VALUES]>,
 }
 
 impl Fractions {
@@ -33,7 +36,7 @@ impl Fractions {
     pub fn new(time_grid: &TimeGrid) -> Self {
         let digits = (time_grid.event + FURTHER_HALVINGS).div_ceil(BITS);
         let unit = time_grid.longest / (1_u64 << (BITS * digits)) as f64;
-        Self { unit, tables: vec![OnceCell::new(); digits + 1] }
+        Self { unit, tables: (0..=digits).map(|_| Default::default()).collect() }
     }
 
     /// Positions and digits of a number of units, the lowest first.
@@ -43,27 +46,30 @@ impl Fractions {
 
     /// e^{At} of a digit from 1 to 15 at `position`.
     pub fn matrix(&self, pairs: &[ModePair], position: usize, digit: usize) -> &[Aligned; 4] {
-        let table = self.tables[position].get_or_init(|| {
-            let time = self.unit * (1_u64 << (BITS * position)) as f64;
-            table(pairs.iter().map(|pair| phi_of_pair(pair, time)[0]).collect())
-        });
-        &table[digit - 1]
+        self.tables[position][digit - 1].get_or_init(|| {
+            if digit == 1 {
+                let time = self.unit * (1_u64 << (BITS * position)) as f64;
+                return packed(pairs.iter().map(|pair| phi_of_pair(pair, time)[0]));
+            }
+            // The powers with the smallest number of products.
+            let (a, b) = if digit % 2 == 0 { (digit / 2, digit / 2) } else { (digit - 1, 1) };
+            let [a, b] = [a, b].map(|factor| self.matrix(pairs, position, factor));
+            packed((0..pairs.len()).map(|slot| product(&block(a, slot), &block(b, slot))))
+        })
     }
 }
 
-/// The first fifteen powers of matrices, each with the smallest number of products.
-fn table(first: Vec<Block>) -> Vec<[Aligned; 4]> {
-    let mut powers: Vec<Vec<Block>> = vec![first];
-    for power in 2..1 << BITS {
-        let (a, b) = if power % 2 == 0 { (power / 2, power / 2) } else { (power - 1, 1) };
-        let product = powers[a - 1].iter().zip(&powers[b - 1]).map(|(a, b)| product(a, b)).collect();
-        powers.push(product);
+/// The entries of blocks, one list each.
+fn packed(blocks: impl Iterator<Item = Block>) -> [Aligned; 4] {
+    let mut lists: [Vec<f64>; 4] = Default::default();
+    for [[a, b], [c, d]] in blocks {
+        lists.iter_mut().zip([a, b, c, d]).for_each(|(list, entry)| list.push(entry));
     }
-    let list = |blocks: &Vec<Block>, row: usize, column: usize| {
-        aligned(&blocks.iter().map(|block| block[row][column]).collect::<Vec<_>>())
-    };
-    let packed = |blocks| [list(blocks, 0, 0), list(blocks, 0, 1), list(blocks, 1, 0), list(blocks, 1, 1)];
-    powers.iter().map(packed).collect()
+    lists.each_ref().map(|list| aligned(list))
+}
+
+fn block([a, b, c, d]: &[Aligned; 4], slot: usize) -> Block {
+    [[a[slot], b[slot]], [c[slot], d[slot]]]
 }
 
 fn product(a: &Block, b: &Block) -> Block {

@@ -24,7 +24,7 @@ pub(super) struct SubstepModes {
     free: Vec<f64>,
     /// Coefficients gₙ, chunk after chunk and power after power.
     motion: Vec<f64>,
-    /// Number of coefficients of a load.
+    /// Number of coefficients of a load; zero without loads, where all motion is free.
     powers: usize,
     state: Vec<f64>,
 }
@@ -37,13 +37,17 @@ impl SubstepModes {
         Self {
             free: vec![0.0; len],
             motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
-            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 1 },
+            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 0 },
             state: vec![0.0; len],
         }
     }
 
     /// Starts with the last step, which begins at the state `z`.
     pub fn begin(&mut self, stepper: &Stepper<'_>, (split, loads): (&ModeSplit, &LoadPolynomials), z: &[f64]) {
+        if self.powers == 0 {
+            self.free.copy_from_slice(z);
+            return;
+        }
         let context = &stepper.context;
         let (free, motion) = (&mut self.free[..], &mut self.motion[..]);
         let (columns, loads) = (&context.columns[..], &loads.coefficients[..]);
@@ -136,10 +140,11 @@ impl WithSimd for Expand<'_> {
                     free[side * half + i][lane] = (1.0 - mask[lane]) * (z[lane] - next[side][lane]);
                 }
             }
-            if split.has_slow[i] {
-                motion[powers..].fill([[0.0; WIDTH]; 2]);
+            let terms = split.terms[i];
+            if terms > 0 {
+                motion[powers..terms].fill([[0.0; WIDTH]; 2]);
                 let masks = is_slow.map(|list| &list[i]);
-                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, motion);
+                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, &mut motion[..terms]);
             }
         }
     }
@@ -243,7 +248,7 @@ impl WithSimd for Evaluate<'_> {
                 }
             }
             let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
-            let powers = if self.split.has_slow[i] { motion.len() } else { self.powers };
+            let powers = self.powers.max(if self.powers > 0 { self.split.terms[i] } else { 0 });
             let mut forced = [[0.0; WIDTH]; 2];
             for coefficients in motion[..powers].iter().rev() {
                 for side in 0..2 {

@@ -7,6 +7,8 @@ use crate::integrate::Trajectory;
 
 /// Instants closer to an end of the step than this fraction of it take the state of that end.
 const ROUND_OFF: f64 = 1e-9;
+/// Fraction of a step of which instants are multiples if they differ by round-off: sampling such an instant is cheap.
+const DYADIC: f64 = 1.0 / 4096.0;
 
 /// The step that was taken last, before it is committed.
 #[derive(Clone, Copy)]
@@ -33,8 +35,12 @@ impl CompletedStep<'_, '_> {
         self.begin + part * self.length()
     }
 
-    /// State z `within` seconds after the beginning.
+    /// State z `within` seconds after the beginning. `within` is the difference of two elapsed times and has their round-off.
     pub fn state_at<'s>(&'s self, sampler: &'s mut SubstepSampler, within: f64) -> &'s [f64] {
+        let unit = self.length() * DYADIC;
+        let nearest = (within / unit).round() * unit;
+        let round_off = 2.0 * f64::EPSILON * (self.begin.abs() + self.length());
+        let within = if (within - nearest).abs() <= round_off { nearest } else { within };
         sampler.state_at(self.stepper, self.level, self.z, within)
     }
 }
