@@ -2,10 +2,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::fractions::{Fractions, MAX_DIGITS};
+use super::fractions::{Fractions, MAX_DIGITS, PARTS};
 use super::load_polynomials::LoadPolynomials;
 use super::mode_split::{DEGREE, ModeSplit};
-use super::packed::WIDTH;
+use super::packed::{Aligned, WIDTH};
 use super::quadrature::MAX_STAGES;
 use super::step::Stepper;
 use super::{MAX_TERMS, taylor_terms};
@@ -54,18 +54,24 @@ impl SubstepModes {
         context.arch.dispatch(Expand { split, columns, loads, powers: self.powers, z, free, motion });
     }
 
-    /// The state `within` seconds after the beginning of the step.
-    pub fn state_at(&mut self, stepper: &Stepper<'_>, split: &ModeSplit, within: f64) -> &[f64] {
+    /// The state `within` seconds after the beginning of the step, which has a level.
+    pub fn state_at(&mut self, stepper: &Stepper<'_>, (level, split): (usize, &ModeSplit), within: f64) -> &[f64] {
         let cache = &stepper.context.cache;
-        let fractions = &cache.fractions;
-        let whole = (within / fractions.unit + ROUND_OFF).floor();
+        let (fractions, pairs) = (&cache.fractions, cache.pairs());
         let mut matrices = [[&[][..]; 4]; MAX_DIGITS];
-        let mut count = 0;
-        for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
-            matrices[count] = fractions.matrix(cache.pairs(), position, digit).each_ref().map(|list| &list[..]);
-            count += 1;
+        let (mut count, mut rest) = (0, 0.0);
+        let (part, at_part) = Fractions::nearest_part(within, split.step);
+        if (1..PARTS).contains(&part) && at_part == within {
+            matrices[0] = lists(fractions.part(pairs, level, part));
+            count = 1;
+        } else {
+            let whole = (within / fractions.unit + ROUND_OFF).floor();
+            for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
+                matrices[count] = lists(fractions.matrix(pairs, position, digit));
+                count += 1;
+            }
+            rest = within - whole * fractions.unit;
         }
-        let rest = within - whole * fractions.unit;
         let is_whole = rest <= ROUND_OFF * fractions.unit;
         stepper.context.arch.dispatch(Evaluate {
             split,
@@ -81,6 +87,11 @@ impl SubstepModes {
         });
         &self.state
     }
+}
+
+/// The entries of packed blocks.
+fn lists(matrix: &[Aligned; 4]) -> [&[f64]; 4] {
+    matrix.each_ref().map(|list| &list[..])
 }
 
 /// Computes the coefficients of the motion, and the free motion.

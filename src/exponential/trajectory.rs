@@ -1,5 +1,6 @@
 //! A completed step: its states, and its displacements and velocities for observers.
 
+use super::fractions::Fractions;
 use super::output::OutputMap;
 use super::step::Stepper;
 use super::substep::SubstepSampler;
@@ -7,7 +8,8 @@ use crate::integrate::Trajectory;
 
 /// Instants closer to an end of the step than this fraction of it take the state of that end.
 const ROUND_OFF: f64 = 1e-9;
-/// Fraction of a step of which instants are multiples if they differ by round-off: sampling such an instant is cheap.
+/// Instants that differ by round-off from a multiple of this fraction of a step, or from a hundredth of it, are there:
+/// e^{At} of such an instant has few factors.
 const DYADIC: f64 = 1.0 / 4096.0;
 
 /// The step that was taken last, before it is committed.
@@ -37,10 +39,10 @@ impl CompletedStep<'_, '_> {
 
     /// State z `within` seconds after the beginning. `within` is the difference of two elapsed times and has their round-off.
     pub fn state_at<'s>(&'s self, sampler: &'s mut SubstepSampler, within: f64) -> &'s [f64] {
-        let unit = self.length() * DYADIC;
-        let nearest = (within / unit).round() * unit;
-        let round_off = 2.0 * f64::EPSILON * (self.begin.abs() + self.length());
-        let within = if (within - nearest).abs() <= round_off { nearest } else { within };
+        let (length, unit) = (self.length(), self.length() * DYADIC);
+        let round_off = 2.0 * f64::EPSILON * (self.begin.abs() + length);
+        let nearest = [Fractions::nearest_part(within, length).1, (within / unit).round() * unit];
+        let within = nearest.into_iter().find(|nearest| (within - nearest).abs() <= round_off).unwrap_or(within);
         sampler.state_at(self.stepper, self.level, self.z, within)
     }
 }

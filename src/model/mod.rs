@@ -323,6 +323,22 @@ impl Model {
         rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()
     }
 
+    /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
+    pub fn highest_mesh_frequency(&self) -> f64 {
+        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.largest_stiffness * self.mobility(mesh);
+        self.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Relative acceleration of the teeth of two free gears along the line of action per unit of mesh force, 1/kg.
+    pub fn mobility(&self, mesh: usize) -> f64 {
+        let bending = if self.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
+        let mobility = |gear: usize| {
+            let gear = &self.scene.gears[gear];
+            gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
+        };
+        mobility(self.scene.meshes[mesh].driver) + mobility(self.scene.meshes[mesh].driven)
+    }
+
     /// M X for a matrix X with n rows.
     pub fn mass_times(&self, vectors: &DMatrix<f64>) -> DMatrix<f64> {
         let mut weighted = DMatrix::zeros(self.len(), vectors.ncols());

@@ -301,19 +301,12 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
     pub fn highest_mesh_frequency(&self) -> f64 {
-        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.largest_stiffness * self.mobility(mesh);
-        self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
+        self.model.highest_mesh_frequency()
     }
 
     /// Relative acceleration of the teeth of two free gears along the line of action per unit of mesh force, 1/kg.
     pub fn mobility(&self, mesh: usize) -> f64 {
-        let scene = &self.model.scene;
-        let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
-        let mobility = |gear: usize| {
-            let gear = &scene.gears[gear];
-            gear.base_radius.powi(2) / gear.body.polar_inertia + bending / gear.body.mass
-        };
-        mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
+        self.model.mobility(mesh)
     }
 
     /// Whether the flanks of a mesh may separate.

@@ -5,6 +5,7 @@ mod checkpoint;
 mod events;
 mod exponential;
 mod initial;
+mod known_reduction;
 mod longest_step;
 mod modal_setup;
 mod options;
@@ -14,6 +15,7 @@ mod ramp;
 mod record;
 mod record_plan;
 mod reduction;
+mod run_cache;
 
 use std::time::{Duration, Instant};
 

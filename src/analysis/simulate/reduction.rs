@@ -14,12 +14,14 @@ use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
+use super::known_reduction::{KnownReduction, ReductionKey};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
+use super::run_cache::RunCache;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
@@ -88,6 +90,10 @@ pub(super) fn set_up<'m>(
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
+    let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
+    if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
+        return Ok((known.set_up(run, motion, start, plan)?, known.reduction));
+    }
     let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
         if options.modes.is_some() {
             let message = "cannot be left out: nearly parallel modes do not carry the motion";
@@ -95,15 +101,21 @@ pub(super) fn set_up<'m>(
         }
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
-    match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer),
-        (None, _) => Ok(reducer.unreduced()),
+    let projected = Arc::clone(&reducer.projected);
+    let (setup, reduction) = match (options.modes, options.reduction) {
+        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer)?,
+        (None, _) => reducer.unreduced(),
         (Some(count), _) => {
             let setup = reducer.reduced(count)?;
             let reduction = reducer.measured(&setup, observer)?;
-            Ok((setup, Some(reduction)))
+            (setup, Some(reduction))
         }
+    };
+    if let Some(key) = key {
+        let linear = Arc::clone(&setup.linear);
+        known.reductions.insert(key, KnownReduction { projected, linear, reduction });
     }
+    Ok((setup, reduction))
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
@@ -116,7 +128,7 @@ fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool
 
 impl<'m> Run<'m> {
     /// The set-up of the run in a subspace, or with the complete model.
-    fn complete(
+    pub(super) fn complete(
         &self,
         motion: EquationOfMotion<'m>,
         start: &Start,
