@@ -223,7 +223,7 @@ def growth(costs: dict[int, float]) -> str:
         return ""
     small, large = min(costs), max(costs)
     exponent = math.log(costs[large] / costs[small]) / math.log(large / small)
-    return f"n^{exponent:.1f} to n = {large}"
+    return f"n^{exponent:.2f} to n = {large}"
 
 
 def analysis_table(name: str, *, quick: bool) -> None:

@@ -55,7 +55,9 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
     let modes = if model.len() < LARGE_MODEL || model.meshes.is_empty() {
         cached.real_modes(0.0)?
     } else {
-        let limit = LIMIT * std::env::var("L").ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(1.0) * model.highest_mesh_frequency();
+        let limit = LIMIT
+            * std::env::var("L").ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(1.0)
+            * model.highest_mesh_frequency();
         of_components = cached.modes_of_components(0.0, &loaded(model), limit)?;
         &of_components
     };
