@@ -11,7 +11,8 @@ const STEP: f64 = 0.6;
 /// Smallest number of coordinates of a model with meshes whose modes follow from those of its components.
 const LARGE_MODEL: usize = 400;
 /// Highest frequency of the component modes, in multiples of the frequency of the gears on their mesh stiffness. The static
-/// displacements under mesh forces represent higher modes.
+/// displacements under mesh forces represent higher modes. The expected error of trains of elements of degree 1 to 8 is that
+/// of all modes within 2 %.
 const LIMIT: f64 = 10.0;
 /// A displacement below this fraction of the largest one under the same load is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -55,9 +56,7 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
     let modes = if model.len() < LARGE_MODEL || model.meshes.is_empty() {
         cached.real_modes(0.0)?
     } else {
-        let limit = LIMIT
-            * std::env::var("L").ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(1.0)
-            * model.highest_mesh_frequency();
+        let limit = LIMIT * model.highest_mesh_frequency();
         of_components = cached.modes_of_components(0.0, &loaded(model), limit)?;
         &of_components
     };

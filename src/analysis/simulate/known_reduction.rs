@@ -2,13 +2,20 @@
 
 use std::sync::Arc;
 
-use super::initial::Start;
-use super::modal_setup::ModalSetup;
-use super::{Initial, Method, Options, RecordPlan, Reduction, Run};
-use crate::analysis::AnalysisError;
+use super::{Initial, Method, Options, RecordPlan};
 use crate::mesh::Geometry;
 use crate::modal::{ModalStateSpace, Projected};
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::Speed;
+
+/// A reduction of the linear motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    /// Number of modes that the run keeps.
+    pub modes: usize,
+    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
+    /// variation, for the worst recorded signal.
+    pub errors: [f64; 2],
+}
 
 /// What the reduction of a run depends on beside its system.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,21 +63,4 @@ pub(super) struct KnownReduction {
     /// The reduced motion.
     pub linear: Arc<ModalStateSpace>,
     pub reduction: Option<Reduction>,
-}
-
-impl KnownReduction {
-    /// The set-up of a run.
-    pub fn set_up<'m>(
-        &self,
-        run: &Run<'m>,
-        motion: EquationOfMotion<'m>,
-        start: &Start,
-        plan: &RecordPlan,
-    ) -> Result<ModalSetup<'m>, AnalysisError> {
-        let (model, setup) = (&run.cached.model, run.complete(motion, start, plan, Some(&self.projected))?);
-        if Arc::ptr_eq(&setup.linear, &self.linear) {
-            return Ok(setup);
-        }
-        Ok(setup.with_linear(model, Arc::clone(&self.linear), plan.selection(model)))
-    }
 }

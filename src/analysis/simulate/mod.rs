@@ -22,10 +22,10 @@ use std::time::{Duration, Instant};
 pub use checkpoint::{Checkpoint, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
+pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use record::Record;
 pub use record_plan::{Point, RecordPlan, Request};
-pub use reduction::Reduction;
 
 use super::{AnalysisError, Spectrum};
 use crate::connection::Touch;

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
-use super::known_reduction::{KnownReduction, ReductionKey};
+use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
@@ -61,16 +61,6 @@ const CONTINUED: f64 = 3.0;
 /// Harmonics of the tooth meshing frequency that count as excited.
 const HARMONICS: f64 = 10.0;
 
-/// A reduction of the linear motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reduction {
-    /// Number of modes that the run keeps.
-    pub modes: usize,
-    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
-    /// variation, for the worst recorded signal.
-    pub errors: [f64; 2],
-}
-
 /// Sets up a run, and reduces its linear motion as the options ask.
 pub(super) fn set_up<'m>(
     run: &Run<'m>,
@@ -92,7 +82,10 @@ pub(super) fn set_up<'m>(
     }
     let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
     if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
-        return Ok((known.set_up(run, motion, start, plan)?, known.reduction));
+        let setup = run.complete(motion, start, plan, Some(&known.projected))?;
+        let is_reduced = !Arc::ptr_eq(&setup.linear, &known.linear);
+        let reduced = || setup.with_linear(model, Arc::clone(&known.linear), plan.selection(model));
+        return Ok((if is_reduced { reduced() } else { setup }, known.reduction));
     }
     let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
         if options.modes.is_some() {
@@ -170,7 +163,8 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<Option<Self>, AnalysisError> {
         let (options, model) = (run.options, &run.cached.model);
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
-        let pilot = Rc::new(Pilot::new(run, start));
+        let decides = options.modes.is_some() || !is_short(run, start, motion);
+        let pilot = Rc::new(Pilot::new(run, start, decides));
         let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
         if !is_large(model) {
             let Some(mut reducer) = prepared(0.0)? else {
