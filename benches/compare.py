@@ -32,7 +32,7 @@ import warnings
 import gearbow as gb
 from programs.analyses import ANALYSES, SUBJECTS, Analysis, Subject
 from programs.calls import CALLS
-from programs.memory import WORKS, peak
+from programs.memory import RUNS, WORKS, peak
 from programs.methods import METHODS, Method, offered
 from programs.scenes import SCENES, Scene
 from programs.search import PATIENCE, Found, check, measure, reference, search
@@ -251,11 +251,15 @@ def calls_table(*, quick: bool) -> None:
 
 
 def memory_table() -> None:
-    """Measure the peak memory of processes that analyse a large system."""
-    print("\nThree shafts with 3,000 elements each.\n")
-    header("analysis", "peak memory [MB]", "CPU time [s]")
-    for title in WORKS:
-        row(title, *peak(title))
+    """Measure the peak memory of processes that analyse a large system, and of runs."""
+    for heading, works in {
+        "Three shafts with 3,000 elements each": WORKS,
+        "Runs of a double-stage train, constant mesh stiffness, live geometry": RUNS,
+    }.items():
+        print(f"\n{heading}.\n")
+        header("analysis", "peak memory [MB]", "CPU time [s]")
+        for title in works:
+            row(title, *peak(title))
 
 
 def main() -> None:
