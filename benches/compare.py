@@ -252,13 +252,11 @@ def calls_table(*, quick: bool) -> None:
 
 def memory_table() -> None:
     """Measure the peak memory of processes that analyse a large system, and of runs."""
-    for heading, works in {
-        "Three shafts with 3,000 elements each": WORKS,
-        "Runs of a double-stage train, constant mesh stiffness, live geometry": RUNS,
-    }.items():
+    runs = "Runs of a double-stage train, constant mesh stiffness, live geometry"
+    for heading, titles in (("Three shafts with 3,000 elements each", WORKS), (runs, RUNS)):
         print(f"\n{heading}.\n")
         header("analysis", "peak memory [MB]", "CPU time [s]")
-        for title in works:
+        for title in titles:
             row(title, *peak(title))
 
 

@@ -165,16 +165,22 @@ def motion_error(found: Array, exact: Array) -> float:
     return float(np.linalg.norm(found - exact) / np.linalg.norm(motion))
 
 
+def strongly_damped(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Return a system with strongly damped bearings at the same places."""
+    places = [(bearing.shaft, bearing.position) for bearing in system.bearings]
+    return system.replace(
+        bearings=[gb.Bearing(shaft, x, stiffness=1e8, damping=OVERDAMPED) for shaft, x in places]
+    )
+
+
 def overdamped_modes(system: gb.RotorSystem) -> gb.Modes:
     """Return the ten lowest modes with strongly damped bearings."""
-    bearings = [replace(bearing, damping=OVERDAMPED) for bearing in system.bearings]
-    return system.replace(bearings=bearings).modes(SPEED, count=10)
+    return strongly_damped(system).modes(SPEED, count=10)
 
 
 def overdamped_matrices(system: gb.RotorSystem) -> Any:
     """Return the sparse matrices with strongly damped bearings."""
-    bearings = [replace(bearing, damping=OVERDAMPED) for bearing in system.bearings]
-    return system.replace(bearings=bearings).matrices(SPEED, sparse=True)
+    return strongly_damped(system).matrices(SPEED, sparse=True)
 
 
 def mode_residual(found: gb.Modes, matrices: Any) -> float:
