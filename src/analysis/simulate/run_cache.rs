@@ -15,15 +15,18 @@ const SETTINGS: usize = 2;
 /// whether modal damping acts in component modes.
 type StartKey = (f64, f64, bool);
 
+/// Complex amplitudes of the synchronous motion, m and rad: one column for each source shaft.
+type Amplitudes = Arc<DMatrix<Complex<f64>>>;
+
 /// Results of the last runs.
 #[derive(Debug, Default)]
 pub(super) struct RunCache {
     /// Propagators.
     pub propagators: Recent<(), Arc<PropagatorCache>, SETTINGS>,
-    /// Complex amplitudes of the synchronous motion at the start, m and rad: one column for each source shaft.
-    pub start_amplitudes: Recent<StartKey, Arc<DMatrix<Complex<f64>>>>,
-    /// The same of a linear motion at a speed, rad/s, which changes or not.
-    pub amplitudes: Recent<(f64, bool, Identity), Arc<DMatrix<Complex<f64>>>>,
+    /// Synchronous motions at the start.
+    pub start_amplitudes: Recent<StartKey, Amplitudes>,
+    /// Synchronous motions of a linear motion at a speed, rad/s, which changes or not.
+    pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
 }
