@@ -1,8 +1,8 @@
-//! e^{At} of a motion in mode pairs for any time t within the longest step, as a product of tabulated matrices. Each matrix
-//! is computed at its first use.
+//! e^{At} of a motion in mode pairs for any time t within the longest step, as a product of tabulated matrices.
 //!
 //! t is written in digits to the base 16, in units of a fraction of the shortest substep. Each digit has a table of fifteen
-//! matrices. Output times at equal intervals are often hundredths of a step, which have a table for each step level.
+//! matrices, computed at its first use. Output times at equal intervals are often hundredths of a step, which have a table
+//! for each step level; each of these matrices is computed at its first use.
 
 use std::sync::OnceLock;
 
@@ -93,7 +93,14 @@ impl Fractions {
 
     /// e^{At} of a digit from 1 to 15 at `position`.
     pub fn matrix(&self, pairs: &[ModePair], position: usize, digit: usize) -> &[Aligned; 4] {
-        self.digits[position].get(pairs, digit)
+        let powers = &self.digits[position];
+        // Steps end at any digit: later steps then allocate nothing.
+        if powers.matrices.last().is_some_and(|last| last.get().is_none()) {
+            (1..=VALUES).for_each(|exponent| {
+                powers.get(pairs, exponent);
+            });
+        }
+        powers.get(pairs, digit)
     }
 }
 
