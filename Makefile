@@ -22,7 +22,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check random fuzz faults bench bench-check bench-accept compare fmt wheel readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz faults faults-core bench bench-check bench-accept compare fmt wheel readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -32,6 +32,7 @@ help:
 	@echo "make random        check general properties on 2,000 new random scenes, and run all examples"
 	@echo "make fuzz          parse a million randomly changed descriptions"
 	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
+	@echo "make faults-core   plant faults in a copy of the band solver of the core: the Rust tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
@@ -70,6 +71,10 @@ fuzz: $(VENV)/.dev
 # Takes minutes; tests/mutation/faults.py lists the faults.
 faults: $(VENV)/.dev
 	$(BIN)/python tests/mutation/run.py
+
+# Each fault compiles the core anew: a quarter of an hour in all.
+faults-core: $(VENV)/.dev
+	$(BIN)/python tests/mutation/core.py
 
 check: lint types documents test
 

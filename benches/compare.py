@@ -32,7 +32,7 @@ import warnings
 import gearbow as gb
 from programs.analyses import ANALYSES, SUBJECTS, Analysis, Subject
 from programs.calls import CALLS
-from programs.memory import WORKS, peak
+from programs.memory import RUNS, WORKS, peak
 from programs.methods import METHODS, Method, offered
 from programs.scenes import SCENES, Scene
 from programs.search import PATIENCE, Found, check, measure, reference, search
@@ -223,7 +223,7 @@ def growth(costs: dict[int, float]) -> str:
         return ""
     small, large = min(costs), max(costs)
     exponent = math.log(costs[large] / costs[small]) / math.log(large / small)
-    return f"n^{exponent:.1f} to n = {large}"
+    return f"n^{exponent:.2f} to n = {large}"
 
 
 def analysis_table(name: str, *, quick: bool) -> None:
@@ -251,11 +251,13 @@ def calls_table(*, quick: bool) -> None:
 
 
 def memory_table() -> None:
-    """Measure the peak memory of processes that analyse a large system."""
-    print("\nThree shafts with 3,000 elements each.\n")
-    header("analysis", "peak memory [MB]", "CPU time [s]")
-    for title in WORKS:
-        row(title, *peak(title))
+    """Measure the peak memory of processes that analyse a large system, and of runs."""
+    runs = "Runs of a double-stage train, constant mesh stiffness, live geometry"
+    for heading, titles in (("Three shafts with 3,000 elements each", WORKS), (runs, RUNS)):
+        print(f"\n{heading}.\n")
+        header("analysis", "peak memory [MB]", "CPU time [s]")
+        for title in titles:
+            row(title, *peak(title))
 
 
 def main() -> None:

@@ -18,6 +18,7 @@ MODES = 9  # lowest frequencies above zero that are compared
 EIGENVALUES = 30  # of SciPy: pairs, the rigid-body rotation, and some more for ARPACK to converge
 SPEEDS = np.linspace(1.0, 300.0, 1000)  # of the synchronous response, rad/s
 DIAGRAM = np.linspace(0.0, 300.0, 20)  # speeds of the Campbell diagram, rad/s
+OVERDAMPED = 5e4  # damping of bearings that makes modes overdamped, N s/m
 CHECKED = (0, 10, 19)  # speeds of the Campbell diagram with a reference
 SAMPLE = slice(None, None, 111)  # speeds of the synchronous response with a reference
 
@@ -164,6 +165,39 @@ def motion_error(found: Array, exact: Array) -> float:
     return float(np.linalg.norm(found - exact) / np.linalg.norm(motion))
 
 
+def strongly_damped(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Return a system with strongly damped bearings at the same places."""
+    places = [(bearing.shaft, bearing.position) for bearing in system.bearings]
+    return system.replace(
+        bearings=[gb.Bearing(shaft, x, stiffness=1e8, damping=OVERDAMPED) for shaft, x in places]
+    )
+
+
+def overdamped_modes(system: gb.RotorSystem) -> gb.Modes:
+    """Return the ten lowest modes with strongly damped bearings."""
+    return strongly_damped(system).modes(SPEED, count=10)
+
+
+def overdamped_matrices(system: gb.RotorSystem) -> Any:
+    """Return the sparse matrices with strongly damped bearings."""
+    return strongly_damped(system).matrices(SPEED, sparse=True)
+
+
+def mode_residual(found: gb.Modes, matrices: Any) -> float:
+    """Return the largest residual of a mode over the sum of the sizes of its terms."""
+    rate = matrices.damping + SPEED * matrices.gyroscopic
+    residuals = []
+    for value, shape in zip(found.eigenvalues, found.shapes, strict=True):
+        if value == 0.0:
+            continue  # the rigid-body rotation, whose terms are round-off
+        parts = (matrices.stiffness @ shape, value * (rate @ shape))
+        inertia = value**2 * (matrices.mass @ shape)
+        size = sum(np.abs(part) for part in (*parts, inertia))
+        residual = np.abs(parts[0] + parts[1] + inertia)
+        residuals.append(np.linalg.norm(residual) / np.linalg.norm(size))
+    return float(max(residuals))
+
+
 def unbalanced_pair() -> gb.RotorSystem:
     """Return a geared pair with unbalance of the first gear, and without bow."""
     system = geared(PAIR, (("g1", "g2"),), MEAN, 0.0, bow=0.0)
@@ -195,6 +229,13 @@ ANALYSES = {
         },
         exactly(lambda sparse: sparse.exact_frequencies(SPEED, MODES)),
         frequency_error,
+    ),
+    "overdamped": Analysis(
+        f"Ten lowest modes at {SPEED:g} rad/s, bearings with {OVERDAMPED:g} N s/m",
+        {"gearbow": of_gearbow(overdamped_modes)},
+        overdamped_matrices,
+        mode_residual,
+        TRAINS,
     ),
     "campbell": Analysis(
         f"Campbell diagram, ten modes at {len(DIAGRAM)} speeds",

@@ -1,4 +1,4 @@
-"""Peak memory of analyses of a large system, each in a process of its own."""
+"""Peak memory of analyses of large systems and of runs, each in a process of its own."""
 
 import multiprocessing
 import resource
@@ -17,6 +17,19 @@ from programs.scenes import MEAN, SPEED, STAGES, TRAIN, geared
 ELEMENTS = 3000  # of each of the three shafts
 LIMIT = 30  # limit of the CPU time of an analysis, s
 
+
+def run(duration: float) -> Callable[[gb.RotorSystem], Any]:
+    """Return a run that records a gear at its start and at its end."""
+    return lambda system: system.simulate(duration, SPEED, times=[0.0, duration], record=["g1"])
+
+
+#: Number of elements of each shaft, and the work.
+RUNS: dict[str, tuple[int, Callable[[gb.RotorSystem], Any]]] = {
+    "`simulate`, 0.1 s, n = 240": (15, run(0.1)),
+    "`simulate`, 10 s, n = 240": (15, run(10.0)),
+    "`simulate`, 1 ms, n = 1,200": (79, run(1e-3)),
+    "`simulate`, 1 ms, n = 4,800": (319, run(1e-3)),
+}
 WORKS: dict[str, Callable[[gb.RotorSystem], Any]] = {
     "description of the system only": lambda system: system.dofs,
     "`modes(count=10)`": lambda system: system.modes(SPEED, count=10),
@@ -50,8 +63,9 @@ def _work(title: str, sender: Connection) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 1))
     warnings.simplefilter("ignore", gb.AccuracyWarning)
     begin = time.process_time()
+    elements, work = RUNS[title] if title in RUNS else (ELEMENTS, WORKS[title])
     try:
-        WORKS[title](geared(TRAIN, STAGES, MEAN, 0.05, elements=ELEMENTS))
+        work(geared(TRAIN, STAGES, MEAN, 0.05, elements=elements))
     except gb.SceneError as error:
         memory = "refused: " + str(error).partition(";")[0]
     else:

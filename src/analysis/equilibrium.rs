@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::AnalysisError;
 use crate::mesh::Geometry;
-use crate::modal::{self, CachedModel, EquilibriumError, EquilibriumSpeeds};
+use crate::modal::{CachedModel, EquilibriumError, EquilibriumSpeeds};
 use crate::model::Model;
 
 /// Displacements q of the equilibrium under torques, gravity and the forces of meshes and films, at `speed` of the reference
@@ -24,7 +24,7 @@ pub(super) fn equilibrium_with_flanks(
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, AnalysisError> {
     let cached = cached.at_speed(speeds.film)?;
-    modal::equilibrium(&cached.model, geometry, speeds).map_err(|error| explained(&cached.model, error))
+    cached.equilibrium(geometry, speeds).map_err(|error| explained(&cached.model, error))
 }
 
 fn explained(model: &Model, error: EquilibriumError) -> AnalysisError {

@@ -1,6 +1,6 @@
 //! Propagators of all step lengths. Each is computed at its first use.
 
-use std::cell::OnceCell;
+use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
@@ -16,31 +16,31 @@ use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
 
 /// The propagators and stage responses of all step levels of a time grid.
 #[derive(Clone, Debug)]
-pub struct PropagatorCache<'m> {
+pub struct PropagatorCache {
     /// Stages of a step and their polynomials.
     pub rule: QuadratureRule,
     /// Step lengths.
     pub time_grid: TimeGrid,
     /// The linear motion ż = A z.
-    pub linear: &'m ModalStateSpace,
+    pub linear: Arc<ModalStateSpace>,
     /// Rows and columns of the interface over z.
     pub maps: InterfaceMaps,
     /// Angular velocities of the rotating sources, rad/s.
     spins: Vec<f64>,
     /// Gram matrix of the columns b of the mesh loads.
     pub gram: Panel,
-    propagators: Vec<OnceCell<StepPropagator>>,
-    stage_responses: Vec<OnceCell<StageResponse>>,
+    propagators: Vec<OnceLock<StepPropagator>>,
+    stage_responses: Vec<OnceLock<StageResponse>>,
     /// For each step level the slow and the fast modes; `None` if the motion within a step does not use them.
-    mode_splits: Vec<OnceCell<Option<ModeSplit>>>,
+    mode_splits: Vec<OnceLock<Option<ModeSplit>>>,
     /// e^{At} within a step.
     pub fractions: Fractions,
 }
 
-impl<'m> PropagatorCache<'m> {
+impl PropagatorCache {
     /// Creates the cache of a time grid; `spins` are the angular velocities of the rotating sources, rad/s.
     pub fn new(
-        linear: &'m ModalStateSpace,
+        linear: Arc<ModalStateSpace>,
         rule: QuadratureRule,
         maps: InterfaceMaps,
         time_grid: TimeGrid,
@@ -50,7 +50,7 @@ impl<'m> PropagatorCache<'m> {
         let gram = gram(&columns, maps.meshes);
         let (propagators, stage_responses) = match &linear.matrix {
             StateMatrix::Pairs(_) => {
-                (vec![OnceCell::new(); time_grid.finest + 1], vec![OnceCell::new(); time_grid.finest + 1])
+                (vec![OnceLock::new(); time_grid.finest + 1], vec![OnceLock::new(); time_grid.finest + 1])
             }
             // Doubling a step yields the next longer one, so that all levels are computed together.
             StateMatrix::Dense(matrix) => {
@@ -59,9 +59,25 @@ impl<'m> PropagatorCache<'m> {
                 levels.into_iter().map(|(propagator, response)| (propagator.into(), response.into())).unzip()
             }
         };
-        let mode_splits = vec![OnceCell::new(); time_grid.finest + 1];
+        let mode_splits = vec![OnceLock::new(); time_grid.finest + 1];
         let fractions = Fractions::new(&time_grid);
         Self { rule, time_grid, linear, maps, spins, gram, propagators, stage_responses, mode_splits, fractions }
+    }
+
+    /// Whether this is the cache of a linear motion with a rule, interface maps, a time grid and spins.
+    pub fn serves(
+        &self,
+        linear: &Arc<ModalStateSpace>,
+        rule: &QuadratureRule,
+        maps: &InterfaceMaps,
+        time_grid: &TimeGrid,
+        spins: &[f64],
+    ) -> bool {
+        Arc::ptr_eq(&self.linear, linear)
+            && (self.rule.stages(), self.rule.explicit) == (rule.stages(), rule.explicit)
+            && self.time_grid == *time_grid
+            && self.spins == spins
+            && self.maps == *maps
     }
 
     /// Propagator of the state over a step of a level.
@@ -73,7 +89,7 @@ impl<'m> PropagatorCache<'m> {
     /// Slow and fast modes of a step of a level; `None` if A is dense, or a pair of modes is neither.
     pub fn mode_split(&self, level: usize) -> Option<&ModeSplit> {
         let split = || match &self.linear.matrix {
-            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level)),
+            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level), self.rule.whole.len()),
             StateMatrix::Dense(_) => None,
         };
         self.mode_splits[level].get_or_init(split).as_ref()

@@ -1,5 +1,7 @@
 //! Data that all steps share: the loads, the tabulated propagators, and the interface maps in the layout of the kernels.
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 use pulp::Arch;
 
@@ -14,7 +16,7 @@ pub(super) struct StepContext<'m> {
     /// Loads on the linear motion.
     pub nonlinear_loads: NonlinearLoads<'m>,
     /// Propagators of all step levels.
-    pub cache: PropagatorCache<'m>,
+    pub cache: Arc<PropagatorCache>,
     /// Instruction set of the processor.
     pub arch: Arch,
     /// Rows w of the interface.
@@ -25,7 +27,7 @@ pub(super) struct StepContext<'m> {
 
 impl<'m> StepContext<'m> {
     /// Packs the interface maps of a cache.
-    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: PropagatorCache<'m>) -> Self {
+    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: Arc<PropagatorCache>) -> Self {
         let maps = &cache.maps;
         let (rows, columns) = (Rows::new(&maps.rows, &maps.parts), aligned(&maps.columns.concat()));
         Self { nonlinear_loads, cache, arch: Arch::new(), rows, columns }

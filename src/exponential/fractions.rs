@@ -1,12 +1,13 @@
 //! e^{At} of a motion in mode pairs for any time t within the longest step, as a product of tabulated matrices.
 //!
 //! t is written in digits to the base 16, in units of a fraction of the shortest substep. Each digit has a table of fifteen
-//! matrices.
+//! matrices, computed at its first use. Output times at equal intervals are often hundredths of a step, which have a table
+//! for each step level; each of these matrices is computed at its first use.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use super::packed::{Aligned, aligned};
-use super::phi::{Block, phi_of_pair};
+use super::phi::{Block, exponential_of_pair};
 use super::time_grid::TimeGrid;
 use crate::modal::ModePair;
 
@@ -16,16 +17,51 @@ const BITS: usize = 4;
 /// is exact within it.
 const FURTHER_HALVINGS: usize = 12;
 
+/// Values of a digit other than zero.
+const VALUES: usize = (1 << BITS) - 1;
+
 /// Largest number of digits: at most 30 + 12 binary digits, and one digit for the longest step itself.
 pub(super) const MAX_DIGITS: usize = 12;
+
+/// Number of equal parts of a step that have a table.
+pub(super) const PARTS: usize = 100;
 
 /// Tables of e^{At}.
 #[derive(Clone, Debug)]
 pub struct Fractions {
     /// Unit of the digits, s.
     pub unit: f64,
-    /// For each digit, the lowest first, e^{At} with t = 1 to 15 times its value, computed at the first use.
-    tables: Vec<OnceCell<Vec<[Aligned; 4]>>>,
+    /// For each digit, the lowest first, e^{At} with t = 1 to 15 times its value.
+    digits: Vec<Powers>,
+    /// For each step level, e^{At} with t = 1 to 99 hundredths of the step.
+    parts: Vec<OnceLock<Powers>>,
+    time_grid: TimeGrid,
+}
+
+/// The powers 1, 2, … of e^{At} for a time t, s.
+#[derive(Clone, Debug)]
+struct Powers {
+    time: f64,
+    /// Entries of the blocks.
+    matrices: Vec<OnceLock<[Aligned; 4]>>,
+}
+
+impl Powers {
+    fn new(time: f64, count: usize) -> Self {
+        Self { time, matrices: vec![OnceLock::new(); count] }
+    }
+
+    /// The power of an exponent from 1 on, with the smallest number of products.
+    fn get(&self, pairs: &[ModePair], exponent: usize) -> &[Aligned; 4] {
+        self.matrices[exponent - 1].get_or_init(|| {
+            if exponent == 1 {
+                return packed(pairs.iter().map(|pair| exponential_of_pair(pair, self.time)));
+            }
+            let half = exponent / 2;
+            let [a, b] = [half, exponent - half].map(|factor| self.get(pairs, factor));
+            packed((0..pairs.len()).map(|slot| product(&block(a, slot), &block(b, slot))))
+        })
+    }
 }
 
 impl Fractions {
@@ -33,7 +69,21 @@ impl Fractions {
     pub fn new(time_grid: &TimeGrid) -> Self {
         let digits = (time_grid.event + FURTHER_HALVINGS).div_ceil(BITS);
         let unit = time_grid.longest / (1_u64 << (BITS * digits)) as f64;
-        Self { unit, tables: vec![OnceCell::new(); digits + 1] }
+        let digit = |position| Powers::new(unit * (1_u64 << (BITS * position)) as f64, VALUES);
+        let parts = vec![OnceLock::new(); time_grid.finest + 1];
+        Self { unit, digits: (0..=digits).map(digit).collect(), parts, time_grid: *time_grid }
+    }
+
+    /// The number of hundredths of a step, s, closest to a time, s, and their time, s.
+    pub fn nearest_part(time: f64, step: f64) -> (usize, f64) {
+        let nearest = (time / step * PARTS as f64).round();
+        (nearest as usize, nearest / PARTS as f64 * step)
+    }
+
+    /// e^{At} of 1 to 99 hundredths of a step of a level.
+    pub fn part(&self, pairs: &[ModePair], level: usize, count: usize) -> &[Aligned; 4] {
+        let time = || self.time_grid.step(level) / PARTS as f64;
+        self.parts[level].get_or_init(|| Powers::new(time(), PARTS - 1)).get(pairs, count)
     }
 
     /// Positions and digits of a number of units, the lowest first.
@@ -43,27 +93,28 @@ impl Fractions {
 
     /// e^{At} of a digit from 1 to 15 at `position`.
     pub fn matrix(&self, pairs: &[ModePair], position: usize, digit: usize) -> &[Aligned; 4] {
-        let table = self.tables[position].get_or_init(|| {
-            let time = self.unit * (1_u64 << (BITS * position)) as f64;
-            table(pairs.iter().map(|pair| phi_of_pair(pair, time)[0]).collect())
-        });
-        &table[digit - 1]
+        let powers = &self.digits[position];
+        // Steps end at any digit: later steps then allocate nothing.
+        if powers.matrices.last().is_some_and(|last| last.get().is_none()) {
+            (1..=VALUES).for_each(|exponent| {
+                powers.get(pairs, exponent);
+            });
+        }
+        powers.get(pairs, digit)
     }
 }
 
-/// The first fifteen powers of matrices, each with the smallest number of products.
-fn table(first: Vec<Block>) -> Vec<[Aligned; 4]> {
-    let mut powers: Vec<Vec<Block>> = vec![first];
-    for power in 2..1 << BITS {
-        let (a, b) = if power % 2 == 0 { (power / 2, power / 2) } else { (power - 1, 1) };
-        let product = powers[a - 1].iter().zip(&powers[b - 1]).map(|(a, b)| product(a, b)).collect();
-        powers.push(product);
+/// The entries of blocks, one list each.
+fn packed(blocks: impl Iterator<Item = Block>) -> [Aligned; 4] {
+    let mut lists: [Vec<f64>; 4] = Default::default();
+    for [[a, b], [c, d]] in blocks {
+        lists.iter_mut().zip([a, b, c, d]).for_each(|(list, entry)| list.push(entry));
     }
-    let list = |blocks: &Vec<Block>, row: usize, column: usize| {
-        aligned(&blocks.iter().map(|block| block[row][column]).collect::<Vec<_>>())
-    };
-    let packed = |blocks| [list(blocks, 0, 0), list(blocks, 0, 1), list(blocks, 1, 0), list(blocks, 1, 1)];
-    powers.iter().map(packed).collect()
+    lists.each_ref().map(|list| aligned(list))
+}
+
+fn block([a, b, c, d]: &[Aligned; 4], slot: usize) -> Block {
+    [[a[slot], b[slot]], [c[slot], d[slot]]]
 }
 
 fn product(a: &Block, b: &Block) -> Block {
@@ -75,6 +126,20 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
+
+    #[test]
+    fn hundredths_give_the_exponential_of_parts_of_a_step() {
+        let time_grid = TimeGrid { longest: 4e-4, finest: 3, event: 2 };
+        let fractions = Fractions::new(&time_grid);
+        let value = Complex64::new(-30.0, 2e5);
+        for (level, count) in [(0, 1), (1, 7), (2, 50), (3, 99)] {
+            let (part, time) =
+                Fractions::nearest_part(0.9999 * count as f64 / 100.0 * time_grid.step(level), time_grid.step(level));
+            assert_eq!(part, count);
+            let [a, b, ..] = fractions.part(&[ModePair::Oscillation(value); 8], level, count);
+            assert!((Complex64::new(a[0], b[0]) - (value * time).exp()).norm() < 1e-13, "{level} {count}");
+        }
+    }
 
     #[test]
     fn digits_give_the_exponential_of_any_number_of_units() {

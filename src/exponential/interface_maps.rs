@@ -8,7 +8,7 @@ use super::packed::Panel;
 use crate::connection::{Direction, Interface};
 
 /// Rows w and columns b of the interface over a state z.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceMaps {
     /// Rows w: one for each interface scalar, then, where loads depend on rates, one for each rate, then those of a
     /// changing speed.
@@ -31,7 +31,7 @@ pub struct InterfaceMaps {
 
 /// One direction of a connection, linearised at rest: the deflection is g·u over the scalars of the connection, and the
 /// force f acts on them as the loads −g f.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LinearizedContact {
     /// Indices of the scalars of the connection among the scalars of all connections.
     pub scalars: Range<usize>,

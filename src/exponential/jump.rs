@@ -62,7 +62,7 @@ impl JumpSeries {
             moment.fill(0.0);
             panel_kernel::accumulate(context.arch, &context.columns, coefficients, moment);
         }
-        let linear = context.cache.linear;
+        let linear = &context.cache.linear;
         let terms = taylor_terms(linear.radius * delay);
         let moments = self.moments.each_ref().map(|moment| &moment[..]);
         if let StateMatrix::Pairs(_) = linear.matrix {

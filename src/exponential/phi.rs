@@ -70,6 +70,21 @@ pub fn phi_of_pair(pair: &ModePair, step: f64) -> [Block; COUNT] {
     }
 }
 
+/// The exponential φ_0 of the 2×2 matrix of a mode pair times `step`, s.
+pub fn exponential_of_pair(pair: &ModePair, step: f64) -> Block {
+    match pair {
+        ModePair::Oscillation(value) => {
+            let f = (value * step).exp();
+            [[f.re, f.im], [-f.im, f.re]]
+        }
+        ModePair::Real(values) => {
+            let [a, d] = values.map(|value| (value * step).exp());
+            [[a, 0.0], [0.0, d]]
+        }
+        ModePair::RigidBodyPair(_) => phi_of_pair(pair, step)[0],
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

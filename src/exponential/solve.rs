@@ -45,7 +45,7 @@ pub(super) struct LoadSolver {
 
 impl LoadSolver {
     /// Allocates the solver.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, cache: &PropagatorCache<'_>) -> Self {
+    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, cache: &PropagatorCache) -> Self {
         let stages = cache.rule.stages();
         Self {
             affine: nonlinear_loads.is_affine(),

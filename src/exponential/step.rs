@@ -1,5 +1,7 @@
 //! One step of the exponential method: the response of the state alone, the stage loads, and the state at the end.
 
+use std::sync::Arc;
+
 use super::cache::PropagatorCache;
 use super::context::{SourcePhasors, StepContext};
 use super::estimate::ErrorEstimator;
@@ -39,7 +41,7 @@ pub struct Stepper<'m> {
 
 impl<'m> Stepper<'m> {
     /// Creates the stepper of nonlinear loads with the propagators of a time grid.
-    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: PropagatorCache<'m>) -> Self {
+    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: Arc<PropagatorCache>) -> Self {
         let motion = &nonlinear_loads.motion;
         Self {
             begin: StepPoint::new(&nonlinear_loads),
@@ -47,7 +49,7 @@ impl<'m> Stepper<'m> {
             stages: Stages::new(&nonlinear_loads, cache.rule.stages()),
             solver: LoadSolver::new(&nonlinear_loads, &cache),
             estimator: ErrorEstimator::new(nonlinear_loads.mesh_load_count()),
-            jumps: JumpSeries::new(cache.linear, &cache.maps),
+            jumps: JumpSeries::new(&cache.linear, &cache.maps),
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
             sharp: motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),

@@ -41,7 +41,7 @@ impl SubstepSampler {
                 if is_first {
                     self.modes.begin(stepper, (split, &self.polynomials), z);
                 }
-                self.modes.state_at(stepper, split, within)
+                self.modes.state_at(stepper, (level, split), within)
             }
             None => {
                 if is_first {

@@ -2,10 +2,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::fractions::{Fractions, MAX_DIGITS};
+use super::fractions::{Fractions, MAX_DIGITS, PARTS};
 use super::load_polynomials::LoadPolynomials;
 use super::mode_split::{DEGREE, ModeSplit};
-use super::packed::WIDTH;
+use super::packed::{Aligned, WIDTH};
 use super::quadrature::MAX_STAGES;
 use super::step::Stepper;
 use super::{MAX_TERMS, taylor_terms};
@@ -24,7 +24,7 @@ pub(super) struct SubstepModes {
     free: Vec<f64>,
     /// Coefficients gₙ, chunk after chunk and power after power.
     motion: Vec<f64>,
-    /// Number of coefficients of a load.
+    /// Number of coefficients of a load; zero without loads, where all motion is free.
     powers: usize,
     state: Vec<f64>,
 }
@@ -37,31 +37,41 @@ impl SubstepModes {
         Self {
             free: vec![0.0; len],
             motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
-            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 1 },
+            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 0 },
             state: vec![0.0; len],
         }
     }
 
     /// Starts with the last step, which begins at the state `z`.
     pub fn begin(&mut self, stepper: &Stepper<'_>, (split, loads): (&ModeSplit, &LoadPolynomials), z: &[f64]) {
+        if self.powers == 0 {
+            self.free.copy_from_slice(z);
+            return;
+        }
         let context = &stepper.context;
         let (free, motion) = (&mut self.free[..], &mut self.motion[..]);
         let (columns, loads) = (&context.columns[..], &loads.coefficients[..]);
         context.arch.dispatch(Expand { split, columns, loads, powers: self.powers, z, free, motion });
     }
 
-    /// The state `within` seconds after the beginning of the step.
-    pub fn state_at(&mut self, stepper: &Stepper<'_>, split: &ModeSplit, within: f64) -> &[f64] {
+    /// The state `within` seconds after the beginning of the step, which has a level.
+    pub fn state_at(&mut self, stepper: &Stepper<'_>, (level, split): (usize, &ModeSplit), within: f64) -> &[f64] {
         let cache = &stepper.context.cache;
-        let fractions = &cache.fractions;
-        let whole = (within / fractions.unit + ROUND_OFF).floor();
+        let (fractions, pairs) = (&cache.fractions, cache.pairs());
         let mut matrices = [[&[][..]; 4]; MAX_DIGITS];
-        let mut count = 0;
-        for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
-            matrices[count] = fractions.matrix(cache.pairs(), position, digit).each_ref().map(|list| &list[..]);
-            count += 1;
+        let (mut count, mut rest) = (0, 0.0);
+        let (part, at_part) = Fractions::nearest_part(within, split.step);
+        if (1..PARTS).contains(&part) && at_part == within {
+            matrices[0] = lists(fractions.part(pairs, level, part));
+            count = 1;
+        } else {
+            let whole = (within / fractions.unit + ROUND_OFF).floor();
+            for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
+                matrices[count] = lists(fractions.matrix(pairs, position, digit));
+                count += 1;
+            }
+            rest = within - whole * fractions.unit;
         }
-        let rest = within - whole * fractions.unit;
         let is_whole = rest <= ROUND_OFF * fractions.unit;
         stepper.context.arch.dispatch(Evaluate {
             split,
@@ -77,6 +87,11 @@ impl SubstepModes {
         });
         &self.state
     }
+}
+
+/// The entries of packed blocks.
+fn lists(matrix: &[Aligned; 4]) -> [&[f64]; 4] {
+    matrix.each_ref().map(|list| &list[..])
 }
 
 /// Computes the coefficients of the motion, and the free motion.
@@ -136,10 +151,11 @@ impl WithSimd for Expand<'_> {
                     free[side * half + i][lane] = (1.0 - mask[lane]) * (z[lane] - next[side][lane]);
                 }
             }
-            if split.has_slow[i] {
-                motion[powers..].fill([[0.0; WIDTH]; 2]);
+            let terms = split.terms[i];
+            if terms > 0 {
+                motion[powers..terms].fill([[0.0; WIDTH]; 2]);
                 let masks = is_slow.map(|list| &list[i]);
-                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, motion);
+                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, &mut motion[..terms]);
             }
         }
     }
@@ -243,7 +259,7 @@ impl WithSimd for Evaluate<'_> {
                 }
             }
             let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
-            let powers = if self.split.has_slow[i] { motion.len() } else { self.powers };
+            let powers = self.powers.max(if self.powers > 0 { self.split.terms[i] } else { 0 });
             let mut forced = [[0.0; WIDTH]; 2];
             for coefficients in motion[..powers].iter().rev() {
                 for side in 0..2 {

@@ -1,12 +1,13 @@
 //! A model together with its modes and state-space models, computed on first use and kept.
 
+use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::components::ComponentModes;
-use super::equilibrium::{EquilibriumError, equilibrium};
+use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
 use super::projected::Projected;
 use super::real::RealModes;
@@ -55,6 +56,10 @@ pub struct CachedModel {
     linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
+    /// Displacements of the last static equilibria.
+    equilibria: Recent<(Geometry, EquilibriumSpeeds), DVector<f64>>,
+    /// Results of runs; their type belongs to a later folder.
+    run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -80,7 +85,13 @@ impl Deref for AtSpeed<'_> {
 impl CachedModel {
     /// Wraps a model; nothing is computed yet.
     pub fn new(model: Model) -> Self {
-        Self { model, linear_part: OnceLock::new(), at_speeds: Recent::default() }
+        Self {
+            model,
+            linear_part: OnceLock::new(),
+            at_speeds: Recent::default(),
+            equilibria: Recent::default(),
+            run_results: OnceLock::new(),
+        }
     }
 
     /// Shares the modes and state-space models of `other`, which has the same linear part. Has no effect after the first
@@ -134,6 +145,20 @@ impl CachedModel {
         let of = |number: usize| points.iter().find(|(known, _)| *known == number).map(|(_, point)| *point);
         let model = model.with_points(|bearing| of(bearing.number).unwrap_or_default());
         Ok(AtSpeed::Specialised(Arc::new(Self::new(model))))
+    }
+
+    /// Displacements of the static equilibrium, as [`equilibrium`].
+    ///
+    /// # Errors
+    /// As [`equilibrium`].
+    pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
+        self.equilibria.get_or_try((geometry, speeds), || equilibrium(&self.model, geometry, speeds))
+    }
+
+    /// The results that runs of this model share, in a type of a later folder.
+    pub fn run_results<T: Any + Default + Send + Sync>(&self) -> Arc<T> {
+        let known = self.run_results.get_or_init(|| Arc::new(T::default()));
+        Arc::clone(known).downcast().unwrap_or_default()
     }
 
     /// Undamped modes, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
@@ -212,6 +237,23 @@ impl CachedModel {
     /// [`DecompositionError`] if a decomposition fails.
     pub fn component_modes(&self) -> Result<&ComponentModes, DecompositionError> {
         self.linear_part().components.get_or_init(|| ComponentModes::new(&self.model)).as_ref().map_err(|error| *error)
+    }
+
+    /// Undamped modes in the subspace of the component modes up to `limit`, rad/s, and of the static displacements under loads
+    /// at the coordinates `loaded`, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails, or a bearing depends on the speed.
+    pub fn modes_of_components(
+        &self,
+        speed: f64,
+        loaded: &[usize],
+        limit: f64,
+    ) -> Result<RealModes, DecompositionError> {
+        if self.model.lacks_coefficients() {
+            return Err(DecompositionError::SpeedDependent);
+        }
+        self.component_modes()?.modes(&self.model, speed, loaded, limit)
     }
 
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.

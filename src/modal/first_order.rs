@@ -109,26 +109,26 @@ impl FirstOrder {
         }
     }
 
-    /// Matrices Q and V, each n × 2n, with q = Q y and q̇ = V y.
-    pub fn physical_maps(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
-        let (n, size) = real.vectors.shape();
-        let (mut displacement, mut velocity) = (DMatrix::zeros(n, 2 * size), DMatrix::zeros(n, 2 * size));
+    /// Matrices Q and V, each n × 2n, with q = Q z and q̇ = V z, for y = `right` z.
+    pub fn physical_maps(&self, real: &RealModes, right: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
+        let (count, size) = (real.vectors.ncols(), right.ncols());
+        let (mut positions, mut rates) = (DMatrix::zeros(count, size), DMatrix::zeros(count, size));
         self.for_each_mode(real, |mode, position, scale, rate| {
-            displacement.set_column(position, &(real.vectors.column(mode) * scale));
-            velocity.set_column(rate, &real.vectors.column(mode));
+            positions.set_row(mode, &(right.row(position) * scale));
+            rates.set_row(mode, &right.row(rate));
         });
-        (displacement, velocity)
+        [&real.vectors * positions, &real.vectors * rates]
     }
 
-    /// Matrices P and R, each 2n × n, with y = P M q + R M q̇.
-    pub fn state_maps(&self, real: &RealModes) -> (DMatrix<f64>, DMatrix<f64>) {
-        let (n, size) = real.vectors.shape();
-        let (mut displacement, mut velocity) = (DMatrix::zeros(2 * size, n), DMatrix::zeros(2 * size, n));
+    /// Transposes of the matrices P and R, each n × 2n, with z = P M q + R M q̇, for z = `left` y.
+    pub fn state_maps(&self, real: &RealModes, left: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
+        let (count, size) = (real.vectors.ncols(), left.nrows());
+        let (mut positions, mut rates) = (DMatrix::zeros(count, size), DMatrix::zeros(count, size));
         self.for_each_mode(real, |mode, position, scale, rate| {
-            displacement.set_row(position, &(real.vectors.column(mode) / scale).transpose());
-            velocity.set_row(rate, &real.vectors.column(mode).transpose());
+            positions.set_row(mode, &(left.column(position) / scale).transpose());
+            rates.set_row(mode, &left.column(rate).transpose());
         });
-        (displacement, velocity)
+        [&real.vectors * positions, &real.vectors * rates]
     }
 }
 

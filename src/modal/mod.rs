@@ -47,6 +47,7 @@ pub use pins::Pins;
 pub use projected::Projected;
 pub use quadratic::Quadratic;
 pub use real::{RealModes, null_motions};
+pub use recent::Recent;
 pub use spectral_range::SpectralRange;
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

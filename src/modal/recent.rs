@@ -2,24 +2,42 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Number of results that are kept. A parameter study asks repeatedly for a few speeds.
-const CAPACITY: usize = 8;
+/// Number of results that are kept by default. A parameter study asks repeatedly for a few speeds.
+const DEFAULT_CAPACITY: usize = 8;
 
-/// The last results, the one that was used last at the end.
+/// The last `CAPACITY` results, the one that was used last at the end.
 #[derive(Debug)]
-pub(super) struct Recent<K, V>(Mutex<Vec<(K, V)>>);
+pub struct Recent<K, V, const CAPACITY: usize = DEFAULT_CAPACITY>(Mutex<Vec<(K, V)>>);
 
-impl<K, V> Default for Recent<K, V> {
+impl<K, V, const CAPACITY: usize> Default for Recent<K, V, CAPACITY> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<K: PartialEq, V: Clone> Recent<K, V> {
+impl<K: PartialEq, V: Clone, const CAPACITY: usize> Recent<K, V, CAPACITY> {
     /// The result of a key, if it is known.
     pub fn get(&self, key: &K) -> Option<V> {
+        self.find(|known, _| known == key)
+    }
+
+    /// The result of a key, if it is known; otherwise the result of `compute`, which is kept if it is not an error.
+    ///
+    /// # Errors
+    /// Those of `compute`.
+    pub fn get_or_try<E>(&self, key: K, compute: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
+        if let Some(known) = self.get(&key) {
+            return Ok(known);
+        }
+        let found = compute()?;
+        self.insert(key, found.clone());
+        Ok(found)
+    }
+
+    /// The result that was used last among those that match.
+    pub fn find(&self, matches: impl Fn(&K, &V) -> bool) -> Option<V> {
         let mut list = self.lock();
-        let index = list.iter().position(|(known, _)| known == key)?;
+        let index = list.iter().rposition(|(key, value)| matches(key, value))?;
         let entry = list.remove(index);
         let value = entry.1.clone();
         list.push(entry);
@@ -43,11 +61,11 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CAPACITY, Recent};
+    use super::{DEFAULT_CAPACITY as CAPACITY, Recent};
 
     #[test]
     fn the_least_recently_used_result_makes_room() {
-        let recent = Recent::default();
+        let recent = Recent::<usize, usize>::default();
         (0..CAPACITY).for_each(|key| recent.insert(key, 10 * key));
         assert_eq!(recent.get(&0), Some(0));
         recent.insert(CAPACITY, 1);

@@ -289,9 +289,9 @@ struct Maps([DMatrix<f64>; 4]);
 impl Maps {
     /// Maps of z with y = `right` z and z = `left` y.
     fn new(real: &RealModes, order: &FirstOrder, right: &DMatrix<f64>, left: &DMatrix<f64>) -> Self {
-        let (q, v) = order.physical_maps(real);
-        let (from_q, from_v) = order.state_maps(real);
-        Self([q * right, v * right, (left * from_q).transpose(), (left * from_v).transpose()])
+        let [q, v] = order.physical_maps(real, right);
+        let [from_q, from_v] = order.state_maps(real, left);
+        Self([q, v, from_q, from_v])
     }
 
     /// Number of slots.

@@ -34,7 +34,7 @@ use crate::connection::{AppliedLoad, NonlinearBearing, Row, SpeedDependentBearin
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
-use crate::scene::{Matrix2, Node, Scene, SceneError};
+use crate::scene::{Gear, Matrix2, Node, Scene, SceneError};
 
 /// A bearing with its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -337,6 +337,25 @@ impl Model {
         let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
         let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
         rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()
+    }
+
+    /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
+    pub fn highest_mesh_frequency(&self) -> f64 {
+        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.largest_stiffness * self.mobility(mesh);
+        self.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Relative acceleration of the teeth of two free gears along the line of action per unit of mesh force, 1/kg.
+    pub fn mobility(&self, mesh: usize) -> f64 {
+        let bending = if self.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
+        let helix = self.meshes[mesh].helix.as_ref().map_or(0.0, |helix| helix.slope);
+        let mobility = |gear: usize| {
+            let Gear { base_radius, pitch_radius, body, .. } = &self.scene.gears[gear];
+            let along = || helix.powi(2) * (1.0 / body.mass + pitch_radius.powi(2) / body.diametral_inertia);
+            let transverse = base_radius.powi(2) / body.polar_inertia + bending / body.mass;
+            if helix == 0.0 { transverse } else { transverse + along() }
+        };
+        mobility(self.scene.meshes[mesh].driver) + mobility(self.scene.meshes[mesh].driven)
     }
 
     /// M X for a matrix X with n rows.

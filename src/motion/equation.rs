@@ -16,7 +16,7 @@ use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
 use crate::model::{Link, Model, ShaftModel};
-use crate::scene::{Gear, LoadLaw};
+use crate::scene::LoadLaw;
 
 /// A force on the coordinates (v, w) of a node that rotates with its shaft.
 #[derive(Clone, Copy, Debug)]
@@ -292,22 +292,12 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.
     pub fn highest_mesh_frequency(&self) -> f64 {
-        let square = |(mesh, gear_mesh): (usize, &GearMesh)| gear_mesh.largest_stiffness * self.mobility(mesh);
-        self.model.meshes.iter().enumerate().map(square).fold(0.0, f64::max).sqrt()
+        self.model.highest_mesh_frequency()
     }
 
     /// Relative acceleration of the teeth of two free gears along the line of action per unit of mesh force, 1/kg.
     pub fn mobility(&self, mesh: usize) -> f64 {
-        let scene = &self.model.scene;
-        let bending = if self.model.meshes[mesh].coordinates.translation.is_some() { 1.0 } else { 0.0 };
-        let helix = self.model.meshes[mesh].helix.as_ref().map_or(0.0, |helix| helix.slope);
-        let mobility = |gear: usize| {
-            let Gear { base_radius, pitch_radius, body, .. } = &scene.gears[gear];
-            let along = || helix.powi(2) * (1.0 / body.mass + pitch_radius.powi(2) / body.diametral_inertia);
-            let transverse = base_radius.powi(2) / body.polar_inertia + bending / body.mass;
-            if helix == 0.0 { transverse } else { transverse + along() }
-        };
-        mobility(scene.meshes[mesh].driver) + mobility(scene.meshes[mesh].driven)
+        self.model.mobility(mesh)
     }
 
     /// Whether the flanks of a mesh may separate.

@@ -329,8 +329,8 @@ FAULTS: list[Fault] = [
         "system/linear.py",
         "tables",
         (
-            "stiffness=float(stiffness))",
-            "stiffness=2.0 * float(stiffness))",
+            "bearing.update(place, stiffness=float(stiffness))",
+            "bearing.update(place, stiffness=2.0 * float(stiffness))",
         ),
         (".critical_speeds(excitation, count)", ".critical_speeds(1.0, count)"),
         ("CriticalSpeedMap(wanted, excitation,", "CriticalSpeedMap(wanted, 1.0,"),

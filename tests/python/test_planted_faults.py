@@ -10,7 +10,8 @@ import pytest
 
 import gearbow
 
-TABLE = runpy.run_path(str(Path(__file__).parents[1] / "mutation" / "faults.py"))["FAULTS"]
+ROOT = Path(__file__).parents[2]
+TABLE = runpy.run_path(str(ROOT / "tests/mutation/faults.py"))["FAULTS"]
 PACKAGE = Path(gearbow.__file__).parent
 MODULES = sorted({fault.module for fault in TABLE})
 
@@ -30,6 +31,18 @@ def test_every_fault_changes_one_place_of_its_module(module: str):
         assert planted != original, f"{fault.replacement!r} is no fault"
         assert planted not in changed, f"{fault.replacement!r} is planted twice"
         changed.add(planted)
+
+
+def test_every_fault_of_the_core_changes_one_place_of_its_module(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.syspath_prepend(str(ROOT / "tests/mutation"))
+    table = runpy.run_path(str(ROOT / "tests/mutation/core.py"))["FAULTS"]
+    assert len(table) >= 8
+    for fault in table:
+        source = (ROOT / "src" / fault.module).read_text(encoding="utf-8")
+        assert source.count(fault.text) == 1, (
+            f"src/{fault.module} must hold {fault.text!r} once: adapt tests/mutation/core.py"
+        )
+        assert fault.text != fault.replacement
 
 
 def test_every_fault_names_tests_that_exist():

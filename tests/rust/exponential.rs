@@ -1,5 +1,7 @@
 //! The modal form of the linear motion, the step propagators, and interpolation within a step.
 
+use std::sync::Arc;
+
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
@@ -206,15 +208,15 @@ fn dense_propagators_equal_modal_propagators() {
     for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
         let cached = cached(&system);
         let linear = cached.linear(SPEED).unwrap();
-        let whole = dense(&linear);
+        let whole = Arc::new(dense(&linear));
         for stages in 1..=4 {
             let (field, maps) = field(&cached, geometry, &linear);
             let longest = 1e-4;
             let finest = (longest * linear.radius).log2().ceil() as usize + 1;
             let time_grid = TimeGrid { longest, finest, event: finest };
             let rule = QuadratureRule::gauss(stages);
-            let pairs = PropagatorCache::new(&linear, rule.clone(), maps.clone(), time_grid, field.spins());
-            let matrices = PropagatorCache::new(&whole, rule, maps, time_grid, field.spins());
+            let pairs = PropagatorCache::new(linear.clone(), rule.clone(), maps.clone(), time_grid, field.spins());
+            let matrices = PropagatorCache::new(Arc::clone(&whole), rule, maps, time_grid, field.spins());
             let mut z = vec![0.0; linear.len()];
             let noise = linear.state(
                 &cached.model,
@@ -227,7 +229,7 @@ fn dense_propagators_equal_modal_propagators() {
             for level in 0..=time_grid.finest {
                 let (a, b) = (pairs.propagator(level), matrices.propagator(level));
                 let (seen_a, seen_b) = (pairs.stage_response(level), matrices.stage_response(level));
-                let responses = |table: &PropagatorCache<'_>| -> Vec<f64> {
+                let responses = |table: &PropagatorCache| -> Vec<f64> {
                     table.stage_response(level).response.iter().flat_map(|panel| panel.values.iter().copied()).collect()
                 };
                 let mut after = [vec![0.0; z.len()], vec![0.0; z.len()]];
@@ -342,12 +344,13 @@ fn integrate(
     let time_grid = TimeGrid { longest, finest: event + 4, event };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), powers: None };
     let mut output = OutputMap::new(&field, form, selection);
-    let table = PropagatorCache::new(form, QuadratureRule::gauss(stages), maps, time_grid, field.spins());
+    let table =
+        PropagatorCache::new(Arc::new(form.clone()), QuadratureRule::gauss(stages), maps, time_grid, field.spins());
     let (carried, turning) = field.reference_motion(0.0);
     let [q, v] = disturbed(cached, geometry);
     let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
-    let mut stepper = Stepper::new(field, table);
+    let mut stepper = Stepper::new(field, table.into());
     let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
     let mut statistics = Statistics::new();
     for end in ends {

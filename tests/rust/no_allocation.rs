@@ -243,8 +243,8 @@ fn exponential(
     let time_grid = TimeGrid { longest, finest: event + 12, event };
     let selection = Selection { displacements: vec![3], velocities: vec![3], powers: None };
     let mut output = OutputMap::new(&field, &linear, selection);
-    let table = PropagatorCache::new(&linear, rule.clone(), maps, time_grid, field.spins());
-    let mut stepper = Stepper::new(field, table);
+    let table = PropagatorCache::new(linear.clone(), rule.clone(), maps, time_grid, field.spins());
+    let mut stepper = Stepper::new(field, table.into());
     let control = if adaptive {
         exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12 }
     } else {

@@ -8,6 +8,12 @@ use crate::model::{Model, RodChain, ShaftModel};
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
 /// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
 const STEP: f64 = 0.6;
+/// Smallest number of coordinates of a model with meshes whose modes follow from those of its components.
+const LARGE_MODEL: usize = 400;
+/// Highest frequency of the component modes, in multiples of the frequency of the gears on their mesh stiffness. The static
+/// displacements under mesh forces represent higher modes. The expected error of trains of elements of degree 1 to 8 is that
+/// of all modes within 6 %.
+const LIMIT: f64 = 10.0;
 /// A displacement below this fraction of the largest one under the same load is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -46,7 +52,14 @@ pub struct Excitation {
 /// run that starts from rest. Without meshes, also that of the shafts to a uniform and a linear acceleration of each shaft.
 pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
     let model = &cached.model;
-    let modes = cached.real_modes(0.0)?;
+    let of_components;
+    let modes = if model.len() < LARGE_MODEL || model.meshes.is_empty() {
+        cached.real_modes(0.0)?
+    } else {
+        let limit = LIMIT * model.highest_mesh_frequency();
+        of_components = cached.modes_of_components(0.0, &loaded(model), limit)?;
+        &of_components
+    };
     let elastic = (modes.null..modes.frequencies.len()).filter(|column| modes.frequencies[*column] > 0.0);
     let elastic: Vec<(f64, &[f64])> = elastic
         .map(|column| (modes.frequencies[column], &modes.vectors.as_slice()[column * model.len()..][..model.len()]))
@@ -73,6 +86,16 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
         energy: model.shafts.iter().map(|shaft| elastic_energy(shaft, shape).map(|e| e / frequency.powi(2))).collect(),
     });
     Ok(Excitation { modes: modes.collect(), signals })
+}
+
+/// Coordinates of connections, gears and disks, ascending.
+fn loaded(model: &Model) -> Vec<usize> {
+    let bodies = model.scene.bodies().filter_map(|body| model.numbering.translation(body.node));
+    let mut loaded = model.coupled_coordinates(0.0);
+    loaded.extend(bodies.flat_map(|v| [v, v + 1]));
+    loaded.sort_unstable();
+    loaded.dedup();
+    loaded
 }
 
 /// Adds the force of a mesh, and the displacements of its gears, after a step of the force.

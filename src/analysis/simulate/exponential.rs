@@ -1,12 +1,14 @@
 //! Runs of the exponential method: the time grid and the propagators.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::super::AnalysisError;
 use super::Options;
 use super::initial::Start;
 use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency};
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
+use super::run_cache::RunCache;
 use crate::exponential::{
     LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
 };
@@ -61,7 +63,13 @@ pub(super) fn run(
     } else {
         QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
     };
-    let propagators = PropagatorCache::new(&linear, rule, maps, time_grid, nonlinear_loads.spins());
+    let (known, spins) = (cached.run_results::<RunCache>(), nonlinear_loads.spins());
+    let serves = |_: &(), cache: &Arc<PropagatorCache>| cache.serves(&linear, &rule, &maps, &time_grid, &spins);
+    let propagators = known.propagators.find(serves).unwrap_or_else(|| {
+        let cache = Arc::new(PropagatorCache::new(Arc::clone(&linear), rule, maps, time_grid, spins));
+        known.propagators.insert((), Arc::clone(&cache));
+        cache
+    });
     let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
     let mut stepper = Stepper::new(nonlinear_loads, propagators);
     let control = match options.step {

@@ -1,10 +1,13 @@
 //! The initial state of a run.
 
+use std::sync::Arc;
+
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
 use super::super::synchronous::{motion, synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
+use super::run_cache::RunCache;
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
@@ -213,7 +216,9 @@ fn synchronous(
 ) -> Result<Vec<f64>, AnalysisError> {
     let time = rotation.origin;
     let speed = options.speed.at(time);
-    let amplitudes = amplitudes(cached, options, speed)?;
+    let key = (speed, options.fastest(), options.uses_components(&cached.model));
+    let known = cached.run_results::<RunCache>();
+    let amplitudes = known.start_amplitudes.get_or_try(key, || amplitudes(cached, options, speed).map(Arc::new))?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);

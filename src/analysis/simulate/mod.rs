@@ -5,6 +5,7 @@ mod checkpoint;
 mod events;
 mod exponential;
 mod initial;
+mod known_reduction;
 mod longest_step;
 mod modal_setup;
 mod options;
@@ -14,16 +15,17 @@ mod ramp;
 mod record;
 mod record_plan;
 mod reduction;
+mod run_cache;
 
 use std::time::{Duration, Instant};
 
 pub use checkpoint::{Checkpoint, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
+pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use record::Record;
 pub use record_plan::{Point, RecordPlan, Request};
-pub use reduction::Reduction;
 
 use super::{AnalysisError, Spectrum};
 use crate::connection::Touch;

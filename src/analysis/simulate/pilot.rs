@@ -14,9 +14,10 @@ use crate::integrate::{Halt, Observer, Statistics};
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
-/// Part of a short run that a pilot run takes, and its shortest duration, s.
-const PART: f64 = 1.0 / 3.0;
-const SHORTEST: f64 = 0.03;
+/// Part of a run that a pilot run takes, and its shortest duration, s, where it decides on the number of modes.
+const DECIDING: (f64, f64) = (1.0 / 3.0, 0.03);
+/// The same where it only measures the error.
+const MEASURING: (f64, f64) = (0.1, 0.01);
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
@@ -33,10 +34,11 @@ pub(super) struct Pilot {
 }
 
 impl Pilot {
-    /// Chooses the part of a run.
-    pub fn new(run: &Run<'_>, start: &Start) -> Self {
+    /// Chooses the part of a run; `decides` says whether the number of modes follows from the pilot runs.
+    pub fn new(run: &Run<'_>, start: &Start, decides: bool) -> Self {
         let Run { cached, options, .. } = *run;
-        let duration = (PART * options.duration).clamp(SHORTEST, PILOT_DURATION).min(options.duration);
+        let (part, shortest) = if decides { DECIDING } else { MEASURING };
+        let duration = (part * options.duration).clamp(shortest, PILOT_DURATION).min(options.duration);
         let end = options.start + options.duration;
         let fastest = options.speed.time_of_fastest(options.start, end);
         let first = (fastest - duration / 2.0).min(end - duration).max(options.start);

@@ -24,7 +24,7 @@ pub enum Request {
 }
 
 /// A node to record.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// The node.
     pub node: Node,
@@ -35,7 +35,7 @@ pub struct Point {
 }
 
 /// The quantities to record.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordPlan {
     /// Nodes whose displacement, twist and axial displacement are recorded.
     pub points: Vec<Point>,

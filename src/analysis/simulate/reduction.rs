@@ -14,12 +14,14 @@ use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
+use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
+use super::run_cache::RunCache;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
@@ -59,16 +61,6 @@ const CONTINUED: f64 = 3.0;
 /// Harmonics of the tooth meshing frequency that count as excited.
 const HARMONICS: f64 = 10.0;
 
-/// A reduction of the linear motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reduction {
-    /// Number of modes that the run keeps.
-    pub modes: usize,
-    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
-    /// variation, for the worst recorded signal.
-    pub errors: [f64; 2],
-}
-
 /// Sets up a run, and reduces its linear motion as the options ask.
 pub(super) fn set_up<'m>(
     run: &Run<'m>,
@@ -88,6 +80,13 @@ pub(super) fn set_up<'m>(
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
+    let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
+    if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
+        let setup = run.complete(motion, start, plan, Some(&known.projected))?;
+        let is_reduced = !Arc::ptr_eq(&setup.linear, &known.linear);
+        let reduced = || setup.with_linear(model, Arc::clone(&known.linear), plan.selection(model));
+        return Ok((if is_reduced { reduced() } else { setup }, known.reduction));
+    }
     let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
         if options.modes.is_some() {
             let message = "cannot be left out: nearly parallel modes do not carry the motion";
@@ -95,15 +94,21 @@ pub(super) fn set_up<'m>(
         }
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
-    match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer),
-        (None, _) => Ok(reducer.unreduced()),
+    let projected = Arc::clone(&reducer.projected);
+    let (setup, reduction) = match (options.modes, options.reduction) {
+        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer)?,
+        (None, _) => reducer.unreduced(),
         (Some(count), _) => {
             let setup = reducer.reduced(count)?;
             let reduction = reducer.measured(&setup, observer)?;
-            Ok((setup, Some(reduction)))
+            (setup, Some(reduction))
         }
+    };
+    if let Some(key) = key {
+        let linear = Arc::clone(&setup.linear);
+        known.reductions.insert(key, KnownReduction { projected, linear, reduction });
     }
+    Ok((setup, reduction))
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
@@ -116,7 +121,7 @@ fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool
 
 impl<'m> Run<'m> {
     /// The set-up of the run in a subspace, or with the complete model.
-    fn complete(
+    pub(super) fn complete(
         &self,
         motion: EquationOfMotion<'m>,
         start: &Start,
@@ -158,7 +163,8 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<Option<Self>, AnalysisError> {
         let (options, model) = (run.options, &run.cached.model);
         let target = options.reduction.unwrap_or(DEFAULT_TARGET);
-        let pilot = Rc::new(Pilot::new(run, start));
+        let decides = options.modes.is_some() || !is_short(run, start, motion);
+        let pilot = Rc::new(Pilot::new(run, start, decides));
         let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
         if !is_large(model) {
             let Some(mut reducer) = prepared(0.0)? else {
