@@ -376,7 +376,7 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
 
 
 @settings(
-    max_examples=6 * int(TIMES or 1),
+    max_examples=3 * int(TIMES or 1),
     derandomize=TIMES is None,
     database=None,
     deadline=None,
