@@ -398,7 +398,7 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
 
 
 @settings(
-    max_examples=4 * int(TIMES or 1),
+    max_examples=2 * int(TIMES or 1),
     derandomize=TIMES is None,
     database=None,
     deadline=None,
@@ -421,7 +421,7 @@ def test_trains_on_rolling_bearings_move_alike_by_two_methods_and_when_transform
 
 
 @settings(
-    max_examples=6 * int(TIMES or 1),
+    max_examples=3 * int(TIMES or 1),
     derandomize=TIMES is None,
     database=None,
     deadline=None,

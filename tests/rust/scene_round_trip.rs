@@ -262,11 +262,12 @@ proptest! {
         let model = Model::new(scene).unwrap();
         let internal = model.scene.shafts.iter().map(|shaft| {
             let bending = if shaft.shear { 2 * shaft.degree - 1 } else { shaft.degree.saturating_sub(2) };
-            let twist = shaft.degree - 1;
-            if shaft.degree > 1 { (2 * bending + twist) * shaft.elements.len() } else { 0 }
+            // Twist and axial displacement, because the gears are helical.
+            let rods = 2 * (shaft.degree - 1);
+            if shaft.degree > 1 { (2 * bending + rods) * shaft.elements.len() } else { 0 }
         });
-        prop_assert_eq!(model.len(), 5 * nodes + internal.sum::<usize>());
-        prop_assert_eq!(model.numbering.nodal_dofs().len(), 5 * nodes);
+        prop_assert_eq!(model.len(), 6 * nodes + internal.sum::<usize>());
+        prop_assert_eq!(model.numbering.nodal_dofs().len(), 6 * nodes);
         prop_assert!(model.constant_load.iter().all(|value| value.is_finite()));
     }
 }
