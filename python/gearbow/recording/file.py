@@ -245,7 +245,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
             "meshes": [(driver, driven) for driver, driven in about["meshes"]],
             "mesh": mesh,
             "energy": arrays.get("energy"),
-            "energy_terms": energies if "energy" in arrays else None,  # type: ignore[typeddict-item]
+            "energy_terms": energies if "energy" in arrays else None,
             "events": [tuple(event) for event in about["events"]],
             "final": final,
             "statistics": {
@@ -253,7 +253,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
                 name: tuple(value) if isinstance(value, list) else value
                 for name, value in about["statistics"].items()
             },
-            **{name: arrays[name] for name in AXIAL if name in arrays},
+            **{name: arrays[name] for name in AXIAL if name in arrays},  # type: ignore[typeddict-item]
         },
         speed=read_speed(about["speed"]),
         kinematics=Kinematics.from_plain(about["kinematics"]),
