@@ -128,6 +128,13 @@ impl Link {
 }
 
 impl Model {
+    /// Coordinates and factors of the displacements v and w of the shaft at a node relative to what its first bearing stands
+    /// on; `None` in a model without lateral motion.
+    pub fn bearing_displacement(&self, node: Node) -> Option<[Row; 2]> {
+        let bearing = self.scene.bearings.iter().find(|bearing| bearing.node == node)?;
+        bearing_rows(&self.scene, &self.numbering, bearing)
+    }
+
     /// Coefficients of all bearings with constant coefficients and of all links.
     pub fn local_elements(&self) -> impl Iterator<Item = &Support> {
         self.supports.iter().chain(self.links.iter().map(|link| &link.local))

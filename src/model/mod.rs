@@ -30,7 +30,7 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, Row, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing, Spring};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -243,13 +243,6 @@ impl Model {
             }
         }
         force
-    }
-
-    /// Coordinates and factors of the displacements v and w of the shaft at a node relative to what its first bearing stands
-    /// on; `None` in a model without lateral motion.
-    pub fn bearing_displacement(&self, node: Node) -> Option<[Row; 2]> {
-        let bearing = self.scene.bearings.iter().find(|bearing| bearing.node == node)?;
-        bearing_rows(&self.scene, &self.numbering, bearing)
     }
 
     /// Force of the shaft on the bearings at a node along its axis, N, for displacements q and velocities v.

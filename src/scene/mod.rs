@@ -4,6 +4,7 @@
 //! of a gear, disk, bearing or torque. It computes the speed ratios of the shafts from the meshes, and the torque that
 //! balances the others.
 
+mod bearing;
 mod bow;
 mod contact;
 mod curve;
@@ -28,6 +29,7 @@ mod train;
 
 use num_complex::Complex64;
 
+pub use bearing::Bearing;
 pub use bow::Bow;
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
@@ -78,25 +80,6 @@ pub struct Body {
     pub polar_inertia: f64,
     /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
     pub unbalance: Complex64,
-}
-
-/// A bearing.
-#[derive(Clone, Debug)]
-pub struct Bearing {
-    /// Node of the shaft.
-    pub node: Node,
-    /// Stiffness over (y, z), N/m.
-    pub stiffness: BearingCoefficient,
-    /// Damping over (y, z), N s/m.
-    pub damping: BearingCoefficient,
-    /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
-    pub nonlinear: Option<Nonlinear>,
-    /// Stiffness, N/m, and damping, N s/m, along the axis.
-    pub axial: [f64; 2],
-    /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
-    pub tilting: [f64; 2],
-    /// Its place on a housing; `None` on the ground.
-    pub attachment: Option<Attachment>,
 }
 
 /// A constant torque about +x.
@@ -174,7 +157,7 @@ impl Scene {
         let attachments = housing::attachments(system, &names, &shafts, train, &housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
-            bearings: bearings(system, &names, &shafts, &attachments)?,
+            bearings: bearing::bearings(system, &names, &shafts, &attachments)?,
             housings,
             drives: loads::drives(system, &names, &shafts)?,
             forces: loads::forces(system, &names, &shafts)?,
@@ -345,38 +328,6 @@ fn disks(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<V
         })
     };
     system.disks.iter().enumerate().map(body).collect()
-}
-
-fn bearings(
-    system: &SceneDescription,
-    names: &Names,
-    shafts: &[Shaft],
-    attachments: &[Option<Attachment>],
-) -> Result<Vec<Bearing>, SceneError> {
-    let bearing = |(index, bearing): (usize, &description::Bearing)| {
-        let at = EntryPath::entry("bearings", index);
-        Ok(Bearing {
-            node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            nonlinear: nonlinear::nonlinear(bearing, &at)?,
-            stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
-            damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
-            axial: coefficients([bearing.axial_stiffness, bearing.axial_damping], "axial", &at)?,
-            tilting: coefficients([bearing.tilting_stiffness, bearing.tilting_damping], "tilting", &at)?,
-            attachment: attachments[index],
-        })
-    };
-    system.bearings.iter().enumerate().map(bearing).collect()
-}
-
-/// Stiffness and damping of a bearing in one direction; zero where the description gives none.
-fn coefficients(
-    [stiffness, damping]: [Option<f64>; 2],
-    direction: &str,
-    at: &EntryPath,
-) -> Result<[f64; 2], SceneError> {
-    let read =
-        |given: Option<f64>, name: &str| at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0));
-    Ok([read(stiffness, "stiffness")?, read(damping, "damping")?])
 }
 
 fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Complex64, SceneError> {

@@ -22,11 +22,9 @@ from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import names_of_bases
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
-from gearbow.description.speed import plain_speed
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
-from gearbow.system.run import SpeedLike, given_speed
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -372,27 +370,9 @@ class SystemDescription:
         Coordinates
             The coordinates.
         """
-        own = (bearing.support for bearing in self.bearings if isinstance(bearing, Bearing))
+        own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
         return Coordinates.of(self.dofs, self.gears, self.disks, bases)
-
-    def default_output_step(self, duration: float, speed: SpeedLike) -> float:
-        """Give the default time between recorded instants.
-
-        Parameters
-        ----------
-        duration : float
-            Simulated time [s]; infinity gives the step for any duration.
-        speed : float, SpeedProfile, callable or (times, speeds)
-            Speed of the reference shaft [rad/s], as for `simulate`.
-
-        Returns
-        -------
-        float
-            Time [s]: a fraction of the shortest period of a shaft rotation or tooth passing.
-        """
-        given = given_speed(speed, 0.0, duration)
-        return self._model.default_output_step(duration, plain_speed(given), 0.0)
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)

@@ -201,6 +201,24 @@ class Simulation(LinearAnalyses):
                 file.finish(response.to_record())
         return response
 
+    def default_output_step(self, duration: float, speed: SpeedLike) -> float:
+        """Give the default time between recorded instants.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time [s]; infinity gives the step for any duration.
+        speed : float, SpeedProfile, callable or (times, speeds)
+            Speed of the reference shaft [rad/s], as for `simulate`.
+
+        Returns
+        -------
+        float
+            Time [s]: a fraction of the shortest period of a shaft rotation or tooth passing.
+        """
+        given = given_speed(speed, 0.0, duration)
+        return self._model.default_output_step(duration, plain_speed(given), 0.0)
+
     def _level(
         self, accuracy: str | None, given: Mapping[str, Any]
     ) -> tuple[Level | None, str | None]:

@@ -1,0 +1,59 @@
+//! Checked bearings.
+
+use super::place::Names;
+use super::{
+    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, SceneDescription, SceneError, Shaft, description,
+    nonlinear,
+};
+
+/// A bearing.
+#[derive(Clone, Debug)]
+pub struct Bearing {
+    /// Node of the shaft.
+    pub node: Node,
+    /// Stiffness over (y, z), N/m.
+    pub stiffness: BearingCoefficient,
+    /// Damping over (y, z), N s/m.
+    pub damping: BearingCoefficient,
+    /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
+    pub nonlinear: Option<Nonlinear>,
+    /// Stiffness, N/m, and damping, N s/m, along the axis.
+    pub axial: [f64; 2],
+    /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
+    pub tilting: [f64; 2],
+    /// Its place on a housing; `None` on the ground.
+    pub attachment: Option<Attachment>,
+}
+
+/// Checks the bearings of a scene.
+pub(super) fn bearings(
+    system: &SceneDescription,
+    names: &Names,
+    shafts: &[Shaft],
+    attachments: &[Option<Attachment>],
+) -> Result<Vec<Bearing>, SceneError> {
+    let bearing = |(index, bearing): (usize, &description::Bearing)| {
+        let at = EntryPath::entry("bearings", index);
+        Ok(Bearing {
+            node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
+            nonlinear: nonlinear::nonlinear(bearing, &at)?,
+            stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
+            damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
+            axial: coefficients([bearing.axial_stiffness, bearing.axial_damping], "axial", &at)?,
+            tilting: coefficients([bearing.tilting_stiffness, bearing.tilting_damping], "tilting", &at)?,
+            attachment: attachments[index],
+        })
+    };
+    system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// Stiffness and damping of a bearing in one direction; zero where the description gives none.
+fn coefficients(
+    [stiffness, damping]: [Option<f64>; 2],
+    direction: &str,
+    at: &EntryPath,
+) -> Result<[f64; 2], SceneError> {
+    let read =
+        |given: Option<f64>, name: &str| at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0));
+    Ok([read(stiffness, "stiffness")?, read(damping, "damping")?])
+}
