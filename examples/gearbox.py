@@ -220,8 +220,9 @@ def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
         panel.plot(modes.frequencies_hz[shown], 100.0 * modes.damping_ratios[shown], "ko")
         top = 1.1 * 100.0 * float(modes.damping_ratios[shown].max())
         for (name, frequency), colour in zip(orders.items(), plotting.PALETTE, strict=False):
-            panel.axvline(frequency, color=colour)
-            panel.text(frequency, 1.02 * top, f" {name}", rotation=60, color=colour, ha="left")
+            style = "--" if name.startswith("passing") else "-"
+            panel.axvline(frequency, color=colour, ls=style, label=name)
+        drawing.legend(loc="outside right upper")
         panel.set(xlabel="frequency [Hz]", ylabel="damping ratio of a mode [%]")
         panel.set(xlim=(0.0, 1300.0), ylim=(0.0, top))
     return drawing
@@ -275,8 +276,10 @@ def excitation(system: gb.RotorSystem) -> dict[str, float]:
             found[f"{harmonic}× mesh {n}"] = harmonic * gear.teeth * turns[gear.shaft]
     for bearing in system.bearings:
         if isinstance(bearing, gb.RollingBearing):
-            name = f"pass {bearing.shaft}, {1e3 * bearing.position:.0f} mm"
-            found[name] = bearing.ball_pass_order * turns[bearing.shaft]
+            kind = "rollers" if bearing.contact == "roller" else "balls"
+            found[f"passing {kind}, {bearing.shaft}"] = (
+                bearing.ball_pass_order * turns[bearing.shaft]
+            )
     return found
 
 

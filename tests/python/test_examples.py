@@ -24,6 +24,7 @@ pytestmark = pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the examples are 
 SYSTEMS: dict[str, Callable[[Any], list[Any]]] = {
     "bowed_train": lambda m: [m.train(ratio * m.RADIUS) for ratio in m.BOWS],
     "frequency": lambda m: [m.train(), m.rotor()],
+    "gearbox": lambda m: [m.gearbox(), m.straight(m.gearbox())],
     "resonance_sweep": lambda m: [m.pair(torque) for torque in m.TORQUES],
     "tradeoff": lambda m: [scene.system() for scene in m.SCENES.values()],
 }
@@ -32,6 +33,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "bowed_train": ["--output", "figure.png"],
     "elements": ["conditioning"],
     "frequency": [],
+    "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],
     "resonance_sweep": ["--output", "figure.png"],
