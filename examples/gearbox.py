@@ -6,6 +6,7 @@ Run with ``python examples/gearbox.py``. The script writes the figures to ``docs
 from dataclasses import replace
 from math import cos, pi, radians, tan
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -31,12 +32,27 @@ def gearbox() -> gb.RotorSystem:
     """Return the motor, its coupling and the gearbox."""
     first = {"module": 2.5e-3, "face_width": 0.04}
     second = {"module": 3.5e-3, "face_width": 0.06}
-    ball_6308 = {"balls": 8, "ball_diameter": 0.01508, "pitch_diameter": 0.065, "clearance": 1e-5}
-    ball_6310 = {"balls": 8, "ball_diameter": 0.01905, "pitch_diameter": 0.080, "clearance": 1e-5}
-    rollers = {"balls": 13, "ball_diameter": 0.016, "pitch_diameter": 0.081, "roller_length": 0.014}
-    film = {"diameter": 0.08, "length": 0.06, "clearance": 5e-5, "viscosity": 0.07}
-    thrust = {"axial_stiffness": 1e8, "axial_damping": 1e3}
-    on_housing = {"damping": 500.0, "support": "housing"}
+    ball_6308: dict[str, Any] = {
+        "balls": 8,
+        "ball_diameter": 0.01508,
+        "pitch_diameter": 0.065,
+        "clearance": 1e-5,
+    }
+    ball_6310: dict[str, Any] = {
+        "balls": 8,
+        "ball_diameter": 0.01905,
+        "pitch_diameter": 0.080,
+        "clearance": 1e-5,
+    }
+    rollers: dict[str, Any] = {
+        "balls": 13,
+        "ball_diameter": 0.016,
+        "pitch_diameter": 0.081,
+        "roller_length": 0.014,
+    }
+    film: dict[str, Any] = {"diameter": 0.08, "length": 0.06, "clearance": 5e-5, "viscosity": 0.07}
+    thrust: dict[str, Any] = {"axial_stiffness": 1e8, "axial_damping": 1e3}
+    on_housing: dict[str, Any] = {"damping": 500.0, "support": "housing"}
     return gb.RotorSystem(
         shafts=[
             gb.Shaft("motor", length=0.5, outer_diameter=0.06),
@@ -122,13 +138,17 @@ def straight(system: gb.RotorSystem) -> gb.RotorSystem:
     return system.replace(shafts=[replace(shaft, bow=None) for shaft in system.shafts])
 
 
+def reference_radius(gear: gb.Gear) -> float:
+    """Return the radius of the reference circle [m]."""
+    return gear.teeth * (gear.module or 0.0) / (2.0 * cos(gear.helix_angle))
+
+
 def tooth_forces(torque: float, gear: gb.Gear) -> tuple[float, float, float]:
     """Return tangential, radial and axial force at the reference circle of a gear [N].
 
     `torque` is that of its shaft [N m]; the pressure angle is 20°.
     """
-    radius = gear.teeth * gear.module / (2.0 * cos(gear.helix_angle))
-    tangential = torque / radius
+    tangential = torque / reference_radius(gear)
     radial = tangential * tan(radians(20.0)) / cos(gear.helix_angle)
     return tangential, radial, tangential * tan(abs(gear.helix_angle))
 
@@ -156,7 +176,7 @@ def acceleration(response: gb.Response, quantity: str = "w") -> tuple[list[str],
 
 
 def _part(
-    panel: Axes, begin: float, axis: float, length: float, diameter: float, **style: object
+    panel: Axes, begin: float, axis: float, length: float, diameter: float, **style: Any
 ) -> None:
     """Draw one cylinder from the side, in mm."""
     corner = (1e3 * begin, 1e3 * (axis - diameter / 2.0))
@@ -170,7 +190,7 @@ def sketch(system: gb.RotorSystem) -> Figure:
     axis = {"input": 0.0, "intermediate": 0.0, "output": 0.0}
     for driver, driven in STAGES:
         pair = (gears[driver], gears[driven])
-        radii = sum(g.teeth * g.module / (2.0 * cos(g.helix_angle)) for g in pair)
+        radii = sum(map(reference_radius, pair))
         axis[pair[1].shaft] = axis[pair[0].shaft] + radii
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(8.0, 8.0))
@@ -182,7 +202,7 @@ def sketch(system: gb.RotorSystem) -> Figure:
                 x += segment.length
             panel.text(1e3 * x + 6.0, 1e3 * axis[shaft.name], shaft.name, va="center")
         for gear, colour in zip(system.gears, plotting.PALETTE, strict=False):
-            diameter = gear.teeth * gear.module / cos(gear.helix_angle)
+            diameter = 2.0 * reference_radius(gear)
             middle, width = begin[gear.shaft] + gear.position, gear.face_width or 0.0
             _part(
                 panel, middle - width / 2.0, axis[gear.shaft], width, diameter, fc=colour, alpha=0.6

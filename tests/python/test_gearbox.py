@@ -76,10 +76,7 @@ def test_locating_bearings_carry_the_thrusts(example, system, static):
 def test_bearings_of_the_intermediate_shaft_carry_a_beam(example, system, static):
     (t1, r1, a1), (t2, r2, a2) = forces_by_hand(example, system)
     gears = {gear.name: gear for gear in system.gears}
-    arms = [
-        gear.teeth * gear.module / (2.0 * cos(gear.helix_angle))
-        for gear in (gears["wheel 1"], gears["pinion 2"])
-    ]
+    arms = [example.reference_radius(gears[name]) for name in ("wheel 1", "pinion 2")]
     tilt = (a1 * arms[0] + a2 * arms[1]) / 0.18
     share = np.array([(gears[name].position - 0.02) / 0.18 for name in ("wheel 1", "pinion 2")])
     right = (np.array([[r1, -r2], [t1, t2]]) @ share) - [tilt, 0.0]
