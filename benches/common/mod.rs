@@ -53,6 +53,22 @@ pub fn system(elements: usize, excited: bool) -> SceneDescription {
     SceneDescription::from_toml(&text).unwrap()
 }
 
+/// The helical gearbox of docs/gearbox.md on rolling and journal bearings, with 2 elements of degree 3 per shaft or segment.
+pub fn gearbox() -> SceneDescription {
+    let mut system = SceneDescription::from_toml(include_str!("../gearbox.toml")).unwrap();
+    system.resolution = None;
+    for shaft in &mut system.shafts {
+        shaft.degree = Some(3);
+        if shaft.segments.is_none() {
+            shaft.elements = Some(2);
+        }
+        for segment in shaft.segments.iter_mut().flatten() {
+            segment.elements = Some(2);
+        }
+    }
+    system
+}
+
 /// Gives every mesh a stiffness model of tooth pairs with the same mean stiffness.
 pub fn set_teeth(system: &mut SceneDescription, kind: StiffnessKind) {
     for mesh in &mut system.meshes {

@@ -16,7 +16,7 @@ use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
 use num_complex::Complex64;
 
-use crate::common::{NoObserver, SPEED, cached, cached_from, motion, set_teeth, system};
+use crate::common::{NoObserver, SPEED, cached, cached_from, gearbox, motion, set_teeth, system};
 
 /// A prepared kernel.
 pub type Work = Box<dyn FnMut()>;
@@ -44,6 +44,7 @@ pub const KERNELS: &[Kernel] = &[
     ("0.05 s of exponential, frozen, square, n = 240", || exponential(Geometry::Frozen)),
     ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
     ("0.05 s of exponential, run-up, live, square, n = 135", run_up),
+    ("0.02 s of exponential, gearbox with housing", gearbox_run),
 ];
 
 /// Elements per shaft of the train with 60 degrees of freedom.
@@ -210,6 +211,22 @@ fn run_up() -> Work {
         rtol: Some(1e-5),
         times: (0..=50).map(|i| 1e-3 * f64::from(i)).collect(),
         ..options(0.05)
+    };
+    Box::new(move || {
+        black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
+    })
+}
+
+/// A run of the gearbox from its equilibrium: helical meshes, oil films and rolling elements. The first call caches the modes.
+fn gearbox_run() -> Work {
+    let cached = leak(cached_from(&gearbox()));
+    let plan = RecordPlan::new(&cached.model, &[Request::Name("housings".to_owned())]).unwrap();
+    let options = Options {
+        method: Method::Exponential,
+        rtol: Some(1e-4),
+        times: (0..=20).map(|i| 1e-3 * f64::from(i)).collect(),
+        initial: Initial::Static,
+        ..options(0.02)
     };
     Box::new(move || {
         black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());

@@ -25,6 +25,7 @@ SYSTEMS: dict[str, Callable[[Any], list[Any]]] = {
     "bowed_train": lambda m: [m.train(ratio * m.RADIUS) for ratio in m.BOWS],
     "frequency": lambda m: [m.train(), m.rotor()],
     "map": lambda m: [m.train(bow) for bow in m.BOWS[:2]],
+    "gearbox": lambda m: [m.gearbox(), m.straight(m.gearbox())],
     "resonance_sweep": lambda m: [m.pair(torque) for torque in m.TORQUES],
     "tradeoff": lambda m: [scene.system() for scene in m.SCENES.values()],
 }
@@ -34,6 +35,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "elements": ["conditioning"],
     "frequency": [],
     "map": ["--output", "figure.png"],
+    "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],
     "resonance_sweep": ["--output", "figure.png"],

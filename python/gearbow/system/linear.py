@@ -5,9 +5,10 @@ from typing import Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, text, truth, whole
+from gearbow._convert import array, number, shown, truth, whole
 from gearbow._core import Model
 from gearbow.description.layout import layout
+from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.matrices import Matrices, SparseMatrices
@@ -123,7 +124,11 @@ class LinearAnalyses(SystemDescription):
         ConvergenceError
             If the iteration does not converge.
         """
-        data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
+        if not isinstance(geometry, str):
+            # `modes` and `synchronous` take the speed first.
+            given = f"got {shown(geometry)}; the speed is an argument with a name, speed=..."
+            raise SceneError(f"geometry: must be 'live' or 'frozen', {given}")
+        data = self._model.static(geometry, number(speed, "speed"))
         return Static(data, self.coordinates, self.description.get("bearings", ()))
 
     def campbell(self, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
