@@ -44,7 +44,7 @@ pub const KERNELS: &[Kernel] = &[
     ("0.05 s of exponential, frozen, square, n = 240", || exponential(Geometry::Frozen)),
     ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
     ("0.05 s of exponential, run-up, live, square, n = 135", run_up),
-    ("0.02 s of exponential, gearbox with housing", gearbox_run),
+    ("0.02 s of exponential, gearbox on rolling and journal bearings, n = 161", gearbox_run),
 ];
 
 /// Elements per shaft of the train with 60 degrees of freedom.

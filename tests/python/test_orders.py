@@ -137,8 +137,8 @@ def test_every_channel_has_a_spectrum(of, quantity, label, unit):
 
 def test_the_error_names_the_invalid_argument():
     response = recorded(rows=64)
-    with pytest.raises(gb.ChannelError, match="has v, w, twist, got 'u'"):
-        response.spectrum("g1", "u")
+    with pytest.raises(gb.ChannelError, match="has v, w, twist, u, got 'x'"):
+        response.spectrum("g1", "x")
     with pytest.raises(gb.ChannelError, match="was not recorded"):
         response.spectrum("g7")
     with pytest.raises(gb.SceneError, match="window: must be one of"):

@@ -181,7 +181,7 @@ def orders(
         shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics
     )
     frequencies = np.array([order.value for order in found]) * abs(recording.speed) / (2.0 * np.pi)
-    _check(time, frequencies)
+    _check(time, frequencies, found)
     angles = 2.0 * np.pi * np.outer(time - time[0], frequencies)
     columns = np.hstack([np.ones((time.size, 1)), np.cos(angles), np.sin(angles)])
     fitted, *_ = np.linalg.lstsq(columns, values, rcond=None)
@@ -193,7 +193,7 @@ def orders(
     return Orders(found, frequencies, amplitudes, float(fitted[0]), rest, signal.label, signal.unit)
 
 
-def _check(time: Array, frequencies: Array) -> None:
+def _check(time: Array, frequencies: Array, found: tuple[Order, ...]) -> None:
     """Refuse a record that is too short to separate the orders, or has too long an output step."""
     if frequencies.size == 0 or not frequencies[0] > 0.0:
         raise GearbowError("orders need a rotating train and at least one harmonic")
@@ -203,11 +203,15 @@ def _check(time: Array, frequencies: Array) -> None:
             f"got {time.size}"
         )
     span = float(time[-1] - time[0])
-    gap = float(np.diff(frequencies, prepend=0.0).min())
+    gaps = np.diff(frequencies, prepend=0.0)
+    closest = int(gaps.argmin())
+    gap = float(gaps[closest])
     if span * gap < _SEPARATION:
+        below = repr(found[closest - 1].names[0]) if closest > 0 else "the mean"
         raise GearbowError(
-            f"orders with a distance of {gap:.3g} Hz need a record of {_SEPARATION / gap:.3g} s, "
-            f"got {span:.3g} s: simulate for longer, or ask for fewer orders"
+            f"{below} and {found[closest].names[0]!r} with a distance of {gap:.3g} Hz need a "
+            f"record of {_SEPARATION / gap:.3g} s, got {span:.3g} s: simulate for longer, or ask "
+            "for fewer orders (shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics)"
         )
     step = float(np.diff(time).max())
     if not math.isfinite(step) or step * frequencies[-1] >= 0.5:
