@@ -108,3 +108,15 @@ def test_thrust_is_the_tangential_force_times_the_tangent_of_the_helix(example, 
         forces_by_hand(example, system), (20.0, 12.0), strict=True
     ):
         assert axial == pytest.approx(tangential * tan(radians(helix)))
+
+
+def test_the_error_of_component_modes_is_that_of_a_stable_reduction(example, system):
+    # Oil films need all component modes, those with a small share too. Recorded bearings add many of them.
+    record = ["gears", "meshes", "housings", "bearings"]
+    options = {"output_step": 1e-3, "record": record}
+    run = system.simulate(0.1, example.SPEED, accuracy="draft", **options)
+    displacement, force = run.statistics.modes_error
+    assert displacement < 1e-2
+    assert force < 0.1
+    with pytest.raises(gb.GearbowError, match=r"'1× cage intermediate@0.02' and '1× output'"):
+        run.orders("accelerometer", bearing_harmonics=1)

@@ -376,9 +376,12 @@ fn of_components(
     let highest = limit * excited_frequency(motion, fastest);
     // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
     let has_film = model.nonlinear_bearings.iter().any(|bearing| bearing.film().is_some());
-    let share = if has_film { 0.0 } else { COMPONENT_SHARE / (limit * limit) };
+    let share = COMPONENT_SHARE / (limit * limit);
     let found = at_fastest.subspace((speed, highest, ports), |ports| {
         let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
+        if has_film {
+            return Ok(projected);
+        }
         let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
         let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
         projected.restricted(model, speed, &kept)
