@@ -193,7 +193,7 @@ def sketch(system: gb.RotorSystem) -> Figure:
         radii = sum(map(reference_radius, pair))
         axis[pair[1].shaft] = axis[pair[0].shaft] + radii
     with mpl.rc_context(plotting.STYLE):
-        drawing = Figure(figsize=(8.0, 8.0))
+        drawing = Figure(figsize=(8.0, 6.8))
         panel = drawing.add_subplot()
         for shaft in system.shafts[1:]:
             x = begin[shaft.name]

@@ -142,13 +142,17 @@ def test_a_warning_above_the_level():
     ("given", "kind"),
     [((2e-3, 9e-3), "displacements"), ((9e-4, 2e-2), "mesh forces"), ((9e-4, 9e-3), None)],
 )
-def test_which_error_is_above_the_level(given: tuple[float, float], kind: str | None):
+@pytest.mark.parametrize(("by_user", "cure"), [(True, "keep more modes"), (False, "give rtol")])
+def test_which_error_is_above_the_level(
+    given: tuple[float, float], kind: str | None, by_user: bool, cure: str
+):
     statistics = train().simulate(0.0, SPEED).statistics
     statistics = replace(statistics, modes=9, modes_error=given)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        check_reduction(statistics, None)
-    assert [f"in {kind}, above" in str(each.message) for each in caught] == [True] * (
+        check_reduction(statistics, None, given=by_user)
+    texts = [str(each.message) for each in caught]
+    assert [f"in {kind}, above" in text and cure in text for text in texts] == [True] * (
         kind is not None
     )
 

@@ -33,6 +33,10 @@ def everything() -> dict[str, Any]:
         "rotor", 0.0, diameter=0.05, length=0.02, clearance=5e-5, viscosity=0.02
     )
     floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
+    balls = gb.RollingBearing(
+        "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
+    )
+    rolling = bowed.replace(bearings=[balls, bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
     return {
@@ -47,6 +51,8 @@ def everything() -> dict[str, Any]:
         "event": gb.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
+        "rolling coefficients": balls.coefficients(100.0),
+        "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling("rotor", 0.0),
         "journal motion": floating.static(speed=100.0).journal("rotor", 0.0),
         "tradeoff": study,
         "trial": study.trials[0],
