@@ -73,13 +73,22 @@ FAULTS: list[Fault] = [
             'self._data["twist"][:, self._point(name)]',
             'np.degrees(self._data["twist"][:, self._point(name)])',
         ),
-        ("np.full(self.time.shape, self.speed)", "np.full(self.time.shape, abs(self.speed))"),
         ("i = meshes.index((driver, driven))", "i = 0"),
+        ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
+    ),
+    *_faults(
+        "recording/recorded_run.py",
+        "signals figure_labels",
+        ("np.full(self.time.shape, self.speed)", "np.full(self.time.shape, abs(self.speed))"),
+    ),
+    *_faults(
+        "recording/bearings.py",
+        "signals figure_labels journal_bearing",
         (
             'self._data["bearing_force"][:, self._bearing(shaft, position)]',
             '-self._data["bearing_force"][:, self._bearing(shaft, position)]',
         ),
-        ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
+        ("return found[:, bearing]", "return -found[:, bearing]"),
     ),
     *_faults(
         "results/response.py",
@@ -209,7 +218,7 @@ FAULTS: list[Fault] = [
         ("(0.0, -number(load", "(0.0, number(load"),
     ),
     *_faults(
-        "recording/recording.py",
+        "recording/bearings.py",
         "rolling_bearing",
         (
             'np.moveaxis(self._data["rolling_contact"][:, i], -1, 0))',
@@ -552,6 +561,10 @@ FAULTS: list[Fault] = [
         "recording/recording.py",
         "helical",
         ('self._axial("axial")[:, point]', 'self._axial("axial")[:, point - 1]'),
+    ),
+    *_faults(
+        "recording/bearings.py",
+        "helical",
         (
             'self._axial("axial_bearing_force")[:, bearing]',
             '-self._axial("axial_bearing_force")[:, bearing]',
