@@ -27,7 +27,7 @@ GRACE = 1.0
 
 #: Identifiers of the groups of calls that must stop.
 _stopped: set[str] = set()
-#: The attribute `group` is the identifier of the group that the call of this thread belongs to.
+#: Data of the current thread: `group` is the identifier of the group of its call.
 _current = threading.local()
 
 

@@ -17,7 +17,8 @@ pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Resu
     equilibrium_with_flanks(cached, geometry, EquilibriumSpeeds::from(speed))
 }
 
-/// The same with the flanks in contact, and torques over the speed, at another speed.
+/// The static equilibrium. One speed determines the bearings; a second one determines the flanks in contact and the torques
+/// over the speed.
 pub(super) fn equilibrium_with_flanks(
     cached: &CachedModel,
     geometry: Geometry,

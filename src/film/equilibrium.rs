@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-13;
 pub const CLOSEST: f64 = 0.99;
 /// A Newton step may use this part of the clearance that is left.
 const CLEARANCE_SHARE: f64 = 0.8;
-/// Smallest fraction of a Newton step; the residual stops to decrease by round-off.
+/// Smallest fraction of a Newton step. With a smaller one, the residual changes by round-off only.
 const LEAST_FRACTION: f64 = 1e-10;
 
 impl Film {

@@ -137,7 +137,8 @@ impl Grid {
         (self.angles[row + 1] - beta).cos() * self.width(row) * height(column)
     }
 
-    /// Solves the complementarity problem, from the wet nodes of an earlier solution.
+    /// Finds the pressure that is positive at the wet nodes and zero at all others (Reynolds' condition). The search begins
+    /// with the wet nodes of an earlier solution.
     fn solve(&mut self, slenderness: f64, beta: f64, wet: &mut Vec<bool>) {
         let count = self.rows() * AXIAL;
         if wet.len() != count {

@@ -54,7 +54,8 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
 }
 
 impl Model {
-    /// Whether the matrices lack the coefficients of bearings, because the model is not that of one speed.
+    /// Whether the matrices lack the coefficients of some bearings. These coefficients depend on the speed, and the model has
+    /// no speed yet.
     pub fn lacks_coefficients(&self) -> bool {
         !self.bearings.is_empty() || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
     }

@@ -271,7 +271,8 @@ fn mounts(housing: &Housing, first: usize, links: &mut Vec<Link>) {
     let name = format!("the mount of \"{}\"", housing.name);
     links.push(Link::new(name.clone(), rows, housing.stiffness, housing.damping));
     if housing.inertia.is_some() {
-        // The order of the core is −B = −rotation about y, Γ about z and θ about x.
+        // The description lists the rotations about x, y and z. The coordinates of the core have another order: −B (minus
+        // the rotation about y), Γ (about z) and θ (about x).
         for (axis, index) in [(0, first + 4), (1, first + 3), (2, first + 2)] {
             let (k, c) = (housing.rotational_stiffness[axis], housing.rotational_damping[axis]);
             let single = |value: f64| [[value, 0.0], [0.0, 0.0]];

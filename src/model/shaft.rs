@@ -92,7 +92,7 @@ pub struct Excitation {
     pub index: usize,
     /// Force K_s b of the bow, N or N m.
     pub bow: Complex64,
-    /// Further force that turns with the shaft, N.
+    /// Given force that turns with the shaft (`gb.Force` with an order of 1), N.
     pub force: Complex64,
     /// Unbalance mass·eccentricity, kg m.
     pub unbalance: Complex64,

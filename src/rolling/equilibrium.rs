@@ -9,7 +9,7 @@ const MAX_ITERATIONS: usize = 200;
 const TOLERANCE: f64 = 1e-13;
 /// Residual force, relative to the load, that round-off may leave.
 const ROUND_OFF: f64 = 1e-9;
-/// Smallest fraction of a Newton step; the residual stops to decrease by round-off.
+/// Smallest fraction of a Newton step. With a smaller one, the residual changes by round-off only.
 const LEAST_FRACTION: f64 = 1e-10;
 /// Smallest part of the secant stiffness that is added to the tangent: a single loaded element has no stiffness across it.
 const LEAST_ADDED: f64 = 1e-9;

@@ -316,19 +316,24 @@ FOUND: dict[str, Drawn] = {
 }
 
 
+def examples(count: int):
+    """Run a test on this many random examples."""
+    return settings(
+        max_examples=count * int(TIMES or 1),
+        derandomize=TIMES is None,
+        database=None,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+
+
 def scenes(count: int):
     """Run a test on this many random scenes, and on the scenes that failed once."""
 
     def decorate(test: Any) -> Any:
         for scene in FOUND.values():
             test = example(scene)(test)
-        return settings(
-            max_examples=count * int(TIMES or 1),
-            derandomize=TIMES is None,
-            database=None,
-            deadline=None,
-            suppress_health_check=list(HealthCheck),
-        )(given(drawn())(test))
+        return examples(count)(given(drawn())(test))
 
     return decorate
 
@@ -372,13 +377,17 @@ SAME = {
 }
 
 
-@settings(
-    max_examples=4 * int(TIMES or 1),
-    derandomize=TIMES is None,
-    database=None,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-)
+def assert_moves_alike(scene: Drawn) -> None:
+    """Compare two methods, and the scene with turned, mirrored and rescaled ones."""
+    exact = motion(scene.run(method="rk45"), scene)
+    assert_near(motion(scene.run(), scene), exact, 1e-6)
+    # a quarter turn maps teeth to teeth
+    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
+        changed = replace(scene, **change)
+        assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
+
+
+@examples(4)
 @given(drawn(), st.floats(0.02, 0.5), st.sampled_from(SPEEDS[1:]))
 def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     scene: Drawn, viscosity: float, speed: float
@@ -389,21 +398,10 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     except gb.SceneError as error:
         assert "journal" in str(error)  # noqa: PT017
         reject()
-    exact = motion(scene.run(method="rk45"), scene)
-    assert_near(motion(scene.run(), scene), exact, 1e-6)
-    # a quarter turn maps teeth to teeth
-    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
-        changed = replace(scene, **change)
-        assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
+    assert_moves_alike(scene)
 
 
-@settings(
-    max_examples=2 * int(TIMES or 1),
-    derandomize=TIMES is None,
-    database=None,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-)
+@examples(2)
 @given(
     drawn(),
     st.tuples(st.integers(6, 12), st.floats(-1e-5, 3e-5), st.floats(0.0, 1.0)),
@@ -413,20 +411,10 @@ def test_trains_on_rolling_bearings_move_alike_by_two_methods_and_when_transform
     scene: Drawn, balls: tuple[int, float, float], speed: float
 ):
     scene = replace(scene, balls=balls, speed=speed)
-    exact = motion(scene.run(method="rk45"), scene)
-    assert_near(motion(scene.run(), scene), exact, 1e-6)
-    for change in ({"turn": np.pi / 2}, SAME["mirrored"], SAME["other units"]):
-        changed = replace(scene, **change)
-        assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-6)
+    assert_moves_alike(scene)
 
 
-@settings(
-    max_examples=3 * int(TIMES or 1),
-    derandomize=TIMES is None,
-    database=None,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-)
+@examples(3)
 @given(drawn(), st.floats(0.02, 0.7), st.sampled_from([-1.0, 1.0]))
 def test_helical_trains_move_alike_by_two_methods_and_when_transformed(
     scene: Drawn, size: float, hand: float

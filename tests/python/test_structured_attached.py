@@ -219,7 +219,7 @@ def test_a_reduced_run_has_the_signals_of_the_complete_one(name: str, speed: Any
     def error(a: Any, b: Any) -> float:
         return float(np.sqrt(((a - b) ** 2).sum() / ((b - b.mean(axis=0)) ** 2).sum()))
 
-    # the error that the level promises, with the uncertainty of its estimate of two
+    # Twice the error that the level permits: the estimate of the error has an uncertainty of a factor of two.
     for gear in ("g1", "g2"):
         assert error(found.displacement(gear), exact.displacement(gear)) < 2e-3
     assert error(found.mesh("g1", "g2").force, exact.mesh("g1", "g2").force) < 2e-2
