@@ -12,6 +12,7 @@ mod options;
 mod response;
 mod simulate;
 mod speed;
+mod steady;
 mod state;
 
 use pyo3::pymodule;

@@ -12,8 +12,9 @@ use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, RunOptions, read_initial};
 use super::state::{mesh_geometry, read_checkpoint};
-use super::{frequency, simulate, speed};
+use super::{frequency, simulate, speed, steady};
 use crate::analysis::simulate::{Method, Options, round_below, sample_step};
+use crate::analysis::steady::common_period;
 use crate::analysis::{self, AnalysisError, Dense};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
@@ -340,21 +341,10 @@ impl PyModel {
         checkpoint: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
         let options = Options {
-            duration: given.duration,
-            speed: given.speed.try_into()?,
-            method: Method::named(&given.method)?,
-            step: given.step,
-            rtol: given.rtol,
-            stages: given.stages,
-            modes: given.modes,
-            reduction: given.reduction,
-            initial: read_initial(initial)?,
             times: times.as_array().to_vec(),
-            geometry: mesh_geometry(&given.geometry)?,
-            start: given.start,
             checkpoint: checkpoint.map(read_checkpoint).transpose()?,
+            ..run_options(py, initial, options)?
         };
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
@@ -363,4 +353,63 @@ impl PyModel {
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }
+
+    /// Common period of the excitation [s]: the given one, or that of the scene.
+    fn common_period(&self, speed: f64, given: Option<f64>, longest: f64) -> PyResult<f64> {
+        EntryPath::root("speed").finite(speed)?;
+        Ok(common_period(self.model(), speed, given, longest)?)
+    }
+
+    #[pyo3(signature = (*, initial, samples, record, progress, **options))]
+    fn steady_state<'py>(
+        &self,
+        py: Python<'py>,
+        initial: &Bound<'py, PyAny>,
+        samples: usize,
+        record: Vec<RecordEntry>,
+        progress: Option<Py<PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
+        let options = run_options(py, initial, options)?;
+        if let Some(text) = options.unattainable() {
+            warn(py, text)?;
+        }
+        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
+        warn_of_speed(py, &self.model().scene, options.fastest())?;
+        steady::steady_state(self, py, (options, samples), record, progress.as_ref())
+    }
+
+    #[pyo3(signature = (*, initial, smallest, record, progress, **options))]
+    fn multipliers<'py>(
+        &self,
+        py: Python<'py>,
+        initial: &Bound<'py, PyAny>,
+        smallest: f64,
+        record: Vec<RecordEntry>,
+        progress: Option<Py<PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
+        let options = run_options(py, initial, options)?;
+        steady::multipliers(self, py, (options, smallest), record, progress.as_ref())
+    }
+}
+
+/// Reads the options of a run without output times.
+fn run_options(py: Python<'_>, initial: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
+    let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
+    Ok(Options {
+        duration: given.duration,
+        speed: given.speed.try_into()?,
+        method: Method::named(&given.method)?,
+        step: given.step,
+        rtol: given.rtol,
+        stages: given.stages,
+        modes: given.modes,
+        reduction: given.reduction,
+        initial: read_initial(initial)?,
+        times: Vec::new(),
+        geometry: mesh_geometry(&given.geometry)?,
+        start: given.start,
+        checkpoint: None,
+    })
 }
