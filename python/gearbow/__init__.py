@@ -70,6 +70,7 @@ from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
 from gearbow.results.response import Response
 from gearbow.results.static import Static
+from gearbow.results.steady import SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.sweeps.result import Sweep, SweepPoint
 from gearbow.sweeps.run import sweep
@@ -130,6 +131,7 @@ __all__ = [
     "SpeedTable",
     "StabilityError",
     "Static",
+    "SteadyState",
     "Stiffness",
     "Support",
     "Sweep",

@@ -9,6 +9,7 @@ from gearbow._types import (
     Array,
     At,
     CampbellData,
+    ComplexArray,
     CoreCheckpoint,
     Dof,
     FilmData,
@@ -98,3 +99,22 @@ class Model:
         checkpoint: CoreCheckpoint | None,
         **options: Unpack[RunOptions],
     ) -> RunData: ...
+    def common_period(self, speed: float, given: float | None, longest: float) -> float: ...
+    def steady_state(
+        self,
+        *,
+        initial: str | dict[str, Any],
+        samples: int,
+        record: list[Record],
+        progress: Callable[[float], object] | None,
+        **options: Unpack[RunOptions],
+    ) -> tuple[RunData, dict[str, Any]]: ...
+    def multipliers(
+        self,
+        *,
+        initial: str | dict[str, Any],
+        smallest: float,
+        record: list[Record],
+        progress: Callable[[float], object] | None,
+        **options: Unpack[RunOptions],
+    ) -> ComplexArray: ...

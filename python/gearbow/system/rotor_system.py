@@ -2,13 +2,13 @@
 
 from gearbow.analysis.balance import balance
 from gearbow.sweeps.many import simulate_many
-from gearbow.system.simulation import Simulation
+from gearbow.system.steady import SteadyAnalyses
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
 
 
-class RotorSystem(Simulation):
+class RotorSystem(SteadyAnalyses):
     """A system of shafts with gears, disks, bearings and torques.
 
     Parameters
