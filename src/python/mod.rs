@@ -12,8 +12,8 @@ mod options;
 mod response;
 mod simulate;
 mod speed;
-mod steady;
 mod state;
+mod steady;
 
 use pyo3::pymodule;
 

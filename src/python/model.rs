@@ -1,7 +1,7 @@
 //! The Python methods of `_core.Model`.
 
 use nalgebra::Complex;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
@@ -377,6 +377,19 @@ impl PyModel {
         self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         steady::steady_state(self, py, (options, samples), record, progress.as_ref())
+    }
+
+    #[pyo3(signature = (*, initial, states, **options))]
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn period_map<'py>(
+        &self,
+        py: Python<'py>,
+        initial: &Bound<'py, PyAny>,
+        states: PyReadonlyArray2<'py, f64>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let options = run_options(py, initial, options)?;
+        steady::period_map(self, py, options, &states)
     }
 
     #[pyo3(signature = (*, initial, smallest, record, progress, **options))]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Complex;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::pythonize;
@@ -16,6 +16,7 @@ use super::options::RecordEntry;
 use super::response::response_dict;
 use crate::analysis::simulate::{Options, RecordPlan};
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
+use crate::scene::SceneError;
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
 #[derive(Serialize)]
@@ -74,10 +75,39 @@ pub fn multipliers<'py>(
 ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
     let plan = record_plan(owner, record)?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) = background::run(py, progress, move |_, watch| {
-        steady::multipliers(&cached, &options, &plan, smallest, watch)
-    })?;
+    let (outcome, raised) =
+        background::run(py, progress, move |_, watch| steady::multipliers(&cached, &options, &plan, smallest, watch))?;
     Ok(PyArray1::from_vec(py, finished(outcome, raised)?))
+}
+
+/// States after one period; see [`steady::period_map`].
+///
+/// # Errors
+/// The reason for which a run ends early, or Ctrl-C.
+pub fn period_map<'py>(
+    owner: &PyModel,
+    py: Python<'py>,
+    options: Options,
+    states: &PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let numbering = &owner.model().numbering;
+    let states = states.as_array();
+    if states.ncols() != 2 * numbering.len() {
+        return Err(SceneError::new("states", format!("must have {} columns", 2 * numbering.len())).into());
+    }
+    let states: Vec<Vec<f64>> =
+        states.rows().into_iter().map(|row| by_halves(&row.to_vec(), |q| numbering.in_core_order(q))).collect();
+    let cached = Arc::clone(&owner.cached);
+    let (outcome, raised) =
+        background::run(py, None, move |_, watch| steady::period_map(&cached, &options, &states, watch))?;
+    let images = finished(outcome, raised)?;
+    let images: Vec<Vec<f64>> = images.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
+    Ok(PyArray2::from_vec2(py, &images)?)
+}
+
+/// Converts displacements and velocities, the two halves of a state.
+fn by_halves(state: &[f64], convert: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    state.chunks((state.len() / 2).max(1)).flat_map(convert).collect()
 }
 
 fn record_plan(owner: &PyModel, record: Vec<RecordEntry>) -> PyResult<RecordPlan> {

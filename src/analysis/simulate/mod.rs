@@ -24,8 +24,8 @@ pub use checkpoint::{Checkpoint, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
-pub(in crate::analysis) use period_map::{PeriodMap, with_period_map};
 pub use options::{Final, Initial, Method, Options, StepSetting};
+pub(in crate::analysis) use period_map::{PeriodMap, with_period_map};
 pub use record::Record;
 pub use record_plan::{Point, RecordPlan, Request};
 

@@ -133,6 +133,19 @@ impl PeriodMap<'_> {
         in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &self.start).y
     }
 
+    /// The state z of displacements and velocities at the beginning of a period.
+    pub fn modal(&self, y: &[f64]) -> Vec<f64> {
+        let state = State { y: y.to_vec(), elapsed: self.start.state.elapsed, ..State::new(Vec::new()) };
+        let start = Start { state, resumes: false, ..self.start.clone() };
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &start).y
+    }
+
+    /// Displacements and velocities of a state z at the beginning of a period.
+    pub fn physical(&self, z: Vec<f64>) -> Vec<f64> {
+        let state = State { elapsed: self.start.state.elapsed, ..State::new(z) };
+        in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads).y
+    }
+
     /// Whether the map is affine in z: all loads are, and no flank changes its contact.
     pub fn is_affine(&self) -> bool {
         let loads = &self.setup.nonlinear_loads;
@@ -225,14 +238,8 @@ impl PeriodMap<'_> {
     fn follow(&mut self, stepper: &mut Stepper<'_>, control: LevelControl, z: &[f64]) -> Result<State, AnalysisError> {
         let (mut state, end) = (self.state(z), self.end());
         let mut output = self.setup.output.clone();
-        let outcome = integrate(
-            (stepper, &mut output),
-            control,
-            &mut state,
-            end,
-            &mut self.heartbeat,
-            &mut Statistics::new(),
-        );
+        let outcome =
+            integrate((stepper, &mut output), control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
         outcome.map_err(|halted| self.explained(&halted))?;
         self.runs += 1;
         Ok(state)

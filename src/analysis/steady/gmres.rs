@@ -13,11 +13,7 @@ const DEPENDENT: f64 = 1e-12;
 ///
 /// # Errors
 /// That of `apply`, which gives A x.
-pub fn gmres<E>(
-    b: &[f64],
-    rtol: f64,
-    mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<Vec<f64>, E> {
+pub fn gmres<E>(b: &[f64], rtol: f64, mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
     let size = norm(b);
     if size == 0.0 {
         return Ok(b.to_vec());

@@ -45,8 +45,31 @@ pub fn steady_state(
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
-    with_period_map(cached, options, plan, watch, |map| {
-        Solver::new(map, samples)?.solve()
+    with_period_map(cached, options, plan, watch, |map| Solver::new(map, samples)?.solve())
+}
+
+/// States after one period, displacements then velocities, for given states of this length at its beginning. The steps meet the tolerance
+/// for the first state and are the same for all.
+///
+/// # Errors
+/// [`AnalysisError`] if a run ends early.
+pub fn period_map(
+    cached: &CachedModel,
+    options: &Options,
+    states: &[Vec<f64>],
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<Vec<f64>>, AnalysisError> {
+    with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
+        let mut images = Vec::with_capacity(states.len());
+        for (index, state) in states.iter().enumerate() {
+            let z = map.modal(state);
+            if index == 0 {
+                map.adapt(&z)?;
+            }
+            let image = map.apply(&z)?;
+            images.push(map.physical(image));
+        }
+        Ok(images)
     })
 }
 

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 
 use nalgebra::Complex;
 
-use super::preconditioner::Preconditioner;
 use super::norm;
+use super::preconditioner::Preconditioner;
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 use crate::linalg::{DecompositionError, Krylov, Operator};
@@ -13,6 +13,8 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
 /// of about its square, and the round-off of the stage equations (1e-13) divided by it.
 const DIFFERENCE: f64 = 1e-5;
+/// Energy norm below which there is no motion.
+const NO_MOTION: f64 = 1e-100;
 /// Largest residual of a multiplier, relative to it.
 const RESIDUAL: f64 = 1e-6;
 /// Largest number of products with the derivative.
@@ -25,12 +27,12 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     let preconditioner = Preconditioner::new(map.linear(), map.period())?;
     let z = map.initial();
     let image = map.adapt(&z)?;
-    let size = map.size(&z)?;
+    // Without a motion, the equations have no scale.
+    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(1.0);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
     let base = if is_affine { map.apply(&z)? } else { image };
-    let operator =
-        Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
+    let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
     let found = eigenvalues(&operator, smallest);
     if let Some(error) = operator.failure.take() {
         return Err(error);

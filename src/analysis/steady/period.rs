@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use crate::analysis::AnalysisError;
 use crate::model::Model;
-use crate::scene::{LoadLaw, SceneError, Scene};
+use crate::scene::{LoadLaw, Scene, SceneError};
 
 /// Largest denominator of an order that is not a ratio of tooth numbers, for example that of a force.
 const LARGEST_DENOMINATOR: u64 = 1000;
@@ -115,7 +115,8 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
     };
     let period = TAU / (order * speed.abs());
     if period > longest {
-        let reason = format!("the common period of the excitation is {period:.4} s, longer than max_period = {longest} s");
+        let reason =
+            format!("the common period of the excitation is {period:.4} s, longer than max_period = {longest} s");
         return Err(error(&reason, "give a larger max_period, or run in with simulate()"));
     }
     Ok(period)

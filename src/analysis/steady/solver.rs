@@ -113,7 +113,6 @@ impl<'s, 'a> Solver<'s, 'a> {
         let defect: Vec<f64> = image.iter().zip(&z).map(|(image, z)| image - z).collect();
         let correction = self.preconditioner.correct(&defect);
         let error = norm(&correction) / (self.tolerance * size);
-        if std::env::var("STEADY_TRACE").is_ok() { eprintln!("{error:e} size {size:e} defect {:e} {}", norm(&defect)/size, steps as usize); }
         Ok(Point { z, defect, correction, size, error, response })
     }
 
@@ -122,22 +121,26 @@ impl<'s, 'a> Solver<'s, 'a> {
         let mut z = self.map.initial();
         let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
         let mut best: Option<Point> = None;
+        // Whether the last point solves the equations of its steps, and whether predictions have been right.
+        let (mut is_solved, mut errors_fall) = (false, true);
         for count in 0..MAX_ITERATIONS {
             let steps = match count {
-                _ if predicted(&errors) <= EXPECTED => Steps::Recorded,
+                _ if is_solved || errors_fall && predicted(&errors) <= EXPECTED => Steps::Recorded,
                 0..ADAPTED => Steps::Adapted,
                 _ => Steps::Same,
             };
             let point = self.point(z, steps)?;
             self.map.report(progress(&errors, point.error));
             errors.push(point.error);
-            if steps == Steps::Recorded && point.error <= 1.0 {
+            if steps == Steps::Recorded && (point.error <= 1.0 || is_solved && self.repeats(&point)) {
                 return Ok(Ok(point));
             }
+            is_solved = point.error <= EXPECTED && steps == Steps::Same;
             z = iteration.next(&point.z, &point.correction);
             if count == 0 || steps == Steps::Recorded {
                 // The steps of the period were other ones than those of the next.
                 iteration.clear();
+                errors_fall = steps != Steps::Recorded;
             }
             if best.as_ref().is_none_or(|best| point.error < best.error) {
                 best = Some(point);
@@ -148,18 +151,27 @@ impl<'s, 'a> Solver<'s, 'a> {
         best.map(Err).ok_or_else(|| AnalysisError::Convergence("the steady state has no iterations".to_owned()))
     }
 
+    /// Whether the state after a period is the same up to the tolerance. Its error may be larger: lightly damped modes
+    /// amplify the error of the integration.
+    fn repeats(&self, point: &Point) -> bool {
+        let rigid = &self.preconditioner.positions;
+        let changes = point.defect.iter().enumerate().filter(|(entry, _)| !rigid.contains(entry));
+        changes.map(|(_, change)| change * change).sum::<f64>().sqrt() <= self.tolerance * point.size
+    }
+
     /// Newton's method from z: the recorded fixed point, or the last point.
     fn newton(&mut self, z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
         let mut point = self.point(z, Steps::Adapted)?;
         for _ in 0..MAX_NEWTON {
-            if point.error <= EXPECTED {
-                point = self.point(point.z, Steps::Recorded)?;
-                if point.error <= 1.0 {
+            // Derivatives need a base of the same steps.
+            let base = self.point(point.z, Steps::Same)?;
+            if base.error <= EXPECTED {
+                point = self.point(base.z, Steps::Recorded)?;
+                if point.error <= 1.0 || self.repeats(&point) {
                     return Ok(Ok(point));
                 }
+                continue;
             }
-            // The levels have changed; derivatives need a base of the same steps.
-            let base = self.point(point.z, Steps::Same)?;
             let step = gmres(&base.correction, NEWTON_RTOL, |direction| self.product(&base, direction))?;
             point = self.line_search(&base, &step)?;
         }
