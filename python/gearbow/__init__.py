@@ -63,6 +63,7 @@ from gearbow.orders.waterfall import Waterfall, waterfall
 from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
+from gearbow.results.continuation import Continuation
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.discretisation import Discretisation
 from gearbow.results.matrices import Matrices, SparseMatrices
@@ -88,6 +89,7 @@ __all__ = [
     "ChannelError",
     "CheckpointWarning",
     "ContactError",
+    "Continuation",
     "ConvergenceError",
     "Coupling",
     "CriticalSpeedMap",

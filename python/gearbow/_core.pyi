@@ -109,6 +109,16 @@ class Model:
         progress: Callable[[float], object] | None,
         **options: Unpack[RunOptions],
     ) -> tuple[RunData, dict[str, Any]]: ...
+    def user_order(self, state: Array) -> Array: ...
+    def period_map(
+        self,
+        *,
+        initial: str | dict[str, Any],
+        states: Array,
+        samples: int,
+        record: list[Record],
+        **options: Unpack[RunOptions],
+    ) -> tuple[Array, RunData | None]: ...
     def multipliers(
         self,
         *,

@@ -379,17 +379,29 @@ impl PyModel {
         steady::steady_state(self, py, (options, samples), record, progress.as_ref())
     }
 
-    #[pyo3(signature = (*, initial, states, **options))]
+    /// Displacements and velocities of a final state in the order of the degrees of freedom.
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn user_order<'py>(
+        &self,
+        py: Python<'py>,
+        state: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, steady::in_user_order(self.model(), state.as_slice()?)?))
+    }
+
+    #[pyo3(signature = (*, initial, states, samples, record, **options))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn period_map<'py>(
         &self,
         py: Python<'py>,
         initial: &Bound<'py, PyAny>,
         states: PyReadonlyArray2<'py, f64>,
+        samples: usize,
+        record: Vec<RecordEntry>,
         options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>)> {
         let options = run_options(py, initial, options)?;
-        steady::period_map(self, py, options, &states)
+        steady::period_map(self, py, options, (record, samples), &states)
     }
 
     #[pyo3(signature = (*, initial, smallest, record, progress, **options))]

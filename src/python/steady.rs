@@ -16,6 +16,7 @@ use super::options::RecordEntry;
 use super::response::response_dict;
 use crate::analysis::simulate::{Options, RecordPlan};
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
+use crate::model::Model;
 use crate::scene::SceneError;
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
@@ -80,7 +81,7 @@ pub fn multipliers<'py>(
     Ok(PyArray1::from_vec(py, finished(outcome, raised)?))
 }
 
-/// States after one period; see [`steady::period_map`].
+/// States after one period and the recorded period from the first state; see [`steady::period_map`].
 ///
 /// # Errors
 /// The reason for which a run ends early, or Ctrl-C.
@@ -88,21 +89,36 @@ pub fn period_map<'py>(
     owner: &PyModel,
     py: Python<'py>,
     options: Options,
+    (record, samples): (Vec<RecordEntry>, usize),
     states: &PyReadonlyArray2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>)> {
     let numbering = &owner.model().numbering;
     let states = states.as_array();
     if states.ncols() != 2 * numbering.len() {
         return Err(SceneError::new("states", format!("must have {} columns", 2 * numbering.len())).into());
     }
-    let states: Vec<Vec<f64>> =
-        states.rows().into_iter().map(|row| by_halves(&row.to_vec(), |q| numbering.in_core_order(q))).collect();
-    let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) =
-        background::run(py, None, move |_, watch| steady::period_map(&cached, &options, &states, watch))?;
-    let images = finished(outcome, raised)?;
+    let states = states.rows().into_iter().map(|row| by_halves(&row.to_vec(), |q| numbering.in_core_order(q)));
+    let states: Vec<Vec<f64>> = states.collect();
+    let plan = record_plan(owner, record)?;
+    let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
+    let (outcome, raised) = background::run(py, None, move |_, watch| {
+        steady::period_map(&cached, &options, (&recorded, samples), &states, watch)
+    })?;
+    let (images, response) = finished(outcome, raised)?;
     let images: Vec<Vec<f64>> = images.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
-    Ok(PyArray2::from_vec2(py, &images)?)
+    let response = response.map(|response| response_dict(owner, py, &plan, response)).transpose()?;
+    Ok((PyArray2::from_vec2(py, &images)?, response))
+}
+
+/// Displacements and velocities of the core in the order of the degrees of freedom that users see.
+///
+/// # Errors
+/// [`SceneError`] for a state of another system.
+pub fn in_user_order(model: &Model, state: &[f64]) -> Result<Vec<f64>, SceneError> {
+    if state.len() != 2 * model.len() {
+        return Err(SceneError::new("state", "is of a system with other nodes"));
+    }
+    Ok(by_halves(state, |q| model.numbering.to_user_order(q)))
 }
 
 /// Converts displacements and velocities, the two halves of a state.

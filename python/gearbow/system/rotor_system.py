@@ -2,13 +2,13 @@
 
 from gearbow.analysis.balance import balance
 from gearbow.sweeps.many import simulate_many
-from gearbow.system.steady import SteadyAnalyses
+from gearbow.system.continuation import ContinuationAnalyses
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
 
 
-class RotorSystem(SteadyAnalyses):
+class RotorSystem(ContinuationAnalyses):
     """A system of shafts with gears, disks, bearings and torques.
 
     Parameters

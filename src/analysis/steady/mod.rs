@@ -48,28 +48,32 @@ pub fn steady_state(
     with_period_map(cached, options, plan, watch, |map| Solver::new(map, samples)?.solve())
 }
 
-/// States after one period, displacements then velocities, for given states of this length at its beginning. The steps meet the tolerance
-/// for the first state and are the same for all.
+/// States after one period, displacements then velocities, for given states of this length at its beginning. The steps meet
+/// the tolerance for the first state and are the same for all. With `samples`, this number of instants of the period from the
+/// first state is recorded.
 ///
 /// # Errors
 /// [`AnalysisError`] if a run ends early.
 pub fn period_map(
     cached: &CachedModel,
     options: &Options,
+    (plan, samples): (&RecordPlan, usize),
     states: &[Vec<f64>],
     watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<Vec<Vec<f64>>, AnalysisError> {
-    with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
-        let mut images = Vec::with_capacity(states.len());
+) -> Result<(Vec<Vec<f64>>, Option<Response>), AnalysisError> {
+    with_period_map(cached, options, plan, watch, |map| {
+        let (mut images, mut response) = (Vec::with_capacity(states.len()), None);
         for (index, state) in states.iter().enumerate() {
             let z = map.modal(state);
-            if index == 0 {
+            if index == 0 && samples > 0 {
+                response = Some(map.record(&z, samples)?.0);
+            } else if index == 0 {
                 map.adapt(&z)?;
             }
             let image = map.apply(&z)?;
             images.push(map.physical(image));
         }
-        Ok(images)
+        Ok((images, response))
     })
 }
 
