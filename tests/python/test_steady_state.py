@@ -46,14 +46,15 @@ def difference(found: gb.Response, exact: gb.Response) -> float:
 @pytest.mark.parametrize(("geometry", "most"), [("frozen", 1e-8), ("live", 1e-6)])
 def test_the_demo_train_equals_running_in_and_is_cheaper(geometry: str, most: float):
     system, speed = train(), 100.0
-    options: dict[str, Any] = {"rtol": 1e-11, "geometry": geometry}
+    options: dict[str, Any] = {"rtol": 1e-10, "geometry": geometry, "output_step": 2e-4}
     steady = system.steady_state(speed, initial="static", **options)
     # four revolutions of the input are one of the output
     assert steady.period == pytest.approx(4 * 2 * np.pi / speed, rel=1e-14)
     assert steady.method == ("linear" if geometry == "frozen" else "nonlinear")
     assert steady.residual < 1e-10
     last: Any = "static"
-    periods, samples = 12, steady.response.time.size
+    periods, samples = 9, steady.response.time.size
+    del options["output_step"]
     for number in range(periods):
         times = (number + np.arange(samples) / samples) * steady.period
         last = system.simulate(steady.period, speed, initial=last, times=times, **options)
@@ -98,7 +99,7 @@ def test_orders_over_one_period_are_exact():
     steady = system.steady_state(100.0, geometry="frozen", rtol=1e-10)
     found = steady.response.orders("g1", "v", mesh_harmonics=0, shaft_harmonics=1)
     exact = system.synchronous([100.0])
-    amplitude = np.abs(exact.displacement("g1", source="input")[0, 0])
+    amplitude = np.abs(exact.displacement("g1")[0, 0, 0])
     at = next(i for i, order in enumerate(found.orders) if order.names[0] == "1× input")
     assert np.abs(found.amplitudes[at]) == pytest.approx(amplitude, rel=1e-6)
 

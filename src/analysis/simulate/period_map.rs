@@ -224,7 +224,7 @@ impl PeriodMap<'_> {
         let response = Response {
             record,
             recorder_state,
-            last: self.options.last(&self.start.rotation, origin + end, state),
+            last: self.options.last(&self.start.rotation, origin + begin + period, state),
             limited_by: limited_by(self.options, &statistics),
             statistics,
             spectrum: self.spectrum.clone(),
@@ -254,9 +254,11 @@ impl PeriodMap<'_> {
         State { elapsed: self.start.state.elapsed, ..State::new(z.to_vec()) }
     }
 
-    /// Elapsed time at the end of the period, s: that of the last whole step, to the last digit.
+    /// Elapsed time up to which a period is integrated, s. A quarter of a unit after its last step, so that round-off does
+    /// not exclude this step.
     fn end(&self) -> f64 {
-        self.start.state.elapsed + self.time_grid.time(self.steps * self.time_grid.units(0))
+        let units = self.steps * self.time_grid.units(0);
+        self.start.state.elapsed + self.time_grid.time(units) + 0.25 * self.time_grid.unit()
     }
 
     /// Steps that meet the tolerance, or fixed ones if the options ask for them.

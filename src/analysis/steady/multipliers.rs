@@ -13,6 +13,8 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
 /// of about its square, and the round-off of the stage equations (1e-13) divided by it.
 const DIFFERENCE: f64 = 1e-5;
+/// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
+const REST: f64 = 1e-3;
 /// Energy norm below which there is no motion.
 const NO_MOTION: f64 = 1e-100;
 /// Largest residual of a multiplier, relative to it.
@@ -28,7 +30,7 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     let z = map.initial();
     let image = map.adapt(&z)?;
     // Without a motion, the equations have no scale.
-    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(1.0);
+    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
     let base = if is_affine { map.apply(&z)? } else { image };
