@@ -38,8 +38,7 @@ def difference(found: gb.Response, exact: gb.Response) -> float:
     """Return the largest RMS of a difference over the RMS of the signal about its mean."""
     pairs = zip(signals(found), signals(exact), strict=True)
     return max(
-        float(np.sqrt(np.mean((a - b) ** 2) / np.mean((b - b.mean(axis=0)) ** 2)))
-        for a, b in pairs
+        float(np.sqrt(np.mean((a - b) ** 2) / np.mean((b - b.mean(axis=0)) ** 2))) for a, b in pairs
     )
 
 
@@ -86,7 +85,11 @@ def test_the_period_follows_from_the_teeth_and_the_excitation():
 
 def test_the_hunting_tooth_period_of_coprime_teeth():
     toothed = Toothed(
-        mesh={"stiffness": 2e8, "damping_ratio": 0.05, "error": {"driver": [(1e-6, 0.0)], "driven": [(1e-6, 0.0)]}},
+        mesh={
+            "stiffness": 2e8,
+            "damping_ratio": 0.05,
+            "error": {"driver": [(1e-6, 0.0)], "driven": [(1e-6, 0.0)]},
+        },
         teeth=(23, 47),
         torque=50.0,
     )
@@ -124,13 +127,13 @@ def test_mathieu_threshold_from_the_multipliers(excess: float):
     fourier = {"model": "fourier", "mean": mean, "amplitudes": [h * mean], "phase": "prescribed"}
     scene = Toothed(mesh={"stiffness": fourier, "damping_ratio": zeta})
     omega = np.sqrt(mean / scene.effective_mass)
-    steady = scene.package().steady_state(
-        2 * omega / scene.teeth[0], rtol=1e-10, initial="rest"
-    )
+    steady = scene.package().steady_state(2 * omega / scene.teeth[0], rtol=1e-10, initial="rest")
     # (h/4 - zeta) omega over half a period; the next terms are of order h^2
     real = steady.multipliers[np.abs(steady.multipliers.imag) < 1e-6]
     flips = real[real.real < 0.0]
-    assert np.log(np.abs(flips[0])) == pytest.approx((h / 4 - zeta) * np.pi, abs=2 * zeta**2 * np.pi)
+    assert np.log(np.abs(flips[0])) == pytest.approx(
+        (h / 4 - zeta) * np.pi, abs=2 * zeta**2 * np.pi
+    )
     assert (steady.instability == "flip") == (excess > 0)
 
 
@@ -158,7 +161,9 @@ def test_files_keep_the_motion_and_the_multipliers(tmp_path: Path):
     steady.save(path)
     loaded = gb.SteadyState.load(path)
     np.testing.assert_array_equal(loaded.multipliers, steady.multipliers)
-    np.testing.assert_array_equal(loaded.response.displacement("g1"), steady.response.displacement("g1"))
+    np.testing.assert_array_equal(
+        loaded.response.displacement("g1"), steady.response.displacement("g1")
+    )
     assert (loaded.period, loaded.residual) == (steady.period, steady.residual)
     assert repr(loaded) == repr(steady)
     with pytest.raises(gb.GearbowError, match="not a steady state"):
@@ -170,9 +175,7 @@ def test_a_run_continues_from_a_steady_state_without_transient():
     system = train()
     steady = system.steady_state(100.0, rtol=1e-9)
     times = steady.response.time + steady.period
-    run = system.simulate(
-        steady.period, 100.0, initial=steady.response, times=times, rtol=1e-9
-    )
+    run = system.simulate(steady.period, 100.0, initial=steady.response, times=times, rtol=1e-9)
     np.testing.assert_allclose(
         run.displacement("g4"), steady.response.displacement("g4"), atol=1e-12
     )

@@ -307,5 +307,3 @@ class _Follower:
                 ends, side = [(a, f / 2.0 if side else f), (at, new)], 1
         best.kind = name
         return best
-
-

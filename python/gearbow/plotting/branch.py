@@ -47,7 +47,9 @@ def branch(
         drawing = Figure(figsize=(7.0, 4.5), layout="constrained")
         axes = drawing.add_subplot()
         named = set()
-        for is_stable, group in groupby(range(values.size - 1), key=lambda i: stable[i : i + 2].all()):
+        for is_stable, group in groupby(
+            range(values.size - 1), key=lambda i: stable[i : i + 2].all()
+        ):
             part = list(group)
             points = slice(part[0], part[-1] + 2)
             name = "stable" if is_stable else "unstable"

@@ -168,7 +168,9 @@ class Continuation:
         found: Array = channel(self._signals, of, quantity).values
         return found[STATISTICS.index(name) :: len(STATISTICS)].copy()
 
-    def plot(self, of: Record, quantity: str | None = None, *, statistic: str | None = None) -> "Figure":
+    def plot(
+        self, of: Record, quantity: str | None = None, *, statistic: str | None = None
+    ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
 
         Parameters

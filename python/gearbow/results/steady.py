@@ -152,9 +152,7 @@ class SteadyState:
         """
         return instability(self.multipliers)
 
-    def plot(
-        self, kind: str = "orbits", names: "At | Sequence[At] | None" = None
-    ) -> "Figure":
+    def plot(self, kind: str = "orbits", names: "At | Sequence[At] | None" = None) -> "Figure":
         """Draw recorded signals over one period, as `Response.plot`.
 
         Parameters
@@ -219,9 +217,7 @@ class SteadyState:
         if request is None:
             raise GearbowError("multipliers: this motion does not know its system")
         model = self._model or Model(request.description)
-        return model.multipliers(
-            **request.options, smallest=SMALLEST_MULTIPLIER, progress=None
-        )
+        return model.multipliers(**request.options, smallest=SMALLEST_MULTIPLIER, progress=None)
 
     def __repr__(self) -> str:
         return (

@@ -103,7 +103,7 @@ class ContinuationAnalyses(SteadyAnalyses):
         if start == stop:
             raise SceneError(f"stop: must differ from start, got {stop}")
         if (parameter == "speed") == (speed is not None):
-            raise SceneError("speed: give it for every parameter except \"speed\"")
+            raise SceneError('speed: give it for every parameter except "speed"')
         at = start if speed is None else number(speed, "speed")
         geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
         periods = whole(periods, "periods")
@@ -115,7 +115,11 @@ class ContinuationAnalyses(SteadyAnalyses):
             at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=record
         )
         motion = _Motion(
-            family, requests(record), (rtol, geometry), (periods, longest), _samples(self, common, at)
+            family,
+            requests(record),
+            (rtol, geometry),
+            (periods, longest),
+            _samples(self, common, at),
         )
         settings = Settings(
             start,

@@ -113,7 +113,11 @@ class SteadyAnalyses(Simulation):
             "speed": plain_speed(given_speed(speed, begin, period)),
             "method": "exponential",
             "step": None if step is None else number(step, "step"),
-            "rtol": level.rtol if level is not None else None if rtol is None else number(rtol, "rtol"),
+            "rtol": level.rtol
+            if level is not None
+            else None
+            if rtol is None
+            else number(rtol, "rtol"),
             "stages": None if stages is None else whole(stages, "stages"),
             "modes": None if modes is None else whole(modes, "modes"),
             "initial": state,
