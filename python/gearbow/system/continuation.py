@@ -227,7 +227,7 @@ class _Modes:
         shapes = factor.T @ vectors
         frequencies = np.sqrt(np.maximum(squares, 0.0))
         rigid = int(np.sum(frequencies < 1e-6 * frequencies[-1])) if frequencies.size else 0
-        return cls(shapes, frequencies, vectors.T @ np.linalg.inv(factor), rigid)
+        return cls(shapes, frequencies, shapes.T @ matrices.mass, rigid)
 
     def unknowns(self, states: Array) -> Array:
         """Convert displacements and velocities, (k, 2n)."""

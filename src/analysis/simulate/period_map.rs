@@ -190,6 +190,17 @@ impl PeriodMap<'_> {
         Ok(state.y)
     }
 
+    /// Makes the step levels of [`Self::apply`] fine enough for the motion from another state too.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn refine(&mut self, z: &[f64]) -> Result<(), AnalysisError> {
+        let before = Arc::clone(&self.levels);
+        self.adapt(z)?;
+        self.levels = self.levels.iter().zip(before.iter()).map(|(new, before)| *new.max(before)).collect();
+        Ok(())
+    }
+
     /// The recorded motion of one period from a state z, with steps that meet the tolerance, whose levels are kept.
     /// Returns the state at the end too.
     ///

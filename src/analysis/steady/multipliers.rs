@@ -13,6 +13,8 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
 /// of about its square, and the round-off of the stage equations (1e-13) divided by it.
 const DIFFERENCE: f64 = 1e-5;
+/// Size of the disturbance that the steps resolve, relative to the motion.
+const DISTURBANCE: f64 = 0.1;
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
 const REST: f64 = 1e-3;
 /// Energy norm below which there is no motion.
@@ -33,6 +35,7 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
+    map.refine(&disturbed(map, &z, &unknown, size))?;
     let base = if is_affine { map.apply(&z)? } else { image };
     let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
     let found = eigenvalues(&operator, smallest);
@@ -43,6 +46,20 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     values.retain(|value| value.norm() >= smallest);
     values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
     Ok(values)
+}
+
+/// A state whose difference to `z` is a tenth of the motion: its steps also resolve how a disturbance moves, which a steady
+/// motion need not contain. Slow modes have the largest part.
+fn disturbed(map: &PeriodMap<'_>, z: &[f64], unknown: &[usize], size: f64) -> Vec<f64> {
+    let linear = map.linear();
+    let rate = |entry: usize| linear.blocks.iter().filter_map(|list| list.get(entry % linear.slots)).map(|x| x * x).sum();
+    let parts: Vec<f64> = unknown.iter().map(|entry| 1.0 / (1.0 + f64::sqrt(rate(*entry)) * map.period())).collect();
+    let factor = DISTURBANCE * size / norm(&parts).max(f64::MIN_POSITIVE);
+    let mut state = z.to_vec();
+    for (entry, part) in unknown.iter().zip(&parts) {
+        state[*entry] += factor * part;
+    }
+    state
 }
 
 /// Entries of z that are unknowns: neither padding nor rigid-body motion.
