@@ -97,7 +97,7 @@ class Static(ReadOnly):
         Parameters
         ----------
         name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
@@ -109,7 +109,8 @@ class Static(ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        return self.state[self.coordinates.lateral(name)]
+        displacement: Array = self.coordinates.displacement(self.state, name)
+        return displacement
 
     def twist(self, name: At) -> float:
         """Twist of a place.

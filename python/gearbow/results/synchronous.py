@@ -81,7 +81,7 @@ class Synchronous(ReadOnly):
         Parameters
         ----------
         name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
@@ -94,7 +94,8 @@ class Synchronous(ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        return self.amplitudes[:, :, self.coordinates.lateral(name)]
+        displacement: ComplexArray = self.coordinates.displacement(self.amplitudes, name)
+        return displacement
 
     def twist(self, name: At) -> ComplexArray:
         """Complex amplitudes of the twist of a place.
@@ -177,7 +178,10 @@ class Synchronous(ReadOnly):
         """
         indices = self.coordinates.lateral(name)
         elastic: ComplexArray = self.amplitudes[:, :, indices].copy()
-        own = self.shafts.index(self.coordinates.shaft(name))
+        shaft = self.coordinates.shaft(name)
+        if shaft not in self.shafts:
+            raise GearbowError(f"{name!r} is no place of a shaft: only shafts have a bow")
+        own = self.shafts.index(shaft)
         if self.excitation != "unbalance" and self.slow_roll is None:
             elastic[:, own] -= self._bow[indices]
         return elastic

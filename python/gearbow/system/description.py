@@ -372,7 +372,7 @@ class SystemDescription:
         """
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(self.dofs, self.gears, self.disks, bases)
+        return Coordinates.of(self.dofs, self.gears, self.disks, bases, self.housings)
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)
