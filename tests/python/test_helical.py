@@ -406,11 +406,16 @@ def test_a_free_undamped_motion_conserves_energy():
     [
         {},
         {"backlash": 2e-5, "stiffness": gb.Stiffness.square(2e8)},
+        {
+            "backlash": 2e-6,
+            "damping_in_separation": True,
+            "error": gb.TransmissionError(tooth=[(2e-5, 0.1)]),
+        },
         {"stiffness": gb.Stiffness.parabolic(2e8, phase="twist")},
         {"stiffness": gb.Stiffness.square(2e8, engagement="sharp")},
         {"error": gb.TransmissionError(tooth=[(2e-6, 0.1)])},
     ],
-    ids=["constant", "backlash", "phase of the twist", "sharp", "error"],
+    ids=["constant", "backlash", "damping in separation", "phase of the twist", "sharp", "error"],
 )
 def test_the_energy_balance_closes(mesh: dict[str, Any]):
     gears = pair().gears
