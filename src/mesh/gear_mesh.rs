@@ -394,6 +394,7 @@ impl GearMesh {
             force: contact.force,
             stiffness: contact.stiffness,
             pairs_in_contact: count,
+            thrust: contact.helix.axial,
             centres,
         }))
     }

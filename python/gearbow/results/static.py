@@ -36,6 +36,9 @@ class MeshState:
         Contact ratio, NaN where the base circles overlap.
     pairs_in_contact : float
         Number of tooth pairs that carry load.
+    thrust : float
+        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
+        subject to the opposite force.
     """
 
     deflection: float
@@ -46,6 +49,7 @@ class MeshState:
     centre_line_angle: float
     contact_ratio: float
     pairs_in_contact: float
+    thrust: float
 
 
 class Static(ReadOnly):
