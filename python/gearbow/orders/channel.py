@@ -44,8 +44,9 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
-        "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
-        field of `MeshResponse`. None is "v", "y" or the mesh force.
+        "v", "w", "twist", "u", "velocity_v", "velocity_w", "twist_rate", "acceleration_v" or
+        "acceleration_w" of a place, "y", "z" or "x" of the force on a bearing, or a field of
+        `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------
@@ -73,10 +74,16 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
         name, _ = _chosen(of, quantity, {"force": MESH["force"], **MESH})
         values = getattr(recording.mesh(of[0], of[1]), name)
         return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", MESH[name], values)
-    name, component = _chosen(of, quantity, POINT)
+    name, _ = _chosen(of, quantity, POINT)
     at = of if isinstance(of, str) else (of[0], float(of[1]))
-    single = {"twist": recording.twist, "u": recording.axial}
-    motion = single[name](at) if name in single else recording.displacement(at)[:, component]
+    single = {"twist": recording.twist, "u": recording.axial, "twist_rate": recording.twist_rate}
+    lateral = {
+        "": recording.displacement,
+        "velocity": recording.velocity,
+        "acceleration": recording.acceleration,
+    }
+    kind, _, axis = name.rpartition("_")
+    motion = single[name](at) if name in single else lateral[kind](at)[:, "vw".index(axis)]
     return Channel(f"{place_label(at)} {name}", POINT[name], motion)
 
 

@@ -100,13 +100,14 @@ class RecordedRun(ReadOnly):
         -------
         list of str or tuple
             Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
-            position), "energy".
+            position), "velocity", "acceleration", "energy".
         """
         items: list[Record] = []
         for shaft, position, names in self._data["points"]:
             items.extend(names or [(shaft, position)])
         items.extend((driver, driven) for driver, driven in self._data["meshes"])
         items.extend(("bearing", shaft, position) for shaft, position in self._data["bearings"])
+        items += [name for name in ("velocity", "acceleration") if name in self._data]
         return [*items, "energy"] if self._data["energy"] is not None else items
 
     def _axial(self, name: Literal["axial", "axial_bearing_force"]) -> Array:

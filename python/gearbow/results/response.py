@@ -137,8 +137,9 @@ class Response(Recording):
             A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
             position [m]) or "energy".
         quantity : str, optional
-            "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
-            field of `MeshResponse`. None is "v", "y" or the mesh force.
+            "v", "w", "twist", "u", "velocity_v", "velocity_w", "twist_rate", "acceleration_v" or
+            "acceleration_w" of a place, "y", "z" or "x" of the force on a bearing, or a field of
+            `MeshResponse`. None is "v", "y" or the mesh force.
         window : {"hann", "flat top", "none"}
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
             whole periods.
