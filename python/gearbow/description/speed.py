@@ -183,6 +183,41 @@ class SpeedProfile(ReadOnly):
             speed = speed * since + row[piece]
         return speed
 
+    def angle(self, times: ArrayLike) -> Array:
+        """Integrate the speed exactly.
+
+        Parameters
+        ----------
+        times : array_like, shape (k,) or scalar
+            Times [s].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Angle since the first break, negative before it [rad].
+        """
+        t = matrix(times, "times")
+        order = self.coefficients.shape[0]
+        integral = np.vstack(
+            [
+                self.coefficients / np.arange(order, 0, -1)[:, np.newaxis],
+                np.zeros(self.breaks.size - 1),
+            ]
+        )
+
+        def within(piece: NDArray[np.intp], since: Array) -> Array:
+            angle: Array = np.zeros_like(since)
+            for row in integral:
+                angle = angle * since + row[piece]
+            return angle
+
+        every = np.arange(self.breaks.size - 1)
+        before = np.concatenate([[0.0], np.cumsum(within(every, np.diff(self.breaks)))])
+        inner = np.clip(t, self.breaks[0], self.breaks[-1])
+        piece = np.clip(np.searchsorted(self.breaks, inner, side="right") - 1, 0, every.size - 1)
+        outside = (t - inner) * self(inner)
+        return before[piece] + within(piece, inner - self.breaks[piece]) + outside
+
     def __repr__(self) -> str:
         start, end = self.breaks[[0, -1]]
         first, last = self([start, end])

@@ -4,17 +4,21 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from gearbow._convert import shown
 from gearbow._extras import extra
-from gearbow._types import At, Record
+from gearbow._types import Array, At, Record
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import is_pair, place_label, places
-from gearbow.errors import GearbowError
+from gearbow.errors import GearbowError, SceneError
+from gearbow.orders.channel import channel
 from gearbow.orders.fit import Orders, orders
 from gearbow.orders.spectrum import Spectrum, amplitudes, spectrum
 from gearbow.recording import file, tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.recording import Recording
+from gearbow.recording.resample import resampled
+from gearbow.sensors.sensor import Sensor, SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,18 +128,19 @@ class Response(Recording):
         return self._errors
 
     def spectrum(
-        self, of: Record, quantity: str | None = None, *, window: str = "hann"
+        self, of: Record | SignalSensor, quantity: str | None = None, *, window: str = "hann"
     ) -> Spectrum:
         """Find the amplitude spectrum of one recorded signal.
 
         Frequencies above half of the sampling rate appear as lower frequencies (aliasing). Choose
-        an `output_step` that is short enough for the highest frequency of the signal.
+        an `output_step` that is short enough for the highest frequency of the signal; `resample`
+        then gives a lower rate.
 
         Parameters
         ----------
-        of : str or tuple
+        of : str, tuple, Probe or Accelerometer
             A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
-            position [m]) or "energy".
+            position [m]), "energy", or a sensor.
         quantity : str, optional
             "v", "w", "twist", "u", "velocity_v", "velocity_w", "twist_rate", "acceleration_v" or
             "acceleration_w" of a place, "y", "z" or "x" of the force on a bearing, or a field of
@@ -160,7 +165,7 @@ class Response(Recording):
 
     def orders(
         self,
-        of: Record,
+        of: Record | SignalSensor,
         quantity: str | None = None,
         *,
         shaft_harmonics: int = 4,
@@ -173,7 +178,7 @@ class Response(Recording):
 
         Parameters
         ----------
-        of : str or tuple
+        of : str, tuple, Probe or Accelerometer
             Owner of the signal, as for `spectrum`.
         quantity : str, optional
             Quantity, as for `spectrum`.
@@ -256,15 +261,84 @@ class Response(Recording):
             return figures.spectrum(spectra)
         return figures.orbits(motion) if kind == "orbits" else figures.history(self.time, motion)
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def measure(self, sensor: Sensor) -> Array:
+        """Measure the recorded motion with a sensor.
+
+        Parameters
+        ----------
+        sensor : Probe, Accelerometer or Tacho
+            The sensor.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Displacement [m] or acceleration [m/s²] at the recorded times, or the times of the n
+            pulses of a tachometer [s].
+
+        Raises
+        ------
+        ChannelError
+            If a motion was not recorded; the message says what to record.
+        SceneError
+            If it is no sensor.
+        """
+        if not isinstance(sensor, Sensor):
+            raise SceneError(
+                f"sensor: must be a Probe, an Accelerometer or a Tacho, got {shown(sensor)}"
+            )
+        return sensor.measure(self)
+
+    def resample(self, rate: float) -> "Response":
+        """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
+
+        A low-pass filter precedes the sampling, so that no frequency appears as another one
+        (aliasing). It passes frequencies up to 0.4 `rate` with an error of 0.01 %, suppresses those
+        above 0.5 `rate` by 80 dB, and shifts no phase. The filter sees what was recorded: the
+        `output_step` of the run must be short enough for all frequencies of the motion.
+
+        Parameters
+        ----------
+        rate : float
+            Sampling rate [Hz].
+
+        Returns
+        -------
+        Response
+            The response at multiples of 1/rate. The first and the last 25 samples are missing,
+            because the filter needs the signal on both sides. Events, final state and statistics
+            are those of the run.
+
+        Raises
+        ------
+        GearbowError
+            If the times are not equally spaced, the rate exceeds that of the recording, or the
+            recording is shorter than the filter.
+        """
+        return Response.from_record(resampled(self.to_record(), rate))
+
+    def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.
+
+        Parameters
+        ----------
+        sensors : sequence of Probe or Accelerometer
+            Sensors whose signals are added.
 
         Returns
         -------
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
+
+        Raises
+        ------
+        ChannelError
+            If a sensor needs a motion that was not recorded.
         """
-        return tables.to_dataframe(self.to_record())
+        table = tables.to_dataframe(self.to_record())
+        for sensor in sensors:
+            found = channel(self, sensor)
+            table[f"{found.label} [{found.unit}]"] = found.values
+        return table
 
     def to_xarray(self) -> "xr.Dataset":
         """Convert everything to a labelled data set.
