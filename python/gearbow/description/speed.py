@@ -178,10 +178,7 @@ class SpeedProfile(ReadOnly):
         t = np.clip(matrix(times, "times"), self.breaks[0], self.breaks[-1])
         piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
         since = t - self.breaks[piece]
-        speed: Array = np.zeros_like(t)
-        for row in self.coefficients:
-            speed = speed * since + row[piece]
-        return speed
+        return _polynomial(self.coefficients, piece, since)
 
     def angle(self, times: ArrayLike) -> Array:
         """Integrate the speed exactly.
@@ -197,26 +194,15 @@ class SpeedProfile(ReadOnly):
             Angle since the first break, negative before it [rad].
         """
         t = matrix(times, "times")
-        order = self.coefficients.shape[0]
-        integral = np.vstack(
-            [
-                self.coefficients / np.arange(order, 0, -1)[:, np.newaxis],
-                np.zeros(self.breaks.size - 1),
-            ]
-        )
-
-        def within(piece: NDArray[np.intp], since: Array) -> Array:
-            angle: Array = np.zeros_like(since)
-            for row in integral:
-                angle = angle * since + row[piece]
-            return angle
-
-        every = np.arange(self.breaks.size - 1)
-        before = np.concatenate([[0.0], np.cumsum(within(every, np.diff(self.breaks)))])
+        order, pieces = self.coefficients.shape
+        powers = np.arange(order, 0, -1)[:, np.newaxis]
+        integral = np.vstack([self.coefficients / powers, np.zeros(pieces)])
+        whole = _polynomial(integral, np.arange(pieces), np.diff(self.breaks))
+        before = np.concatenate([[0.0], np.cumsum(whole)])
         inner = np.clip(t, self.breaks[0], self.breaks[-1])
-        piece = np.clip(np.searchsorted(self.breaks, inner, side="right") - 1, 0, every.size - 1)
+        piece = np.clip(np.searchsorted(self.breaks, inner, side="right") - 1, 0, pieces - 1)
         outside = (t - inner) * self(inner)
-        return before[piece] + within(piece, inner - self.breaks[piece]) + outside
+        return before[piece] + _polynomial(integral, piece, inner - self.breaks[piece]) + outside
 
     def __repr__(self) -> str:
         start, end = self.breaks[[0, -1]]
@@ -225,6 +211,14 @@ class SpeedProfile(ReadOnly):
             f"SpeedProfile({self.breaks.size - 1} pieces, {start:g} s to {end:g} s; "
             f"{first:g} rad/s to {last:g} rad/s)"
         )
+
+
+def _polynomial(coefficients: Array, piece: NDArray[np.intp], since: Array) -> Array:
+    """Evaluate the polynomial of each piece at times since its break."""
+    value: Array = np.zeros_like(since)
+    for row in coefficients:
+        value = value * since + row[piece]
+    return value
 
 
 def plain_speed(speed: float | SpeedProfile) -> Plain:

@@ -50,7 +50,13 @@ class Accelerometer(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures."""
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
         return f"accelerometer {place_label(self.at)}, {degrees_text(self.angle)}"
 
     def measure(self, recording: Recording) -> Array:

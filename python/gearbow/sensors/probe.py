@@ -75,7 +75,13 @@ class Probe(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures."""
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
         return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}"
 
     def measure(self, recording: Recording) -> Array:

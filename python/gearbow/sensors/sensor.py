@@ -39,7 +39,13 @@ class SignalSensor(Sensor):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Name of the signal in tables and figures."""
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
 
 
 def degrees_text(angle: float) -> str:

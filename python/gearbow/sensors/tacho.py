@@ -92,11 +92,9 @@ class Tacho(Sensor):
             return np.empty(0)
         nodes, angle, rate = self._rotation(recording)
         spacing = 2.0 * np.pi / self.pulses
-
-        def turned(t: Array) -> Array:
-            return (angle(t) - self.angle) / spacing
-
-        return _crossings(nodes, turned, lambda t: rate(t) / spacing)
+        return _crossings(
+            nodes, lambda t: (angle(t) - self.angle) / spacing, lambda t: rate(t) / spacing
+        )
 
     def _rotation(
         self, recording: Recording
