@@ -107,26 +107,27 @@ class Kinematics:
         Kinematics
             Speed ratios and tooth frequencies.
         """
-        ratios = {
+        signed = {
             shaft.name: float(ratio)
             for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
         }
+        ratios = {name: abs(ratio) for name, ratio in signed.items()}
         gears = {gear.name: gear for gear in system.gears}
         meshes = []
         for mesh in system.meshes:
             driver, driven = gears[mesh.driver], gears[mesh.driven]
-            tooth = driver.teeth * abs(ratios[driver.shaft])
+            tooth = driver.teeth * ratios[driver.shaft]
             meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
         bearings = {
             f"{bearing.shaft}@{bearing.position:g}": (
-                bearing.cage_order * abs(ratios[bearing.shaft]),
-                bearing.ball_pass_order * abs(ratios[bearing.shaft]),
+                bearing.cage_order * ratios[bearing.shaft],
+                bearing.ball_pass_order * ratios[bearing.shaft],
             )
             for bearing in system.bearings
             if isinstance(bearing, RollingBearing)
         }
         rolling = tuple((name, *orders) for name, orders in bearings.items())
-        return cls(tuple(ratios.items()), tuple(meshes), rolling)
+        return cls(tuple(signed.items()), tuple(meshes), rolling)
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
