@@ -63,16 +63,40 @@ FAULTS: list[Fault] = [
         ("i = meshes.index((driver, driven))", "i = 0"),
     ),
     *_faults(
-        "recording/recording.py",
-        "signals figure_labels",
+        "recording/motion.py",
+        "signals figure_labels rates",
         (
             'self._data["displacement"][:, self._point(name)]',
             'self._data["displacement"][:, self._point(name), ::-1]',
         ),
         (
             'self._data["twist"][:, self._point(name)]',
-            'np.degrees(self._data["twist"][:, self._point(name)])',
+            '-self._data["twist"][:, self._point(name)]',
         ),
+        ('self._rate("twist_rate", name)', '-self._rate("twist_rate", name)'),
+    ),
+    *_faults(
+        "sensors/probe.py",
+        "sensors",
+        ("self.angle - recording.angle(self.shaft)", "self.angle + recording.angle(self.shaft)"),
+        ("motion - recording.displacement(self.support)", "motion"),
+        ("np.exp(-1j * angles)", "np.exp(1j * angles)"),
+    ),
+    *_faults(
+        "sensors/tacho.py",
+        "sensors",
+        ("angle(t) - self.angle", "angle(t)"),
+        ("angle(t) + _cubic(time, twist, twist_rate, t)", "angle(t)"),
+    ),
+    *_faults(
+        "recording/resample.py",
+        "sensors",
+        ("PASS, STOP = 0.4, 0.5", "PASS, STOP = 0.5, 0.6"),
+        ("np.i0(_BETA * np.sqrt(inside))", "1.0"),
+    ),
+    *_faults(
+        "recording/recording.py",
+        "signals figure_labels",
         ("i = meshes.index((driver, driven))", "i = 0"),
         ("time=self.time, **terms", "time=self.time - self.time[0], **terms"),
     ),
@@ -91,7 +115,7 @@ FAULTS: list[Fault] = [
         ("return found[:, bearing]", "return -found[:, bearing]"),
     ),
     *_faults(
-        "results/response.py",
+        "results/signals.py",
         "signals figure_labels",
         ("skip_time=skip_time,", "skip_time=0.0,"),
         ("sidebands=sidebands,", "sidebands=1,"),
@@ -100,6 +124,10 @@ FAULTS: list[Fault] = [
         ("spectrum(self, of, quantity, window=window)", "spectrum(self, of, quantity)"),
         ("shaft_harmonics: int = 4,", "shaft_harmonics: int = 3,"),
         ("mesh_harmonics: int = 3,", "mesh_harmonics: int = 2,"),
+    ),
+    *_faults(
+        "results/response.py",
+        "signals figure_labels",
         ("self._pairs(names)", "self._pairs(None)"),
         (
             "(found.pressure_angle, found.centre_line_angle)",
@@ -168,10 +196,10 @@ FAULTS: list[Fault] = [
         "orders/channel.py",
         "signals",
         (
-            "recording.bearing_force(of[1], of[2])[:, component]",
-            "recording.bearing_force(of[1], of[2])[:, 0]",
+            "recording.bearing_force(item[1], item[2])[:, component]",
+            "recording.bearing_force(item[1], item[2])[:, 0]",
         ),
-        ("recording.displacement(at)[:, component]", "recording.displacement(at)[:, 0]"),
+        ('lateral[kind](at)[:, "vw".index(axis)]', "lateral[kind](at)[:, 0]"),
         ('{"force": MESH["force"], **MESH}', "MESH"),
         (
             'return Channel("energy", "J", recording.energy)',
@@ -185,7 +213,7 @@ FAULTS: list[Fault] = [
             "tooth = driver.teeth * ratios[driver.shaft]",
             "tooth = driven.teeth * ratios[driver.shaft]",
         ),
-        ("abs(float(ratio))", "float(ratio)"),
+        ("n * abs(ratio), f", "n * ratio, f"),
         ('((1.0, "+"), (-1.0, "−"))', '((-1.0, "+"), (1.0, "−"))'),
         ("sign * n * ratios[shaft]", "sign * ratios[shaft]"),
         ("for n in range(1, harmonics + 1):", "for n in range(1, harmonics):"),
@@ -522,7 +550,7 @@ FAULTS: list[Fault] = [
             "[0.0, duration], [number(start",
         ),
         ("np.array([slopes, values[:-1]])", "np.array([slopes, values[1:]])"),
-        ("speed = speed * since + row[piece]", "speed = speed * t + row[piece]"),
+        ("value = value * since + row[piece]", "value = value + row[piece]"),
         ("(-5.5 * a + 9.0 * b - 4.5 * c + d) / h", "(-5.5 * a + 9.0 * b - 4.5 * c + d)"),
     ),
     *_faults(
@@ -558,7 +586,7 @@ FAULTS: list[Fault] = [
         ("tuple(value) if isinstance(value, list) else value", "value"),
     ),
     *_faults(
-        "recording/recording.py",
+        "recording/motion.py",
         "helical",
         ('self._axial("axial")[:, point]', 'self._axial("axial")[:, point - 1]'),
     ),

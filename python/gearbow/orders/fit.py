@@ -21,6 +21,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -140,7 +141,7 @@ class Orders(ReadOnly):
 
 def orders(
     recording: Recording,
-    of: Record,
+    of: Record | SignalSensor,
     quantity: str | None = None,
     *,
     shaft_harmonics: int = 4,
@@ -155,7 +156,7 @@ def orders(
     ----------
     recording : Recording
         The recorded run.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.orders`.

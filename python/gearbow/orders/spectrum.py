@@ -11,6 +11,7 @@ from gearbow._types import Array, Record
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -108,7 +109,11 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
 
 
 def spectrum(
-    recording: Recording, of: Record, quantity: str | None = None, *, window: str = "hann"
+    recording: Recording,
+    of: Record | SignalSensor,
+    quantity: str | None = None,
+    *,
+    window: str = "hann",
 ) -> Spectrum:
     """Find the amplitude spectrum of a recorded signal.
 
@@ -116,7 +121,7 @@ def spectrum(
     ----------
     recording : Recording
         The recorded run.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         Owner of the signal, as in `gearbow.Response.spectrum`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.spectrum`.

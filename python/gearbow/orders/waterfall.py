@@ -15,6 +15,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.spectrum import spectrum
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,7 +79,7 @@ class Waterfall(ReadOnly):
 
 def waterfall(
     responses: Sequence[Recording],
-    of: Record,
+    of: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
@@ -89,7 +90,7 @@ def waterfall(
     ----------
     responses : sequence of Response
         Runs at constant speeds, in any order, with equal output steps and numbers of times.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional

@@ -5,16 +5,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gearbow._extras import extra
-from gearbow._types import At, Record
+from gearbow._types import At
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import is_pair, place_label, places
 from gearbow.errors import GearbowError
-from gearbow.orders.fit import Orders, orders
-from gearbow.orders.spectrum import Spectrum, amplitudes, spectrum
+from gearbow.orders.channel import channel
+from gearbow.orders.spectrum import amplitudes
 from gearbow.recording import file, tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
-from gearbow.recording.recording import Recording
+from gearbow.recording.resample import resampled
+from gearbow.results.signals import SignalResponse
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +29,7 @@ __all__ = ["PLOT_KINDS", "Response"]
 PLOT_KINDS = ("orbits", "history", "twist", "mesh", "spectrum")
 
 
-class Response(Recording):
+class Response(SignalResponse):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -123,93 +125,6 @@ class Response(Recording):
             self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
-    def spectrum(
-        self, of: Record, quantity: str | None = None, *, window: str = "hann"
-    ) -> Spectrum:
-        """Find the amplitude spectrum of one recorded signal.
-
-        Frequencies above half of the sampling rate appear as lower frequencies (aliasing). Choose
-        an `output_step` that is short enough for the highest frequency of the signal.
-
-        Parameters
-        ----------
-        of : str or tuple
-            A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
-            position [m]) or "energy".
-        quantity : str, optional
-            "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
-            field of `MeshResponse`. None is "v", "y" or the mesh force.
-        window : {"hann", "flat top", "none"}
-            Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
-            whole periods.
-
-        Returns
-        -------
-        Spectrum
-            Amplitudes over frequency.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
-        GearbowError
-            If the times are not equally spaced.
-        """
-        return spectrum(self, of, quantity, window=window)
-
-    def orders(
-        self,
-        of: Record,
-        quantity: str | None = None,
-        *,
-        shaft_harmonics: int = 4,
-        mesh_harmonics: int = 3,
-        sidebands: int = 1,
-        bearing_harmonics: int = 3,
-        skip_time: float = 0.0,
-    ) -> Orders:
-        """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
-
-        Parameters
-        ----------
-        of : str or tuple
-            Owner of the signal, as for `spectrum`.
-        quantity : str, optional
-            Quantity, as for `spectrum`.
-        shaft_harmonics, mesh_harmonics : int
-            Number of harmonics of each shaft and of each tooth frequency.
-        sidebands : int
-            Number of sidebands on each side of a tooth frequency, for each of the two shafts.
-        bearing_harmonics : int
-            Number of harmonics of the ball-pass frequency of each rolling bearing; with one or
-            more, also the order of the cage.
-        skip_time : float
-            Time at the beginning that is ignored [s].
-
-        Returns
-        -------
-        Orders
-            Complex amplitudes by least squares, with the names of the excitations.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
-        GearbowError
-            If the speed changes, the record is too short to separate the orders, or the output
-            step is too long for the highest order.
-        """
-        return orders(
-            self,
-            of,
-            quantity,
-            shaft_harmonics=shaft_harmonics,
-            mesh_harmonics=mesh_harmonics,
-            sidebands=sidebands,
-            bearing_harmonics=bearing_harmonics,
-            skip_time=skip_time,
-        )
-
     def plot(self, kind: str = "orbits", names: At | Sequence[At] | None = None) -> "Figure":
         """Draw recorded signals.
 
@@ -255,15 +170,57 @@ class Response(Recording):
             return figures.spectrum(spectra)
         return figures.orbits(motion) if kind == "orbits" else figures.history(self.time, motion)
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def resample(self, rate: float) -> "Response":
+        """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
+
+        A low-pass filter precedes the sampling, so that no frequency appears as another one
+        (aliasing). It passes frequencies up to 0.4 `rate` with an error of 0.01 %, suppresses those
+        above 0.5 `rate` by 80 dB, and shifts no phase. The filter sees what was recorded: the
+        `output_step` of the run must be short enough for all frequencies of the motion.
+
+        Parameters
+        ----------
+        rate : float
+            Sampling rate [Hz].
+
+        Returns
+        -------
+        Response
+            The response at multiples of 1/rate. The first and the last 25 samples are missing,
+            because the filter needs the signal on both sides. Events, final state and statistics
+            are those of the run.
+
+        Raises
+        ------
+        GearbowError
+            If the times are not equally spaced, the rate exceeds that of the recording, or the
+            recording is shorter than the filter.
+        """
+        return Response.from_record(resampled(self.to_record(), rate))
+
+    def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.
+
+        Parameters
+        ----------
+        sensors : sequence of Probe or Accelerometer
+            Sensors whose signals are added.
 
         Returns
         -------
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
+
+        Raises
+        ------
+        ChannelError
+            If a sensor needs a motion that was not recorded.
         """
-        return tables.to_dataframe(self.to_record())
+        table = tables.to_dataframe(self.to_record())
+        for sensor in sensors:
+            found = channel(self, sensor)
+            table[f"{found.label} [{found.unit}]"] = found.values
+        return table
 
     def to_xarray(self) -> "xr.Dataset":
         """Convert everything to a labelled data set.
