@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from gearbow._types import Array
@@ -38,7 +39,7 @@ MARKS: dict[str, tuple[str, Any, str]] = {
 
 #: Ratio of the largest to the smallest damping ratio above which their scale is logarithmic, and
 #: the smallest damping ratio on that scale [%].
-_DECADES, _LEAST_DAMPING = 20.0, 1e-3
+_DECADES, _LEAST_DAMPING = 10.0, 1e-3
 #: Colour of the operating speeds.
 _OPERATING = "0.88"
 
@@ -96,8 +97,7 @@ def campbell(
         for mode in range(frequencies_hz.shape[1]):
             _by_whirl(upper, factor * speeds, frequencies_hz[:, mode], whirl[:, mode])
             _by_whirl(lower, factor * speeds, 100.0 * damping_ratios[:, mode], whirl[:, mode])
-        for name, order in lines:
-            _excitation_line(upper, name, order / factor, factor * last, top)
+        _excitation_lines(upper, [(n, o / factor) for n, o in lines], factor * last, top)
         if intersections:
             x, y = np.transpose(intersections)
             upper.plot(factor * x, y, "o", color="black", markersize=5, markerfacecolor="white")
@@ -284,29 +284,39 @@ def _scale(panel: Axes, damping: Array) -> None:
         panel.set_yscale("symlog", linthresh=float(positive.min()))
         panel.axhline(0.0, color="black", linewidth=1.0)
     else:
-        panel.set_yscale("log")
+        panel.set_yscale("log", subs=(2, 5))
+        for axis in (panel.yaxis.set_major_formatter, panel.yaxis.set_minor_formatter):
+            axis(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.set_ylim(0.7 * float(positive.min()), 1.4 * float(positive.max()))
 
 
-def _excitation_line(panel: Axes, name: str, slope: float, last: float, top: float) -> None:
-    """Draw an excitation line within the axes, with its name at its end.
+def _excitation_lines(
+    panel: Axes, lines: Sequence[tuple[str, float]], last: float, top: float
+) -> None:
+    """Draw excitation lines within the axes, with their names at the ends.
 
-    `slope` is 2π times the frequency [Hz] over the speed in the unit of the axis.
+    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis.
     """
-    reach = min(last, 2.0 * np.pi * top / slope) if slope else last
-    ends = np.array([0.0, reach])
-    panel.plot(ends, slope * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
-    inside = reach == last
-    panel.annotate(
-        name,
-        (reach, slope * reach / (2.0 * np.pi)),
-        xytext=(4, 0) if inside else (0, 3),
-        textcoords="offset points",
-        va="center" if inside else "bottom",
-        ha="left" if inside else "center",
-        fontsize=12,
-        annotation_clip=False,
-    )
+    # A line of text takes about a twentieth of the height.
+    space, free = 0.055 * top, -np.inf
+    for name, slope in sorted(lines, key=lambda line: abs(line[1])):
+        reach = min(last, 2.0 * np.pi * top / slope) if slope else last
+        ends = np.array([0.0, reach])
+        panel.plot(ends, slope * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
+        end = slope * reach / (2.0 * np.pi)
+        inside = reach == last
+        at = max(end, free) if inside else end
+        free = at + space
+        panel.annotate(
+            name,
+            (reach, at),
+            xytext=(5, 0) if inside else (0, 3),
+            textcoords="offset points",
+            va="center" if inside else "bottom",
+            ha="left" if inside else "center",
+            fontsize=12,
+            annotation_clip=False,
+        )
 
 
 def _by_whirl(panel: Axes, speeds: Array, values: Array, whirl: NDArray[np.str_]) -> None:

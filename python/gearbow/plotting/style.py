@@ -1,5 +1,6 @@
 """Style of all figures: colours, settings, panels and legends."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
@@ -226,13 +227,11 @@ def place_legend(
     if ax is not None:
         panel.legend(*entries, title=title, loc="best", fontsize="small")
         return
-    columns = len(entries[1])
-    # A row of the legend holds about as many letters as fit into the width of the figure.
-    letters = sum(len(label) + 5 for label in entries[1])
-    rows = max(1, round(0.5 + letters / (9.0 * figure.get_figwidth())))
-    figure.legend(
-        *entries, loc="outside upper center", ncols=max(1, -(-columns // rows)), title=title
-    )
+    # An inch of the legend holds about eight letters; a handle takes the space of nine.
+    letters = sum(len(label) + 9 for label in entries[1])
+    rows = max(1, math.ceil(letters / (8.0 * figure.get_figwidth())))
+    columns = math.ceil(len(entries[1]) / rows)
+    figure.legend(*entries, loc="outside upper center", ncols=columns, title=title)
 
 
 def speed_axis(unit: str) -> tuple[float, str]:

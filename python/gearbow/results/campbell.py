@@ -277,7 +277,7 @@ class Campbell(ReadOnly):
         matplotlib.figure.Figure
             Frequencies with excitation lines and intersections above, damping ratios below. Line
             styles show the whirl. The scale of the damping is logarithmic if the ratios differ by
-            more than a factor of 20.
+            more than a factor of 10.
 
         Raises
         ------
