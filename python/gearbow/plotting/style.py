@@ -20,10 +20,13 @@ __all__ = [
     "STYLE",
     "GivenAxes",
     "colour",
+    "figure_of",
     "given_axes",
     "label_x",
     "legend",
     "panels",
+    "place_legend",
+    "round_factor",
     "speed_axis",
 ]
 
@@ -257,6 +260,24 @@ def speed_axis(unit: str) -> tuple[float, str]:
     if unit not in _SPEED_UNITS:
         raise GearbowError(f"speed_unit: must be 'rad/s' or 'rpm', got {shown(unit)}")
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
+
+
+def round_factor(exact: float) -> float:
+    """Round a factor down to 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    exact : float
+        Positive factor.
+
+    Returns
+    -------
+    float
+        The round factor.
+    """
+    power = 10.0 ** math.floor(math.log10(exact))
+    # 10**n and the quotient have round-off.
+    return max(n for n in (1.0, 2.0, 5.0) if n * power <= exact * (1.0 + 1e-9)) * power
 
 
 def colour(number: int) -> str:

@@ -11,7 +11,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import end_view, symbols
 from gearbow.plotting.development import Box
 from gearbow.plotting.side_view import SideView, bows
-from gearbow.plotting.style import STYLE, figure_of, given_axes
+from gearbow.plotting.style import STYLE, figure_of, given_axes, round_factor
 
 __all__ = ["draw", "magnification"]
 
@@ -77,9 +77,7 @@ def magnification(train: Train) -> float:
     if largest == 0.0:
         return 1.0
     low, high = (end_view.extent(train)[i] for i in (1, 3))
-    exact = _BOW * (high - low) / largest
-    power = 10.0 ** np.floor(np.log10(exact))
-    return float(max(n for n in (1.0, 2.0, 5.0) if n * power <= exact * (1.0 + 1e-9)) * power)
+    return round_factor(_BOW * (high - low) / largest)
 
 
 def _new(boxes: Sequence[Box]) -> tuple[Figure, list[Axes]]:
