@@ -276,18 +276,18 @@ def _span(panel: Axes, low: float, high: float, label: str) -> None:
 
 def _scale(panel: Axes, damping: Array) -> None:
     """Choose the scale of the damping ratios [%], so that small and large ones are legible."""
-    positive = damping[damping > _LEAST_DAMPING]
-    if positive.size == 0 or positive.max() < _DECADES * positive.min():
+    sizes = np.abs(damping[np.abs(damping) > _LEAST_DAMPING])
+    if sizes.size == 0 or sizes.max() < _DECADES * sizes.min():
         panel.set_ylim(bottom=min(0.0, 1.1 * float(damping.min(initial=0.0))))
         return
     if damping.min() < -_LEAST_DAMPING:  # an unstable mode: its negative ratio has to be visible
-        panel.set_yscale("symlog", linthresh=float(positive.min()))
+        panel.set_yscale("symlog", linthresh=float(sizes.min()))
         panel.axhline(0.0, color="black", linewidth=1.0)
     else:
         panel.set_yscale("log", subs=(2, 5))
         for axis in (panel.yaxis.set_major_formatter, panel.yaxis.set_minor_formatter):
             axis(FuncFormatter(lambda value, _: f"{value:g}"))
-        panel.set_ylim(0.7 * float(positive.min()), 1.4 * float(positive.max()))
+        panel.set_ylim(0.7 * float(sizes.min()), 1.4 * float(sizes.max()))
 
 
 def _excitation_lines(

@@ -90,7 +90,7 @@ def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
     x, y, radius = at
     if force.axial != 0.0:
         tail, head = (x - np.sign(force.axial) * 30.0 * labels.point, y), (x, y)
-        _arrow(labels, tail, head, f"{force.axial:.4g} N axial")
+        _arrow(labels, tail, head, f"{force.axial:.4g} N axial".replace("-", "−"))
         if force.value == 0.0:
             return
     text = "force"

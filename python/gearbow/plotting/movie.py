@@ -14,6 +14,8 @@ __all__ = ["write_gif", "write_html"]
 
 #: Number of colours of a frame: few make the file small.
 _COLOURS = 48
+#: Colours with larger components are white.
+_WHITE = 244
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -94,9 +96,9 @@ def _reduced(frames: Sequence[Image.Image]) -> list[Image.Image]:
     """Reduce all frames to the colours of one in the middle."""
     middle = frames[len(frames) // 2].convert("RGB")
     few = middle.quantize(_COLOURS, dither=Image.Dither.NONE)
-    # The reduction averages similar colours: the brightest of them is the white background.
+    # The reduction averages similar colours: the background has to stay white.
     shades = np.array(few.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    shades[shades.sum(axis=1, dtype=int).argmax()] = 255
+    shades[shades.min(axis=1) >= _WHITE] = 255
     palette = Image.new("P", (1, 1))
     palette.putpalette(shades.ravel().tolist())
     return [

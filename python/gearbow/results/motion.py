@@ -45,6 +45,8 @@ def animate(
 
     Parameters
     ----------
+    response : Response
+        The run.
     path : str or path-like
         The file. Its name ends with ".gif", or with ".html" for a page that needs no other file.
     mesh : tuple of (str, str), optional

@@ -29,6 +29,8 @@ def plot(system: SystemDescription, ax: Any = None, *, magnify: float | None = N
 
     Parameters
     ----------
+    system : RotorSystem
+        The system.
     ax : Axes or pair of Axes, optional
         Panel for the side view, or panels for side view and end view; None makes a new figure.
     magnify : float, optional
