@@ -211,12 +211,13 @@ def spectra(responses: dict[str, gb.Response]) -> Figure:
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(10.0, 7.5))
         panels = drawing.subplots(2, 1, sharex=True)
-        for (name, response), colour, marker in zip(
-            responses.items(), plotting.PALETTE, "os", strict=False
+        marks: list[dict[str, Any]] = [{"marker": "o", "mfc": "none", "ms": 9.0}, {"marker": "."}]
+        for (name, response), colour, mark in zip(
+            responses.items(), plotting.PALETTE, marks, strict=False
         ):
             _, found = acceleration(response)
             frequency, values = found.frequencies_hz, np.abs(found.amplitudes)
-            style = {"color": colour, "label": name, "marker": marker, "ls": "none"}
+            style = {"color": colour, "label": name, "ls": "none", **mark}
             panels[0].semilogy(frequency, 1e6 * values / (2.0 * pi * frequency) ** 2, **style)
             panels[1].semilogy(frequency, values, **style)
         panels[0].set(ylabel="displacement w [µm]", ylim=(1e-5, 10.0))

@@ -14,6 +14,7 @@ from gearbow.plotting.style import (
     PALETTE,
     GivenAxes,
     colour,
+    equal_ranges,
     label_x,
     legend,
     panels,
@@ -54,23 +55,16 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
         panels have axes of the same length.
     """
     count = len(motion)
-    drawn = MICRO * np.array(list(motion.values()))
-    middles = (drawn.max(axis=1, initial=-np.inf) + drawn.min(axis=1, initial=np.inf)) / 2.0
-    half = 0.54 * float(np.ptp(drawn, axis=1).max()) if drawn.shape[1] else 0.0
     with panels(count, 4.0, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
-        for panel, label, values, middle in zip(axes, motion, drawn, middles, strict=True):
-            v, w = values.T
+        for panel, (label, values) in zip(axes, motion.items(), strict=True):
+            v, w = MICRO * values.T
             if skipped:
                 early = slice(0, skipped + 1)
                 panel.plot(v[early], w[early], color=TRANSIENT, linewidth=0.8, label="earlier")
             panel.plot(v[skipped:], w[skipped:], color=PALETTE[0])
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1])
             panel.set(title=label, xlabel="v [µm]", ylabel="w [µm]")
-            if np.isfinite(half) and half > 0.0 and np.all(np.isfinite(middle)):
-                panel.set_xlim(middle[0] - half, middle[0] + half)
-                panel.set_ylim(middle[1] - half, middle[1] + half)
-            panel.set_aspect("equal", adjustable="box")
-            panel.locator_params(nbins=4)
+        equal_ranges(axes)
         legend(figure, axes[0], ax=ax)
     return figure
 

@@ -20,6 +20,7 @@ __all__ = [
     "STYLE",
     "GivenAxes",
     "colour",
+    "equal_ranges",
     "figure_of",
     "given_axes",
     "label_x",
@@ -167,6 +168,24 @@ def figure_of(panel: Axes) -> Figure:
     while not isinstance(figure, Figure):
         figure = figure.figure
     return figure
+
+
+def equal_ranges(axes: Sequence[Axes]) -> None:
+    """Give orbits a common scale: equal lengths of all axes, each about the middle of its data.
+
+    Parameters
+    ----------
+    axes : sequence of Axes
+        The panels.
+    """
+    boxes = [panel.dataLim for panel in axes]
+    half = 0.54 * max(max(box.width, box.height) for box in boxes)
+    for panel, box in zip(axes, boxes, strict=True):
+        if math.isfinite(half) and half > 0.0:
+            x, y = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
+            panel.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+        panel.set_aspect("equal", adjustable="box")
+        panel.locator_params(nbins=4)
 
 
 def label_x(axes: Sequence[Axes], label: str) -> None:

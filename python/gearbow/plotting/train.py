@@ -16,7 +16,7 @@ from gearbow.plotting.style import STYLE, figure_of, given_axes, round_factor
 __all__ = ["draw", "magnification"]
 
 #: Width and largest height of the figure, and height of legend and labels of the axes [in].
-_WIDTH, _HEIGHT, _BELOW = 14.0, 8.0, 1.6
+_WIDTH, _HEIGHT, _BELOW = 12.5, 7.5, 1.6
 #: Part of the width that the side view takes.
 _SIDE = 0.62
 #: Margins around the parts in both views, for names and symbols [pt].
@@ -100,14 +100,21 @@ def _views(figure: Figure, side: SideView, panels: Sequence[Axes], boxes: Sequen
     for panel, title, (x, y) in zip(panels, titles, labels, strict=False):
         panel.set(title=title, xlabel=x, ylabel=y)
         panel.grid(visible=False)
-    for _ in range(2):  # the width of the numbers at the axes depends on the limits
-        figure.draw_without_rendering()
-        points = [_fit(panel, box) for panel, box in zip(panels, boxes, strict=False)]
+    # The width of the numbers at the axes depends on the limits, and the limits on this width.
+    _fit_all(panels, boxes)
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+    points = _fit_all(panels, boxes)
     for panel in panels:
         panel.set_aspect("equal", adjustable="box")
     side.draw(panels[0], points[0])
     if len(panels) > 1:
         end_view.draw(panels[1], side.train, side.shades, points[1])
+
+
+def _fit_all(panels: Sequence[Axes], boxes: Sequence[Box]) -> list[float]:
+    return [_fit(panel, box) for panel, box in zip(panels, boxes, strict=False)]
 
 
 def _fit(panel: Axes, box: Box) -> float:
