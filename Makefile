@@ -103,6 +103,7 @@ readme: $(VENV)/.dev
 
 # A palette of 32 colours makes the figure of the demo small enough to be kept.
 figures: demo
+	$(BIN)/python examples/figures.py
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/gearbox.py
 	$(BIN)/python examples/mesh_models.py

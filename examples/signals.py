@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import gearbow as gb
 
@@ -39,13 +40,19 @@ def train() -> gb.RotorSystem:
     )
 
 
-def draw(system: gb.RotorSystem) -> plt.Figure:
+def draw(system: gb.RotorSystem) -> Figure:
     """Simulate, measure, and draw both parts of the figure."""
     place = ("input", 0.25)
-    record = [place, "pedestal", "acceleration"]
-    options = {"speed": SPEED, "record": record, "rtol": 1e-6}
-    response = system.simulate(0.5, output_step=2e-5, **options)
-    coarse = system.simulate(0.5, output_step=1.0 / RATE, **options)
+    response, coarse = (
+        system.simulate(
+            0.5,
+            SPEED,
+            record=[place, "pedestal", "acceleration"],
+            rtol=1e-6,
+            output_step=step,
+        )
+        for step in (2e-5, 1.0 / RATE)
+    )
 
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(8.0, 7.0), layout="constrained")
     surface = 3e-6 * np.exp(1j * np.radians(120.0))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,13 +50,19 @@ class Waterfall(ReadOnly):
     unit: str
     kinematics: Kinematics | None = field(repr=False)
 
-    def plot(self, highest: float | None = None) -> "Figure":
+    def plot(
+        self, highest: float | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+    ) -> "Figure":
         """Draw amplitudes against speed and frequency, with the order lines of shafts and meshes.
 
         Parameters
         ----------
         highest : float, optional
             Largest frequency of the figure [Hz]; None includes all visible amplitudes.
+        ax : Axes, optional
+            Panel for the diagram; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -74,6 +80,8 @@ class Waterfall(ReadOnly):
             f"{self.label} [{self.unit}]",
             lines=[(line.names[0], line.value) for line in lines],
             highest=None if highest is None else number(highest, "highest"),
+            speed_unit=speed_unit,
+            ax=ax,
         )
 
 

@@ -2,34 +2,26 @@
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from gearbow._extras import extra
-from gearbow._types import At
 from gearbow.accuracy.estimate import estimate_errors
-from gearbow.description.places import is_pair, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.orders.spectrum import amplitudes
 from gearbow.recording import file, tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.resample import resampled
-from gearbow.results.signals import SignalResponse
+from gearbow.results.run_figures import RunFigures
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
-__all__ = ["PLOT_KINDS", "Response"]
-
-#: Kinds of figures of `Response.plot`.
-PLOT_KINDS = ("orbits", "history", "twist", "mesh", "spectrum")
+__all__ = ["Response"]
 
 
-class Response(SignalResponse):
+class Response(RunFigures):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -124,51 +116,6 @@ class Response(SignalResponse):
                 )
             self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
-
-    def plot(self, kind: str = "orbits", names: At | Sequence[At] | None = None) -> "Figure":
-        """Draw recorded signals.
-
-        Parameters
-        ----------
-        kind : {"orbits", "history", "twist", "mesh", "spectrum"}
-            Orbits of the centres, displacement or twist against time, geometry of the meshes
-            (contact ratio, pressure angle and angle of the line of centres) against time, or
-            amplitude spectrum of the displacement.
-        names : str, tuple or sequence of them, optional
-            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh". None is all
-            recorded gears and disks, or all recorded places if there are none.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If the kind is unknown, or no suitable signal was recorded.
-        """
-        with extra("plot"):
-            from gearbow.plotting import response as figures  # noqa: PLC0415
-
-        if kind not in PLOT_KINDS:
-            raise GearbowError(f"kind: must be one of {', '.join(PLOT_KINDS)}, got {kind!r}")
-        if kind == "mesh":
-            geometry = {}
-            for pair in self._pairs(names):
-                found = self.mesh(*pair)
-                angles = (found.pressure_angle, found.centre_line_angle)
-                geometry[pair] = (found.contact_ratio, *angles)
-            return figures.mesh(self.time, geometry)
-        chosen = self._chosen(names)
-        if kind == "twist":
-            twists = {place_label(at): self.twist(at) for at in chosen}
-            return figures.twist(self.time, twists)
-        motion = {place_label(at): self.displacement(at) for at in chosen}
-        if kind == "spectrum":
-            spectra = {label: amplitudes(self.time, values) for label, values in motion.items()}
-            return figures.spectrum(spectra)
-        return figures.orbits(motion) if kind == "orbits" else figures.history(self.time, motion)
 
     def resample(self, rate: float) -> "Response":
         """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
@@ -275,25 +222,6 @@ class Response(SignalResponse):
             If the file cannot be opened.
         """
         return cls.from_record(file.load(path))
-
-    def _chosen(self, names: At | Sequence[At] | None) -> list[At]:
-        """Choose the places of a figure."""
-        if names is not None:
-            return list(places(names, "names"))
-        points = self._data["points"]
-        named: list[At] = [names[0] for _, _, names in points if names]
-        chosen = named or [(shaft, position) for shaft, position, _ in points]
-        if not chosen:
-            raise GearbowError("no motion was recorded; give record=['gears'] to simulate")
-        return chosen
-
-    def _pairs(self, names: Any) -> list[tuple[str, str]]:
-        """Choose the meshes of a figure."""
-        given: Any = self._data["meshes"] if names is None else names
-        pairs: list[tuple[str, str]] = [given] if is_pair(given) else list(given)
-        if not pairs:
-            raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
-        return pairs
 
     def __repr__(self) -> str:
         data = self._data

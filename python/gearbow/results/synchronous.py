@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -284,7 +284,14 @@ class Synchronous(ReadOnly):
         )
         return [Peak(*row, operating=span) for row in found]
 
-    def bode(self, names: At | Sequence[At], source: str | None = None) -> "Figure":
+    def bode(
+        self,
+        names: At | Sequence[At],
+        source: str | None = None,
+        *,
+        ax: Any = None,
+        speed_unit: str = "rad/s",
+    ) -> "Figure":
         """Draw amplitude and phase against the speed.
 
         Parameters
@@ -293,6 +300,10 @@ class Synchronous(ReadOnly):
             A gear or disk by name, (shaft, position [m]), or several.
         source : str, optional
             The shaft that excites; None is the shaft of each place.
+        ax : sequence of two Axes, optional
+            Panels for phase and amplitude; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -307,15 +318,21 @@ class Synchronous(ReadOnly):
             own = self.coordinates.shaft(name)
             shaft = self.shafts.index(own if source is None else source)
             lines[place_label(name)] = (self.phase(name)[:, shaft], self.orbit(name)[:, shaft])
-        return frequency.bode(self.speeds, lines)
+        return frequency.bode(self.speeds, lines, speed_unit=speed_unit, ax=ax)
 
-    def plot(self, names: At | Sequence[At]) -> "Figure":
+    def plot(
+        self, names: At | Sequence[At], *, ax: Any = None, speed_unit: str = "rad/s"
+    ) -> "Figure":
         """Draw the major semi-axis of the orbits against the speed.
 
         Parameters
         ----------
         names : str, tuple of (str, float), or sequence of them
             A gear or disk by name, (shaft, position [m]), or several.
+        ax : Axes or sequence of Axes, optional
+            One panel for each name; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -326,4 +343,4 @@ class Synchronous(ReadOnly):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
         orbits = {place_label(name): self.orbit(name) for name in places(names, "names")}
-        return frequency.synchronous(self.speeds, orbits, self.shafts)
+        return frequency.synchronous(self.speeds, orbits, self.shafts, speed_unit=speed_unit, ax=ax)

@@ -2,6 +2,7 @@
 
 from gearbow.analysis.balance import balance
 from gearbow.sweeps.many import simulate_many
+from gearbow.system.drawing import plot
 from gearbow.system.simulation import Simulation
 from gearbow.tradeoff.ask import tradeoff
 
@@ -99,6 +100,7 @@ class RotorSystem(Simulation):
     0.10
     """
 
+    plot = plot
     simulate_many = simulate_many
     tradeoff = tradeoff
     balance = balance
