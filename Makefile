@@ -22,7 +22,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check random fuzz faults faults-core bench bench-check bench-accept compare fmt wheel readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check random fuzz faults faults-core bench bench-check bench-accept compare fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -40,6 +40,8 @@ help:
 	@echo "make compare       gearbow beside SciPy and ROSS: the same work, with the error of each"
 	@echo "make fmt           format Rust and Python"
 	@echo "make wheel         build the wheel into dist/"
+	@echo "make release-check build wheel and source distribution, check both, use them on the oldest and the newest Python"
+	@echo "make licences      collect the licences of the compiled dependencies (needs cargo-about)"
 	@echo "make readme        print the tables of the documents anew"
 	@echo "make figures       draw the figures of the documents anew"
 	@echo "make study         run the bow study, for docs/study.md, then make measure"
@@ -103,6 +105,7 @@ readme: $(VENV)/.dev
 
 # A palette of 32 colours makes the figure of the demo small enough to be kept.
 figures: demo
+	$(BIN)/python examples/figures.py
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/gearbox.py
 	$(BIN)/python examples/mesh_models.py
@@ -148,6 +151,12 @@ structure:
 	$(PYTHON) tools/structure.py
 
 wheel: $(VENV)/.wheel
+
+release-check: $(VENV)/.release
+	$(BIN)/python tools/release_check.py
+
+licences:
+	cargo about generate --locked --features python --config tools/about.toml --output-file LICENSES-DEPENDENCIES.txt tools/about.hbs
 
 clean:
 	cargo clean

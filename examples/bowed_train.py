@@ -123,14 +123,13 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
                 v, w = 1e6 * response.displacement(gear)[settled(response)].T
                 panel.plot(v, w, color=colour, label=f"{ratio:g}")
                 panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
-                panel.set_aspect("equal", adjustable="datalim")
-                panel.locator_params(nbins=5)
             for contact, angle, pair in zip(contacts, angles, MESHES, strict=True):
                 mesh = response.mesh(*pair)
                 contact.plot(response.time, mesh.contact_ratio, color=colour)
                 contact.set(title="–".join(pair), ylabel="contact ratio", xlabel="time [s]")
                 angle.plot(response.time, np.degrees(mesh.pressure_angle), color=colour)
                 angle.set(title="–".join(pair), ylabel="pressure angle [°]", xlabel="time [s]")
+        plotting.equal_ranges(orbits)
         handles, labels = orbits[0].get_legend_handles_labels()
         drawing.legend(
             handles[::-1],

@@ -51,7 +51,9 @@ def main() -> None:
     pair = train()
     response = bowed.synchronous(np.linspace(5.0, 600.0, 400))
     figures = {
-        "campbell": pair.campbell(np.linspace(0.0, 2500.0, 41), count=8).plot(),
+        "campbell": pair.campbell(np.linspace(0.0, 2500.0, 41), count=8).plot(
+            operating=(250.0, 350.0)
+        ),
         "critical_speed_map": bowed.critical_speed_map(np.geomspace(1e5, 1e10, 41)).plot(3),
         "bode": response.bode(["left", "right"]),
         "mode_shape": pair.modes(speed=300.0).plot(2),

@@ -10,9 +10,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 import gearbow as gb
 from gearbow import plotting
@@ -175,62 +173,6 @@ def acceleration(response: gb.Response, quantity: str = "w") -> tuple[list[str],
     return names, replace(found, amplitudes=values, unit="m/s²", label=f"{POINT}, d²{quantity}/dt²")
 
 
-def _part(
-    panel: Axes, begin: float, axis: float, length: float, diameter: float, **style: Any
-) -> None:
-    """Draw one cylinder from the side, in mm."""
-    corner = (1e3 * begin, 1e3 * (axis - diameter / 2.0))
-    panel.add_patch(Rectangle(corner, 1e3 * length, 1e3 * diameter, ec="black", lw=0.8, **style))
-
-
-def sketch(system: gb.RotorSystem) -> Figure:
-    """Draw the gearbox to scale, seen from above; the motor is cut off."""
-    begin = {"input": 0.0, "intermediate": 0.08, "output": 0.07}
-    gears = {gear.name: gear for gear in system.gears}
-    axis = {"input": 0.0, "intermediate": 0.0, "output": 0.0}
-    for driver, driven in STAGES:
-        pair = (gears[driver], gears[driven])
-        radii = sum(map(reference_radius, pair))
-        axis[pair[1].shaft] = axis[pair[0].shaft] + radii
-    with mpl.rc_context(plotting.STYLE):
-        drawing = Figure(figsize=(8.0, 6.8))
-        panel = drawing.add_subplot()
-        for shaft in system.shafts[1:]:
-            x = begin[shaft.name]
-            for segment in shaft.segments or ():
-                _part(panel, x, axis[shaft.name], segment.length, segment.outer_diameter, fc="0.85")
-                x += segment.length
-            panel.text(1e3 * x + 6.0, 1e3 * axis[shaft.name], shaft.name, va="center")
-        for gear, colour in zip(system.gears, plotting.PALETTE, strict=False):
-            diameter = 2.0 * reference_radius(gear)
-            middle, width = begin[gear.shaft] + gear.position, gear.face_width or 0.0
-            _part(
-                panel, middle - width / 2.0, axis[gear.shaft], width, diameter, fc=colour, alpha=0.6
-            )
-            panel.text(
-                1e3 * middle,
-                1e3 * axis[gear.shaft],
-                gear.name,
-                rotation=90,
-                ha="center",
-                va="center",
-            )
-        for bearing in system.bearings:
-            if bearing.shaft != "motor":
-                x, y = 1e3 * (begin[bearing.shaft] + bearing.position), 1e3 * axis[bearing.shaft]
-                rolling = isinstance(bearing, gb.RollingBearing)
-                panel.plot(
-                    [x, x], [y - 36.0, y + 36.0], "o" if rolling else "s", color="black", ms=9
-                )
-        panel.plot([], [], "ko", ls="none", label="rolling bearing")
-        panel.plot([], [], "ks", ls="none", label="journal bearing")
-        panel.legend(loc="lower right")
-        panel.set(xlabel="from the coupling along the shafts [mm]", ylabel="y [mm]")
-        panel.set(xlim=(-15.0, 545.0), ylim=(-60.0, 385.0))
-        panel.set_aspect("equal")
-    return drawing
-
-
 def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
     """Draw the natural frequencies with their damping, and the excitation frequencies [Hz]."""
     with mpl.rc_context(plotting.STYLE):
@@ -269,12 +211,13 @@ def spectra(responses: dict[str, gb.Response]) -> Figure:
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(10.0, 7.5))
         panels = drawing.subplots(2, 1, sharex=True)
-        for (name, response), colour, marker in zip(
-            responses.items(), plotting.PALETTE, "os", strict=False
+        marks: list[dict[str, Any]] = [{"marker": "o", "mfc": "none", "ms": 9.0}, {"marker": "."}]
+        for (name, response), colour, mark in zip(
+            responses.items(), plotting.PALETTE, marks, strict=False
         ):
             _, found = acceleration(response)
             frequency, values = found.frequencies_hz, np.abs(found.amplitudes)
-            style = {"color": colour, "label": name, "marker": marker, "ls": "none"}
+            style = {"color": colour, "label": name, "ls": "none", **mark}
             panels[0].semilogy(frequency, 1e6 * values / (2.0 * pi * frequency) ** 2, **style)
             panels[1].semilogy(frequency, values, **style)
         panels[0].set(ylabel="displacement w [µm]", ylim=(1e-5, 10.0))
@@ -308,7 +251,7 @@ def main() -> None:
     system = gearbox()
     bent = run(system)
     figures = {
-        "train": sketch(system),
+        "train": system.plot(),
         "frequencies": frequencies(system.modes(SPEED), excitation(system)),
         "forces": forces(bent),
         "spectra": spectra({"with the bow": bent, "without a bow": run(straight(system))}),

@@ -7,7 +7,8 @@ equilibrium or a time history. All quantities are in SI units and radians.
 The layers, each of which depends only on those before it:
 
 - `gearbow.description`: parts of a system, and the geometry and kinematics that follow from them,
-- `gearbow.recording` and `gearbow.orders`: recorded runs, their files, spectra and orders,
+- `gearbow.recording`, `gearbow.sensors` and `gearbow.orders`: recorded runs, their files, what
+  sensors measure of them, spectra and orders,
 - `gearbow.accuracy`: accuracy levels, and the estimated error of a run,
 - `gearbow.results`: results of the analyses,
 - `gearbow.analysis` and `gearbow.tradeoff`: analyses that run variants of a system,
@@ -19,6 +20,7 @@ Methods named `plot` import `gearbow.plotting`, whose functions take arrays.
 The compiled core `gearbow._core` computes everything except the following:
 
 - sampling of functions into splines (`Bow.function`, `SpeedProfile.function`),
+- signals of sensors, times of pulses (`sensors`), filtering at a lower rate (`recording.resample`),
 - amplitude spectra (`orders.spectrum`) and least-squares amplitudes at orders (`orders.fit`),
 - least-squares balancing (`analysis.balance`),
 - amplification factors and separation margins of peaks (`results.peak`),
@@ -73,6 +75,9 @@ from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.steady import SteadyState
 from gearbow.results.synchronous import Synchronous
+from gearbow.sensors.accelerometer import Accelerometer
+from gearbow.sensors.probe import Probe
+from gearbow.sensors.tacho import Tacho
 from gearbow.sweeps.result import Sweep, SweepPoint
 from gearbow.sweeps.run import sweep
 from gearbow.system.rotor_system import RotorSystem
@@ -81,6 +86,7 @@ from gearbow.tradeoff.trial import Trial
 
 __all__ = [
     "STEEL",
+    "Accelerometer",
     "AccuracyWarning",
     "Balance",
     "Bearing",
@@ -116,6 +122,7 @@ __all__ = [
     "Order",
     "Orders",
     "Peak",
+    "Probe",
     "Recommendation",
     "Response",
     "RollingBearing",
@@ -139,6 +146,7 @@ __all__ = [
     "Sweep",
     "SweepPoint",
     "Synchronous",
+    "Tacho",
     "TimeSeries",
     "TipRelief",
     "Torque",

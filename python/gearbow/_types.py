@@ -138,8 +138,11 @@ class _Paused(TypedDict, total=False):
 
 
 class _Optional(_Paused, total=False):
-    """Arrays at k times that a run may lack: axial motion, and what older files do not contain."""
+    """Arrays at k times that a run may lack: rates, axial motion, what older files do not have."""
 
+    velocity: Array
+    twist_rate: Array
+    acceleration: Array
     axial: Array
     axial_bearing_force: Array
     bearing_displacement: Array

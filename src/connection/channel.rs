@@ -16,7 +16,7 @@ const fn channel(name: &'static str, unit: &'static str) -> Channel {
 }
 
 /// Channels of a mesh, in the order of [`mesh_values`].
-pub const MESH_CHANNELS: [Channel; 8] = [
+pub const MESH_CHANNELS: [Channel; 9] = [
     channel("deflection", "m"),
     channel("force", "N"),
     channel("stiffness", "N/m"),
@@ -25,6 +25,7 @@ pub const MESH_CHANNELS: [Channel; 8] = [
     channel("centre_line_angle", "rad"),
     channel("contact_ratio", "1"),
     channel("pairs_in_contact", "1"),
+    channel("thrust", "N"),
 ];
 
 /// Channels of the bearings at a node: components of the force of the shaft on them.
@@ -44,5 +45,6 @@ pub fn mesh_values(state: &MeshState) -> [f64; MESH_CHANNELS.len()] {
         state.centres.angle,
         state.centres.contact_ratio,
         state.pairs_in_contact,
+        state.thrust,
     ]
 }

@@ -268,8 +268,9 @@ impl MeshInterface {
 
     #[inline(always)]
     pub(super) fn residual_tangent(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
-        let flanks = f64::from(u8::from(flank.drives()) + u8::from(flank.holds_back()));
-        [contact.stiffness - self.contained[0], flanks * self.gear_mesh.damping - self.contained[1]]
+        let film = flank == Flank::Separated && self.gear_mesh.damping_in_separation;
+        let dampers = f64::from(u8::from(flank.drives() || film) + u8::from(flank.holds_back()));
+        [contact.stiffness - self.contained[0], dampers * self.gear_mesh.damping - self.contained[1]]
     }
 
     pub(super) fn guaranteed_interval(&self, flank: Flank, contact: &Contact) -> GuaranteedInterval {
@@ -295,10 +296,10 @@ impl MeshInterface {
     }
 
     pub(super) fn margins(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
-        // The force decides on separation, because damping can keep flanks with negative deflection in contact.
-        let pressed = |force: f64, deflection: f64| {
-            if contact.stiffness > 0.0 { force / contact.stiffness } else { deflection }
-        };
+        // The force decides on separation unless damping acts in separation too: damping cancels the elastic force before
+        // the deflection is zero.
+        let by_force = contact.stiffness > 0.0 && !self.gear_mesh.damping_in_separation;
+        let pressed = |force: f64, deflection: f64| if by_force { force / contact.stiffness } else { deflection };
         let Contact { force, deflection, back_flank_deflection, .. } = *contact;
         match flank {
             Flank::Drive => [pressed(force, deflection), -back_flank_deflection],

@@ -152,6 +152,12 @@ impl Trajectory for ModalTrajectory<'_, '_> {
         system.output.interpolate(&system.nonlinear_loads, &self.span, instants, q, v);
     }
 
+    fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
+        let system = &mut *self.system;
+        let Some(map) = system.output.accelerations() else { return Ok(()) };
+        map.interpolate(&system.nonlinear_loads, &self.span, instants, a)
+    }
+
     fn end_displacement(&self) -> Option<&[f64]> {
         None
     }

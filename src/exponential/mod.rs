@@ -16,9 +16,10 @@
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
 //! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
-//!   `substep_chain`; `trajectory`, `output`.
+//!   `substep_chain`; `trajectory`, `output` with `accelerations` and `state_map`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
+mod accelerations;
 mod cache;
 mod changing_speed;
 mod contact_change;
@@ -48,6 +49,7 @@ mod rotating_source;
 mod small_lu;
 mod solve;
 mod stages;
+mod state_map;
 mod step;
 mod step_point;
 mod substep;

@@ -4,7 +4,7 @@ use super::fractions::Fractions;
 use super::output::OutputMap;
 use super::step::Stepper;
 use super::substep::SubstepSampler;
-use crate::integrate::Trajectory;
+use crate::integrate::{Halt, Trajectory};
 
 /// Instants closer to an end of the step than this fraction of it take the state of that end.
 const ROUND_OFF: f64 = 1e-9;
@@ -75,6 +75,12 @@ impl Trajectory for StepTrajectory<'_, '_> {
         }
     }
 
+    fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
+        let Some(map) = self.output.accelerations() else { return Ok(()) };
+        each_state(self.step, self.sampler, instants, |z| map.gather(z));
+        map.read_gathered(self.step.stepper.nonlinear_loads(), instants, a)
+    }
+
     fn is_resolved(&self) -> bool {
         false
     }
@@ -92,6 +98,17 @@ fn read(
     instants: &[f64],
     [q, v]: [&mut [f64]; 2],
 ) {
+    each_state(step, sampler, instants, |z| output.gather(z));
+    output.read_gathered(step.stepper.nonlinear_loads(), instants, q, v);
+}
+
+/// Calls `visit` with the state z at each instant of a step.
+fn each_state(
+    step: CompletedStep<'_, '_>,
+    sampler: &mut SubstepSampler,
+    instants: &[f64],
+    mut visit: impl FnMut(&[f64]),
+) {
     let length = step.length();
     for elapsed in instants {
         let within = elapsed - step.begin;
@@ -102,7 +119,6 @@ fn read(
         } else {
             step.state_at(sampler, within)
         };
-        output.gather(z);
+        visit(z);
     }
-    output.read_gathered(step.stepper.nonlinear_loads(), instants, q, v);
 }

@@ -3,6 +3,8 @@
 //! Displacement, velocity and acceleration are known at both ends of a Runge–Kutta step. The displacement within it is
 //! the quintic Hermite polynomial (error of order h⁶), and the velocity is its derivative (error of order h⁵).
 
+use super::Halt;
+
 /// The motion over a step, for observers.
 pub trait Trajectory {
     /// Elapsed time at the beginning, s.
@@ -34,6 +36,13 @@ pub trait Trajectory {
         }
     }
 
+    /// Writes the accelerations of `coordinates` at their indices, one vector of all coordinates for each instant. They follow
+    /// from the state and the equation of motion.
+    ///
+    /// # Errors
+    /// [`Halt`] where the equation is not defined.
+    fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt>;
+
     /// Whether the step resolves every mode, so that a polynomial of low degree is the motion within it.
     fn is_resolved(&self) -> bool {
         true
@@ -52,30 +61,6 @@ pub fn at_each<'a>(
     let len = (q.len() / instants.len().max(1)).max(1);
     let states = q.chunks_exact_mut(len).zip(v.chunks_exact_mut(len));
     instants.iter().zip(states).map(|(elapsed, (q, v))| (*elapsed, q, v))
-}
-
-impl Trajectory for Span<'_> {
-    fn begin(&self) -> f64 {
-        self.start
-    }
-
-    fn end(&self) -> f64 {
-        self.start + self.step
-    }
-
-    fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
-        for (elapsed, q, v) in at_each(instants, q, v) {
-            let weights = self.weights(elapsed);
-            for index in coordinates {
-                (q[*index], v[*index]) = self.at(&weights, *index);
-            }
-        }
-    }
-
-    fn end_displacement(&self) -> Option<&[f64]> {
-        let (y, _) = self.after;
-        Some(&y[..y.len() / 2])
-    }
 }
 
 /// A step with the states y (displacements, then velocities) and the derivatives ẏ at its ends.

@@ -1,12 +1,13 @@
 //! Explicit Runge–Kutta integration of a [`FirstOrderSystem`], which gives its derivative and its error norm.
 //!
 //! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
-//! steps, `event_locator` finds contact changes, and `interpolate` gives the motion within a step. A step allocates no
-//! memory. `state` also holds what the exponential method keeps between steps.
+//! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, and `halt` the reasons to
+//! stop. A step allocates no memory. `state` also holds what the exponential method keeps between steps.
 
 mod controller;
 mod driver;
 mod event_locator;
+mod halt;
 mod interpolate;
 mod state;
 mod statistics;
@@ -17,8 +18,9 @@ pub mod tableau;
 pub use controller::{Adaptive, StepControl};
 pub use driver::{CHECK_INTERVAL, Halted, run};
 pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
+pub use halt::Halt;
 pub use interpolate::{Span, Trajectory, at_each};
 pub use state::{ExponentialState, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
 pub use step::RungeKutta;
-pub use system::{FirstOrderSystem, Halt, Observer};
+pub use system::{FirstOrderSystem, Observer};

@@ -1,36 +1,6 @@
-//! Interfaces of an integrator: the system, the observer, and the reasons to stop.
+//! Interfaces of an integrator: the system, the motion over a step, and the observer.
 
-use super::{Span, Trajectory};
-use crate::connection::{OutOfRange, Touch};
-use crate::mesh::Overlap;
-
-/// Why an integration stopped before its end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Halt {
-    /// The base circles of a mesh overlap, so that its geometry is not defined.
-    Overlap {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Radii and distance.
-        overlap: Overlap,
-    },
-    /// A journal touches its bearing.
-    Touch(Touch),
-    /// The state is not finite, or no step is short enough.
-    Diverged,
-    /// The observer stopped the run.
-    Interrupted,
-}
-
-impl Halt {
-    /// The reason where a connection has no force; `mesh` is its index, if it is a mesh. Only meshes have base circles.
-    pub fn out_of_range(mesh: Option<usize>, reason: OutOfRange) -> Self {
-        match reason {
-            OutOfRange::Overlap(overlap) => Self::Overlap { mesh: mesh.unwrap_or_default(), overlap },
-            OutOfRange::Touch(touch) => Self::Touch(touch),
-        }
-    }
-}
+use super::{Halt, Span, Trajectory, at_each};
 
 /// A first-order system ẏ = f(t, y). y holds displacements, then velocities, unless the system has its own coordinates.
 pub trait FirstOrderSystem {
@@ -62,7 +32,7 @@ pub trait FirstOrderSystem {
 
     /// The motion over a step.
     fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
-        span
+        SystemTrajectory { system: self, span }
     }
 
     /// Writes all displacements and velocities of a state.
@@ -113,4 +83,45 @@ pub trait Observer {
 
     /// Whether to continue. The loop over steps asks at regular intervals of steps.
     fn continues(&mut self, elapsed: f64) -> bool;
+}
+
+/// The motion of a system in displacements and velocities over a step.
+struct SystemTrajectory<'a, S: ?Sized> {
+    system: &'a mut S,
+    span: Span<'a>,
+}
+
+impl<S: FirstOrderSystem + ?Sized> Trajectory for SystemTrajectory<'_, S> {
+    fn begin(&self) -> f64 {
+        self.span.start
+    }
+
+    fn end(&self) -> f64 {
+        self.span.start + self.span.step
+    }
+
+    fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]) {
+        for (elapsed, q, v) in at_each(instants, q, v) {
+            let weights = self.span.weights(elapsed);
+            for index in coordinates {
+                (q[*index], v[*index]) = self.span.at(&weights, *index);
+            }
+        }
+    }
+
+    fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt> {
+        let len = self.span.before.0.len();
+        let (mut y, mut derivative) = (vec![0.0; len], vec![0.0; len]);
+        for (elapsed, a) in instants.iter().zip(a.chunks_exact_mut((len / 2).max(1))) {
+            self.span.write_state(&self.span.weights(*elapsed), 0..len / 2, &mut y);
+            self.system.derivative(*elapsed, &y, &mut derivative)?;
+            coordinates.iter().for_each(|index| a[*index] = derivative[len / 2 + index]);
+        }
+        Ok(())
+    }
+
+    fn end_displacement(&self) -> Option<&[f64]> {
+        let (y, _) = self.span.after;
+        Some(&y[..y.len() / 2])
+    }
 }

@@ -169,4 +169,6 @@ pub struct MeshState {
     pub centres: Centres,
     /// Number of tooth pairs between the tip circles; zero while the flanks are separated.
     pub pairs_in_contact: f64,
+    /// Axial force of the teeth on the driven gear along x, N; the driver is subject to the opposite.
+    pub thrust: f64,
 }

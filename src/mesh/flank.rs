@@ -96,11 +96,34 @@ impl GearMesh {
         flank: &FlankKinematics,
         contact_mode: &ContactMode,
     ) -> Contact {
+        let path = || self.path_of(&gears.pose, flank);
+        let engaged = contact_mode.engaged[usize::from(flank.back)];
+        self.flank_force(gears, flank, self.teeth.elastic_state(path, engaged, flank.deflection))
+    }
+
+    /// The contact with separated flanks, from that of the drive flank: no force, or that of the damping.
+    pub(super) fn separated_contact(
+        &self,
+        gears: &GearKinematics<'_>,
+        flank: &FlankKinematics,
+        drive: &Contact,
+    ) -> Contact {
+        let contact = if self.damping_in_separation {
+            self.flank_force(gears, flank, ElasticState::default())
+        } else {
+            drive.separated()
+        };
+        let position = &gears.position;
+        let back_flank_deflection = self.back_flank_deflection(flank.sigma, &gears.centre_geometry, position);
+        Contact { back_flank_deflection, ..contact }
+    }
+
+    /// Evaluates the contact of one flank with the elastic `state` of its teeth.
+    #[inline(always)]
+    fn flank_force(&self, gears: &GearKinematics<'_>, flank: &FlankKinematics, state: ElasticState) -> Contact {
         let GearKinematics { pose: MeshPose { geometry, phases, .. }, velocity, eccentric, run_out_velocity, .. } =
             gears;
-        let FlankKinematics { back, sigma, line, deflection, rate, error_rate } = *flank;
-        let path = || self.path_of(&gears.pose, flank);
-        let state = self.teeth.elastic_state(path, contact_mode.engaged[usize::from(back)], deflection);
+        let FlankKinematics { sigma, line, deflection, rate, error_rate, .. } = *flank;
         let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } = state;
         let force = elastic + self.damping * rate;
         let [ra, rb] = self.involute.base_radius;
@@ -203,9 +226,8 @@ impl GearMesh {
         }
         let back = self.flank_kinematics(&gears, true);
         let contact_mode = ContactMode { flank: Flank::Both, engaged: [engaged(&drive), engaged(&back)] };
-        let presses = |flank: &FlankKinematics| {
-            flank.deflection > 0.0 && self.flank_contact(&gears, flank, &contact_mode).force > 0.0
-        };
+        let pushes = |flank: &FlankKinematics| self.flank_contact(&gears, flank, &contact_mode).force > 0.0;
+        let presses = |flank: &FlankKinematics| flank.deflection > 0.0 && (self.damping_in_separation || pushes(flank));
         Ok(ContactMode { flank: Flank::of(presses(&drive), presses(&back)), ..contact_mode })
     }
 }

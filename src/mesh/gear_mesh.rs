@@ -10,8 +10,8 @@
 //! stiffness that depends on the displacements adds its own −∂U/∂q.
 //!
 //! With backlash, F acts on the drive flank while this flank is pressed, and on the back flank (σ → −σ, deflection
-//! minus backlash) while the back flank is pressed. Otherwise F is zero. F is never tensile. `flank.rs` computes the
-//! force of one flank.
+//! minus backlash) while the back flank is pressed. Otherwise F is zero, so that F is never tensile, or with
+//! `damping_in_separation` it is c δ̇ of the drive flank. `flank.rs` computes the force of one flank.
 
 use super::contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
@@ -42,6 +42,8 @@ pub struct GearMesh {
     pub largest_stiffness: f64,
     /// Damping c, N s/m.
     pub damping: f64,
+    /// Whether the damping acts in separation too. The deflection alone then decides on contact.
+    pub damping_in_separation: bool,
     /// Backlash along the line of action in the transverse section, m; none for a mesh whose flanks never separate.
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
@@ -85,6 +87,7 @@ impl GearMesh {
             teeth,
             phase: mesh.teeth.phase,
             damping,
+            damping_in_separation: mesh.damping_in_separation,
             backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
@@ -301,11 +304,12 @@ impl GearMesh {
             });
         }
         let gears = self.gear_kinematics(pose)?;
-        let drive = self.flank_contact(&gears, &self.flank_kinematics(&gears, false), contact_mode);
+        let flank = self.flank_kinematics(&gears, false);
+        let drive = self.flank_contact(&gears, &flank, contact_mode);
         let back_flank_deflection = || self.back_flank_deflection(sigma, &gears.centre_geometry, &gears.position);
         match contact_mode.flank {
             Flank::Drive => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive }),
-            Flank::Separated => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive.separated() }),
+            Flank::Separated => Ok(self.separated_contact(&gears, &flank, &drive)),
             Flank::Back | Flank::Both => {
                 let back = self.flank_contact(&gears, &self.flank_kinematics(&gears, true), contact_mode);
                 let drive = if contact_mode.flank.drives() { drive } else { drive.separated() };
@@ -390,6 +394,7 @@ impl GearMesh {
             force: contact.force,
             stiffness: contact.stiffness,
             pairs_in_contact: count,
+            thrust: contact.helix.axial,
             centres,
         }))
     }

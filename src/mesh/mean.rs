@@ -113,6 +113,7 @@ impl GearMesh {
             force: drive - back,
             stiffness: flanks * self.stiffness,
             pairs_in_contact: (last - first + 1).max(0) as f64,
+            thrust: self.helix.as_ref().map_or(0.0, |helix| -sigma * helix.slope * (drive - back)),
             centres,
         }))
     }

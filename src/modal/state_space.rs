@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex64;
 
 use super::first_order::FirstOrder;
@@ -230,6 +230,22 @@ impl ModalStateSpace {
             }
         }
         row
+    }
+
+    /// Row w A: with it, w·z has the rate w A z under no force.
+    pub fn rate_row(&self, row: &[f64]) -> Vec<f64> {
+        let (x, y) = row.split_at(self.slots);
+        match &self.matrix {
+            StateMatrix::Pairs(_) => {
+                let [a, b, c, d] = &self.blocks;
+                let first = (0..self.slots).map(|slot| x[slot] * a[slot] + y[slot] * c[slot]);
+                first.chain((0..self.slots).map(|slot| x[slot] * b[slot] + y[slot] * d[slot])).collect()
+            }
+            StateMatrix::Dense(matrix) => {
+                let product = |column: DVectorView<'_, f64>| column.iter().zip(row).map(|(entry, w)| entry * w).sum();
+                matrix.column_iter().map(product).collect()
+            }
+        }
     }
 
     /// Input column b of a force with the entries (index, value), for ż = A z + b.

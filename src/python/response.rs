@@ -82,6 +82,13 @@ pub fn response_dict<'py>(
     dict.set_item("points", plan.points.iter().map(place).collect::<Vec<_>>())?;
     dict.set_item("displacement", stack(py, record.displacement, times, points, 2)?)?;
     dict.set_item("twist", table(py, record.twist, times, points)?)?;
+    if plan.velocity {
+        dict.set_item("velocity", stack(py, record.velocity, times, points, 2)?)?;
+        dict.set_item("twist_rate", table(py, record.twist_rate, times, points)?)?;
+    }
+    if plan.acceleration {
+        dict.set_item("acceleration", stack(py, record.acceleration, times, points, 2)?)?;
+    }
     if model.scene.axial {
         dict.set_item("axial", table(py, record.axial, times, points)?)?;
         dict.set_item("axial_bearing_force", table(py, record.axial_bearing_force, times, bearings)?)?;

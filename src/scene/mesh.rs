@@ -25,6 +25,8 @@ pub struct Mesh {
     pub teeth: Teeth,
     /// Damping along the line of action.
     pub damping: Damping,
+    /// Whether the damping acts while the flanks are separated as well.
+    pub damping_in_separation: bool,
     /// Angle ψ from y to the line of centres at rest, driver to driven gear, rad.
     pub centre_line_angle: f64,
     /// Centre distance C₀ at rest, m.
@@ -98,7 +100,8 @@ fn mesh(
         (None, ratio) => Damping::Ratio(at.field("damping_ratio").non_negative(ratio.unwrap_or(0.0))?),
     };
     let centre_line_angle = at.field("centre_line_angle").finite(given.centre_line_angle.unwrap_or(0.0))?;
-    Ok(Mesh { driver, driven, teeth, damping, centre_line_angle, centre_distance })
+    let damping_in_separation = given.damping_in_separation.unwrap_or(false);
+    Ok(Mesh { driver, driven, teeth, damping, damping_in_separation, centre_line_angle, centre_distance })
 }
 
 /// Refuses gears of different modules, pressure angles, base pitches or helix angles.

@@ -46,7 +46,14 @@ def test_the_stored_results_keep_the_levels_and_their_estimates():
     for found in stored.values():
         for level, each in found.items():
             assert set(each) == names
+            permitted = LEVELS[level]
+            # Above the largest number of coordinates, the elements are coarser than the level asks,
+            # and `accuracy` gives a warning.
+            is_promised = (
+                "mesh_force" not in each["true"] or each["expected"] <= permitted.mesh_force
+            )
+            assert is_promised or each["coordinates"] > 1000
             for kind, error in each["true"].items():
-                assert error <= getattr(LEVELS[level], kind)
+                assert error <= getattr(permitted, kind) or not is_promised
                 uncertainty = each["agreement"][kind]
                 assert error / 3 - uncertainty < each["estimated"][kind] < 3 * (error + uncertainty)

@@ -39,6 +39,28 @@ class TestResponse:
         path, end = figure.axes[0].get_lines()
         np.testing.assert_allclose(path.get_xydata(), 1e6 * made.displacement("g2"))
         np.testing.assert_allclose(end.get_xydata(), 1e6 * made.displacement("g2")[-1:])
+        # all panels have axes of one length, which contain the orbits
+        spans = [
+            np.ptp(limits)
+            for panel in figure.axes
+            for limits in (panel.get_xlim(), panel.get_ylim())
+        ]
+        assert spans == pytest.approx([spans[0]] * 4)
+        widest = max(
+            np.ptp(1e6 * made.displacement(at), axis=0).max() for at in ("g2", ("output", 0.3))
+        )
+        assert widest < spans[0] < 1.2 * widest
+
+    def test_the_transient_of_an_orbit_is_grey(self):
+        made = response(TIME)
+        early, late, _ = made.plot("orbits", ["g1"], skip_time=0.02).axes[0].get_lines()
+        np.testing.assert_allclose(early.get_xydata(), 1e6 * made.displacement("g1")[:21])
+        np.testing.assert_allclose(late.get_xydata(), 1e6 * made.displacement("g1")[20:])
+        assert early.get_color() == "0.75"
+        # the slowest shaft turns once in 2π/16 s = 0.393 s
+        made = of_series(1e-3 * np.arange(501), np.zeros(501))
+        early, late, _ = made.plot("orbits", ["g1"]).axes[0].get_lines()
+        assert late.get_xydata().shape[0] == 393
 
     def test_history(self):
         made = response(TIME)
@@ -58,15 +80,36 @@ class TestResponse:
             line.get_xydata(), np.column_stack([TIME, 1e3 * made.twist("g3")])
         )
 
+    def test_the_transient_of_a_history_is_shaded(self):
+        figure = response(TIME).plot("history", ["g1", "wheel"], skip_time=0.02)
+        for panel in figure.axes:
+            (shade,) = panel.patches
+            assert shade.get_extents().transformed(panel.transData.inverted()).x1 == pytest.approx(
+                0.02
+            )
+
     def test_mesh(self):
         made = response(TIME)
         figure = made.plot("mesh", [("g3", "g4")])
+        assert labels(figure) == [
+            ("", "force [N]"),
+            ("", "deflection [µm]"),
+            ("time [s]", "stiffness [N/µm]"),
+        ]
+        assert figure.axes[0].get_title() == "g3 – g4"
+        mesh = made.mesh("g3", "g4")
+        expected = (mesh.force, 1e6 * mesh.deflection, 1e-6 * mesh.stiffness)
+        for panel, values in zip(figure.axes, expected, strict=True):
+            np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
+
+    def test_geometry(self):
+        made = response(TIME)
+        figure = made.plot("geometry", [("g3", "g4")])
         assert labels(figure) == [
             ("", "contact ratio"),
             ("", "pressure angle [°]"),
             ("time [s]", "line of centres [°]"),
         ]
-        assert figure.axes[0].get_title() == "g3 – g4"
         mesh = made.mesh("g3", "g4")
         degrees = 180.0 / np.pi
         expected = (
@@ -76,6 +119,16 @@ class TestResponse:
         )
         for panel, values in zip(figure.axes, expected, strict=True):
             np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
+
+    def test_bearings(self):
+        made = response(TIME)
+        figure = made.plot("bearings", ("output", 0.5))
+        assert labels(figure) == [("time [s]", "force [N]")]
+        assert figure.axes[0].get_title() == "output at 0.5 m"
+        for component, label in enumerate(("along y", "along z")):
+            expected = np.column_stack([TIME, made.bearing_force("output", 0.5)[:, component]])
+            np.testing.assert_allclose(curves(figure.axes[0])[label], expected)
+        assert len(made.plot("bearings").axes) == 2
 
     def test_spectrum(self):
         # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both at spectral lines of the record
@@ -183,7 +236,8 @@ class TestSpeed:
         figure = found.plot(count)
         assert labels(figure) == [("stiffness of every bearing [N/m]", "critical speed [rad/s]")]
         assert figure.axes[0].get_title() == "ω = 2 Ω"
-        assert len(figure.axes[0].get_lines()) == 2 * count  # forward and backward
+        # forward and backward, and the stiffness of the system
+        assert len(figure.axes[0].get_lines()) == 2 * count + 1
         for label in ("forward", "backward"):
             expected = np.column_stack([[1e6, 1e7], found.lines(label)[:, 0]])
             np.testing.assert_array_equal(curves(figure.axes[0])[label], expected)

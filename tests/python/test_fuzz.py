@@ -84,13 +84,23 @@ ROLLING = gb.RollingBearing(
 WITH_FILM = {**SYSTEM, "bearings": [*SYSTEM["bearings"][:-1], FILM._describe("bearing")]}
 #: The same with rolling elements.
 WITH_BALLS = {**SYSTEM, "bearings": [ROLLING._describe("bearing"), *SYSTEM["bearings"][1:]]}
+#: The same with helical teeth in the first stage.
+HELICAL = {
+    **SYSTEM,
+    "gears": [
+        {**gear, "helix_angle": {"g1": 0.25, "g2": -0.25}[gear["name"]]}
+        if gear["name"] in ("g1", "g2")
+        else gear
+        for gear in SYSTEM["gears"]
+    ],
+}
 
 
 @st.composite
 def descriptions(draw: st.DrawFn) -> Any:
     if draw(st.integers(0, 19)) == 0:
         return draw(anything)
-    chosen = {0: WITH_FILM, 1: WITH_BALLS}.get(draw(st.integers(0, 5)), SYSTEM)
+    chosen = {0: WITH_FILM, 1: WITH_BALLS, 2: HELICAL}.get(draw(st.integers(0, 5)), SYSTEM)
     description = copy.deepcopy(chosen)
     for _ in range(draw(st.integers(1, 3))):
         *path, last = draw(st.sampled_from(places(chosen)))

@@ -255,6 +255,7 @@ def test_bearings_carry_thrust_radial_force_and_tilting_moment(helix: float):
     }
     assert along["input"] == pytest.approx(thrust, rel=1e-10)
     assert along["output"] == pytest.approx(-thrust, rel=1e-10)
+    assert mesh.thrust == pytest.approx(-thrust, rel=1e-12)
     for shaft, side, arm in (("input", 1.0, radius), ("output", -1.0, 2 * radius)):
         left, right = (static.bearing_force(shaft, x) for x in (0.0, 0.4))
         assert left + right == pytest.approx([-side * radial, -side * tangential], rel=1e-9)
@@ -406,11 +407,16 @@ def test_a_free_undamped_motion_conserves_energy():
     [
         {},
         {"backlash": 2e-5, "stiffness": gb.Stiffness.square(2e8)},
+        {
+            "backlash": 2e-6,
+            "damping_in_separation": True,
+            "error": gb.TransmissionError(tooth=[(2e-5, 0.1)]),
+        },
         {"stiffness": gb.Stiffness.parabolic(2e8, phase="twist")},
         {"stiffness": gb.Stiffness.square(2e8, engagement="sharp")},
         {"error": gb.TransmissionError(tooth=[(2e-6, 0.1)])},
     ],
-    ids=["constant", "backlash", "phase of the twist", "sharp", "error"],
+    ids=["constant", "backlash", "damping in separation", "phase of the twist", "sharp", "error"],
 )
 def test_the_energy_balance_closes(mesh: dict[str, Any]):
     gears = pair().gears
@@ -680,6 +686,17 @@ def test_axial_forces_on_bearings_are_those_of_their_springs():
     rate = np.gradient(u, run.time, edge_order=2)
     force = run.axial_bearing_force("input", 0.0)
     assert ranged(3e7 * u + 400.0 * rate, force) < 5e-3
+
+
+@pytest.mark.parametrize("geometry", ["live", "frozen"])
+def test_the_recorded_thrust_is_the_axial_part_of_the_mesh_force(geometry: str):
+    run = pair().simulate(2e-3, 100.0, geometry=geometry, record=["meshes"])
+    mesh = run.mesh("g1", "g2")
+    # sin β_b = sin β cos α_n with the pressure angle α_n = 20° normal to the teeth
+    axial = np.sin(HELIX) * np.cos(np.radians(20.0))
+    np.testing.assert_allclose(mesh.thrust, -mesh.force * axial, rtol=1e-12)
+    spur = pair(0.0).simulate(1e-3, 100.0, record=["meshes"]).mesh("g1", "g2")
+    assert not spur.thrust.any()
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,7 @@ calls = {
         response.plot, modes.plot, campbell.plot, lambda: synchronous.plot("g1"),
         lambda: synchronous.bode("g1"), spectrum.plot,
         run.energy_balance().plot, system.critical_speed_map([1e7, 1e8]).plot,
+        system.plot, lambda: run.animate(f"{folder}/run.gif"),
     ],
     "netcdf": [
         response.to_xarray,

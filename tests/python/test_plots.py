@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.results.response import PLOT_KINDS
+from gearbow.results.run_figures import PLOT_KINDS
 from test_response import recorded, train
 
 
@@ -29,7 +29,7 @@ def test_every_kind_of_figure_has_labelled_axes(kind, tmp_path):
     assert figure.axes
     columns = [axes for axes in figure.axes if axes.get_xlabel()]
     assert columns
-    assert all(axes.get_ylabel().endswith("]") or kind == "mesh" for axes in figure.axes)
+    assert all(axes.get_ylabel().endswith("]") or kind == "geometry" for axes in figure.axes)
     assert all(axes.get_lines() for axes in figure.axes)
     figure.savefig(tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 1000
@@ -59,7 +59,7 @@ def test_labels_are_names_or_positions():
 
 def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
     response = recorded()
-    contact, pressure, centres = response.plot("mesh").axes
+    contact, pressure, centres = response.plot("geometry").axes
     mesh = response.mesh("g1", "g2")
     np.testing.assert_array_equal(drawn(contact)[0], mesh.contact_ratio)
     np.testing.assert_allclose(drawn(pressure)[0], np.degrees(mesh.pressure_angle))

@@ -21,6 +21,7 @@ FIELDS = (
     "centre_line_angle",
     "contact_ratio",
     "pairs_in_contact",
+    "thrust",
 )
 TERMS = (
     "kinetic",
@@ -367,7 +368,7 @@ def test_tables_have_units_in_their_columns():
     response = recorded()
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
-    assert table.shape == (5, 3 * 3 + 8 + 2 + 1 + len(TERMS))
+    assert table.shape == (5, 3 * 3 + len(FIELDS) + 2 + 1 + len(TERMS))
     np.testing.assert_array_equal(table["g2 w [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(

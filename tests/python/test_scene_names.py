@@ -70,7 +70,7 @@ def scene_with(key: str, index: int, **changes) -> dict:
         ),
         (
             lambda: pair().synchronous([1.0]).displacement("pinio"),
-            r'^at: no gear or disk is called "pinio"; did you mean "pinion"\?',
+            r'^at: no gear, disk, support or housing is called "pinio"; did you mean "pinion"\?',
         ),
         (
             lambda: pair(meshes=[gb.Mesh("pinion", "wheel", stiffness=gb.Stiffness("sqare"))]),

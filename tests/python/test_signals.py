@@ -335,7 +335,7 @@ class TestKinematics:
             reference="slow",
         )
         found = Kinematics.of(system)
-        assert dict(found.shafts) == pytest.approx({"fast": 2.5, "slow": 1.0})
+        assert dict(found.shafts) == pytest.approx({"fast": -2.5, "slow": 1.0})
         ((*names, tooth),) = found.meshes
         assert names == ["pinion", "wheel", "fast", "slow"]
         assert tooth == pytest.approx(50.0)

@@ -273,6 +273,33 @@ def test_the_arms_follow_the_centres_of_meshing_shafts():
     np.testing.assert_allclose(found, 100.0 / housing.rotational_stiffness[0], rtol=1e-3)
 
 
+def test_analyses_give_the_motion_of_a_point_that_a_run_records():
+    system, _ = on_housing()
+    speed = 150.0
+    run = system.simulate(
+        0.05, speed, initial="synchronous", record=["sensor", "box"], output_step=1e-3
+    )
+    turning = np.exp(1j * speed * run.time)[:, None]
+    for name in ("sensor", "box"):
+        amplitude = system.synchronous([speed]).displacement(name)[0, 0]
+        expected = system.static().displacement(name) + (amplitude * turning).real
+        # the difference of the stationary motion and of one that the run integrates
+        np.testing.assert_allclose(
+            run.displacement(name), expected, rtol=0, atol=1e-6 * np.abs(amplitude).max()
+        )
+
+
+def test_only_displacements_accept_a_point_of_a_housing():
+    system, _ = on_housing()
+    synchronous = system.synchronous([100.0])
+    with pytest.raises(gb.SceneError, match=r'"sensor" is a point of a housing.*the housing "box"'):
+        synchronous.peaks("sensor")
+    with pytest.raises(gb.SceneError, match=r'no gear, disk, support or housing.*mean "sensor"\?'):
+        system.static().displacement("senser")
+    with pytest.raises(gb.GearbowError, match="'box' is no place of a shaft"):
+        synchronous.elastic("box")
+
+
 def test_analyses_over_the_speed_and_files(tmp_path: Any):
     system, _ = on_housing()
     speeds = np.linspace(50.0, 400.0, 8)

@@ -149,6 +149,20 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         {"width": 0.2, "live": False},
     ),
     "backlash": ({"stiffness": SQUARE, "backlash": 5e-6}, {"width": 0.2, "backlash": 5e-6}),
+    "damping in separation": (
+        {"stiffness": SQUARE, "backlash": 5e-6, "damping_in_separation": True},
+        {"width": 0.2, "backlash": 5e-6, "film": True},
+    ),
+    "damping in separation, frozen": (
+        {
+            "stiffness": SQUARE,
+            "backlash": 5e-6,
+            "damping_in_separation": True,
+            "frozen": True,
+            "error": ERROR,
+        },
+        {"width": 0.2, "backlash": 5e-6, "film": True, "live": False, "error": error},
+    ),
     "all of it": (
         {
             "stiffness": SQUARE,
@@ -159,6 +173,16 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         },
         {"width": 0.2, "backlash": 5e-6, "error": error, "relief": (6e-6, 2e-3, 1)},
     ),
+    "all of it, damping in separation": (
+        {
+            "stiffness": SQUARE,
+            "backlash": 5e-6,
+            "damping_in_separation": True,
+            "error": ERROR,
+            "run_out": (2e-5 + 1e-5j, -1e-5j),
+        },
+        {"width": 0.2, "backlash": 5e-6, "film": True, "error": error},
+    ),
 }
 
 
@@ -168,6 +192,8 @@ IN_BENDING = (
     "square, limited by the other one",
     "run-out",
     "all of it",
+    "damping in separation, frozen",
+    "all of it, damping in separation",
 )
 
 

@@ -330,7 +330,7 @@ def test_progress_increases_from_0_to_1(capsys):
         ({"duration": 0.0}, "duration: must be positive and finite, got 0.0"),
         ({"duration": "long"}, "duration: must be a number, got 'long'"),
         ({"speed": np.nan}, "speed: must be finite, got nan"),
-        ({"signals": "g9"}, 'signals: no gear or disk is called "g9"'),
+        ({"signals": "g9"}, 'signals: no gear, disk, support or housing is called "g9"'),
         ({"signals": ("input", 0.1)}, 'signals: shaft "input" has no node at 0.1 m'),
         ({"signals": ("g2", "g1")}, "signals: no gear 'g2' drives a gear 'g1'"),
         ({"signals": 3}, "signals: must be a name, (shaft, position) or (driver, driven), got 3"),

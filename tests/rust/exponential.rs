@@ -342,8 +342,8 @@ fn integrate(
     let longest = 5e-5;
     let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
     let time_grid = TimeGrid { longest, finest: event + 4, event };
-    let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), powers: None };
-    let mut output = OutputMap::new(&field, form, selection);
+    let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
+    let mut output = OutputMap::new(&field, form, &maps, selection);
     let table =
         PropagatorCache::new(Arc::new(form.clone()), QuadratureRule::gauss(stages), maps, time_grid, field.spins());
     let (carried, turning) = field.reference_motion(0.0);

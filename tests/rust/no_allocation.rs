@@ -241,8 +241,8 @@ fn exponential(
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
     let time_grid = TimeGrid { longest, finest: event + 12, event };
-    let selection = Selection { displacements: vec![3], velocities: vec![3], powers: None };
-    let mut output = OutputMap::new(&field, &linear, selection);
+    let selection = Selection { displacements: vec![3], velocities: vec![3], ..Selection::default() };
+    let mut output = OutputMap::new(&field, &linear, &maps, selection);
     let table = PropagatorCache::new(linear.clone(), rule.clone(), maps, time_grid, field.spins());
     let mut stepper = Stepper::new(field, table.into());
     let control = if adaptive {

@@ -201,6 +201,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                     stiffness: Some(Stiffness::Mean(stiffness)),
                     damping_ratio: given(0),
                     damping: given(1),
+                    damping_in_separation: named.then_some(vector),
                     centre_line_angle: angle,
                     centre_distance: None,
                     backlash: None,

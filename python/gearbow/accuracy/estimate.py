@@ -25,9 +25,12 @@ from gearbow.accuracy.refine import refined
 from gearbow.errors import AccuracyWarning, RunTimeWarning
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
+from gearbow.recording.tables import optional_arrays
 
 __all__ = ["estimate_errors"]
 
+#: Recorded rates of displacements.
+_RATES = ("velocity", "acceleration")
 #: Shortest time over which errors are averaged, if the run is long enough [s].
 _WINDOW = 0.1
 #: Longest time over which errors are averaged [s]. Damping that needs more time counts as none.
@@ -79,7 +82,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     Returns
     -------
     Errors
-        Errors of displacements and mesh forces.
+        Errors of displacements, recorded rates and mesh forces.
     """
     model = Model(dict(request.description))
     options = dict(request.options)
@@ -111,6 +114,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     chaotic = contact and any(
         _diverges(a, b, 1.0) or _diverges(a, d, _GROWTH)
         for a, b, d in zip(own, exact, fine, strict=True)
+        if d.kind not in _RATES
     )
     return Errors(estimates, window=window, chaotic=chaotic)
 
@@ -158,9 +162,12 @@ def _recorded(request: RunRequest) -> list[Any]:
 
 
 def _items(data: RunData) -> list[Any]:
-    """Give the recorded places and meshes: they exist in a finer model, where groups have more."""
+    """Give the recorded places, meshes and rates, which exist in a finer model.
+
+    A group of a finer model has more members.
+    """
     places = [names[0] if names else (shaft, x) for shaft, x, names in data["points"]]
-    return [*places, *data["meshes"]]
+    return [*places, *data["meshes"], *(name for name in _RATES if name in data)]
 
 
 def _tighter(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -207,9 +214,13 @@ def _times(model: Model, options: Mapping[str, Any]) -> Array:
 
 
 def _signals(data: RunData) -> list[_Signal]:
-    """Collect displacements and mesh forces."""
+    """Collect displacements, their recorded rates, and mesh forces."""
+    arrays: dict[str, Any] = {"displacement": data["displacement"], **optional_arrays(data)}
     moved = [
-        _Signal("displacement", data["displacement"][:, i]) for i in range(len(data["points"]))
+        _Signal(kind, arrays[kind][:, i])
+        for kind in ("displacement", *_RATES)
+        if kind in arrays
+        for i in range(len(data["points"]))
     ]
     forces = [
         _Signal("mesh_force", data["mesh"]["force"][:, [i]]) for i in range(len(data["meshes"]))

@@ -1,12 +1,16 @@
 """Coordinates of a system: its degrees of freedom, and the positions of gears and disks."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from gearbow._lookup import nearest, nodal
 from gearbow._types import At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place
+from gearbow.description.supports import Housing
 from gearbow.errors import GearbowError, SceneError
 
 __all__ = ["Coordinates"]
@@ -28,10 +32,13 @@ class Coordinates:
         Those within an element have the positions of its ends and a degree ("v2").
     bodies : mapping of {str: (str, float)}
         Shaft and position [m] of each gear and disk; name and position of each support or housing.
+    points : mapping of {str: (str, (float, float, float))}
+        Housing of each of its points, and the vector (x, y, z) from its centre of mass [m].
     """
 
     dofs: tuple[Dof, ...]
     bodies: Mapping[str, tuple[str, float]]
+    points: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -40,6 +47,7 @@ class Coordinates:
         gears: Sequence[Gear],
         disks: Sequence[Disk],
         bases: Sequence[str] = (),
+        housings: Sequence[Housing] = (),
     ) -> "Coordinates":
         """Collect the coordinates of a system.
 
@@ -53,6 +61,8 @@ class Coordinates:
             The disks.
         bases : sequence of str
             Names of supports and housings.
+        housings : sequence of Housing
+            The housings, whose points have names.
 
         Returns
         -------
@@ -62,7 +72,48 @@ class Coordinates:
         given: list[Gear | Disk] = [*gears, *disks]
         bodies = {body.name: (body.shaft, float(body.position)) for body in given}
         bodies |= {name: (name, x) for name, x, _ in nodal(dofs) if name in bases}
-        return cls(tuple(dofs), bodies)
+        points = {
+            name: (housing.name, tuple(np.subtract(point, housing.position).tolist()))
+            for housing in housings
+            for name, point in housing.points.items()
+        }
+        return cls(tuple(dofs), bodies, points)
+
+    def displacement(self, values: Any, at: At) -> Any:
+        """Give the lateral displacement of a place.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., n)
+            Displacements or amplitudes of all degrees of freedom [m, rad].
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Displacements v and w [m].
+
+        Raises
+        ------
+        SceneError
+            If there is no such place.
+        GearbowError
+            If the system has no lateral motion.
+        """
+        at = place(at)
+        if not isinstance(at, str) or at not in self.points:
+            return values[..., self.lateral(at)]
+        housing, (x, y, z) = self.points[at]
+        moved = values[..., self.lateral(housing)].copy()
+        if (*self._node(housing), "twist") in self.dofs:
+            b, g, twist = (
+                values[..., self._index(housing, direction, "rotation")]
+                for direction in ("B", "G", "twist")
+            )
+            moved[..., 0] += g * x - twist * z
+            moved[..., 1] += -b * x + twist * y
+        return moved
 
     def shaft(self, at: At) -> str:
         """Find the shaft of a place.
@@ -161,8 +212,14 @@ class Coordinates:
         """Find the shaft and the exact position of a node."""
         at = place(at)
         if isinstance(at, str):
+            if at in self.points:
+                raise SceneError(
+                    f'at: "{at}" is a point of a housing, which only `displacement` accepts; name '
+                    f'the housing "{self.points[at][0]}"'
+                )
             if at not in self.bodies:
-                raise SceneError(f'at: no gear or disk is called "{at}"{nearest(at, self.bodies)}')
+                near = nearest(at, [*self.bodies, *self.points])
+                raise SceneError(f'at: no gear, disk, support or housing is called "{at}"{near}')
             shaft, position = self.bodies[at]
         else:
             shaft, position = at

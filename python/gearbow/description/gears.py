@@ -147,6 +147,10 @@ class Mesh(Part):
         the line of action.
     damping : float, optional
         Damping along the line of action, normal to the teeth [N s/m], instead of the ratio.
+    damping_in_separation : bool
+        Whether the damping acts while the flanks are separated as well, as that of an oil film. The
+        mesh force can then be tensile. False: only flanks in contact are damped. Without backlash
+        or without damping, both values give the same motion.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional
@@ -173,6 +177,7 @@ class Mesh(Part):
     stiffness: float | Stiffness | None = None
     damping_ratio: float = 0.0
     damping: float | None = None
+    damping_in_separation: bool = False
     centre_line_angle: float = 0.0
     centre_distance: float | None = None
     backlash: float | None = None

@@ -63,7 +63,7 @@ class Kinematics:
     Parameters
     ----------
     shafts : tuple of (str, float)
-        Name of each shaft, and the absolute value of its speed ratio.
+        Name of each shaft, and its speed ratio with the sign of its rotation.
     meshes : tuple of (str, str, str, str, float)
         Driving and driven gear, their shafts, and the order of the tooth frequency.
     bearings : tuple of (str, float, float)
@@ -74,7 +74,7 @@ class Kinematics:
     --------
     >>> from gearbow.orders import Kinematics
     >>> train = Kinematics(
-    ...     shafts=(("input", 1.0), ("output", 0.5)),
+    ...     shafts=(("input", 1.0), ("output", -0.5)),
     ...     meshes=(("g1", "g2", "input", "output", 25.0),),
     ... )
     >>> for order in train.orders(shaft_harmonics=2, mesh_harmonics=1, sidebands=1):
@@ -107,10 +107,11 @@ class Kinematics:
         Kinematics
             Speed ratios and tooth frequencies.
         """
-        ratios = {
-            shaft.name: abs(float(ratio))
+        signed = {
+            shaft.name: float(ratio)
             for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
         }
+        ratios = {name: abs(ratio) for name, ratio in signed.items()}
         gears = {gear.name: gear for gear in system.gears}
         meshes = []
         for mesh in system.meshes:
@@ -126,7 +127,7 @@ class Kinematics:
             if isinstance(bearing, RollingBearing)
         }
         rolling = tuple((name, *orders) for name, orders in bearings.items())
-        return cls(tuple(ratios.items()), tuple(meshes), rolling)
+        return cls(tuple(signed.items()), tuple(meshes), rolling)
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
@@ -196,7 +197,7 @@ class Kinematics:
     def _shafts(self, harmonics: int) -> Iterator[tuple[float, str]]:
         for n in range(1, harmonics + 1):
             for name, ratio in self.shafts:
-                yield n * ratio, f"{n}× {name}"
+                yield n * abs(ratio), f"{n}× {name}"
 
     def _bearings(self, harmonics: int) -> Iterator[tuple[float, str]]:
         """Give the orders of cages, and of the elements that pass the outer ring."""
@@ -208,7 +209,7 @@ class Kinematics:
 
     def _meshes(self, harmonics: int, sidebands: int) -> Iterator[tuple[float, str]]:
         """Give the tooth frequencies, or their sidebands if `sidebands` is not 0."""
-        ratios = dict(self.shafts)
+        ratios = {name: abs(ratio) for name, ratio in self.shafts}
         for m in range(1, harmonics + 1):
             for driver, driven, *shafts, tooth in self.meshes:
                 name = f"{m}× mesh {driver}–{driven}"

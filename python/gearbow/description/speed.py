@@ -178,10 +178,31 @@ class SpeedProfile(ReadOnly):
         t = np.clip(matrix(times, "times"), self.breaks[0], self.breaks[-1])
         piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
         since = t - self.breaks[piece]
-        speed: Array = np.zeros_like(t)
-        for row in self.coefficients:
-            speed = speed * since + row[piece]
-        return speed
+        return _polynomial(self.coefficients, piece, since)
+
+    def angle(self, times: ArrayLike) -> Array:
+        """Integrate the speed exactly.
+
+        Parameters
+        ----------
+        times : array_like, shape (k,) or scalar
+            Times [s].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Angle since the first break, negative before it [rad].
+        """
+        t = matrix(times, "times")
+        order, pieces = self.coefficients.shape
+        powers = np.arange(order, 0, -1)[:, np.newaxis]
+        integral = np.vstack([self.coefficients / powers, np.zeros(pieces)])
+        whole = _polynomial(integral, np.arange(pieces), np.diff(self.breaks))
+        before = np.concatenate([[0.0], np.cumsum(whole)])
+        inner = np.clip(t, self.breaks[0], self.breaks[-1])
+        piece = np.clip(np.searchsorted(self.breaks, inner, side="right") - 1, 0, pieces - 1)
+        outside = (t - inner) * self(inner)
+        return before[piece] + _polynomial(integral, piece, inner - self.breaks[piece]) + outside
 
     def __repr__(self) -> str:
         start, end = self.breaks[[0, -1]]
@@ -190,6 +211,14 @@ class SpeedProfile(ReadOnly):
             f"SpeedProfile({self.breaks.size - 1} pieces, {start:g} s to {end:g} s; "
             f"{first:g} rad/s to {last:g} rad/s)"
         )
+
+
+def _polynomial(coefficients: Array, piece: NDArray[np.intp], since: Array) -> Array:
+    """Evaluate the polynomial of each piece at times since its break."""
+    value: Array = np.zeros_like(since)
+    for row in coefficients:
+        value = value * since + row[piece]
+    return value
 
 
 def plain_speed(speed: float | SpeedProfile) -> Plain:

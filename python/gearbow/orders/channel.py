@@ -7,6 +7,7 @@ from gearbow.description.places import place, place_label
 from gearbow.errors import ChannelError
 from gearbow.recording.channels import BEARING, MESH, POINT
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 __all__ = ["Channel", "channel"]
 
@@ -33,19 +34,22 @@ class Channel:
     values: Array
 
 
-def channel(recording: Recording, of: Record, quantity: str | None = None) -> Channel:
+def channel(
+    recording: Recording, of: Record | SignalSensor, quantity: str | None = None
+) -> Channel:
     """Find one recorded signal.
 
     Parameters
     ----------
     recording : Recording
         The recorded run.
-    of : str or tuple
-        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
-        or "energy".
+    of : str, tuple or SignalSensor
+        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m]),
+        "energy", or a probe or accelerometer.
     quantity : str, optional
-        "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
-        field of `MeshResponse`. None is "v", "y" or the mesh force.
+        "v", "w", "twist", "u", "velocity_v", "velocity_w", "twist_rate", "acceleration_v" or
+        "acceleration_w" of a place, "y", "z" or "x" of the force on a bearing, or a field of
+        `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------
@@ -57,26 +61,36 @@ def channel(recording: Recording, of: Record, quantity: str | None = None) -> Ch
     ChannelError
         If it was not recorded, or there is no such quantity.
     """
-    of = place(of, "of")
-    if isinstance(of, tuple) and len(of) == 3:
+    if isinstance(of, SignalSensor):
+        if quantity is not None:
+            raise ChannelError(f"quantity: a sensor has one signal; leave out {quantity!r}")
+        return Channel(of.label, of.unit, of.measure(recording))
+    item: Record = place(of, "of")
+    if isinstance(item, tuple) and len(item) == 3:
         values: Array
-        name, component = _chosen(of, quantity, _BEARING)
+        name, component = _chosen(item, quantity, _BEARING)
         if name == "x":
-            values = recording.axial_bearing_force(of[1], of[2])
+            values = recording.axial_bearing_force(item[1], item[2])
         else:
-            values = recording.bearing_force(of[1], of[2])[:, component]
-        return Channel(f"bearing {of[1]} at {of[2]:g} m {name}", _BEARING[name], values)
-    if of == "energy":
-        _chosen(of, quantity, {"energy": "J"})
+            values = recording.bearing_force(item[1], item[2])[:, component]
+        return Channel(f"bearing {item[1]} at {item[2]:g} m {name}", _BEARING[name], values)
+    if item == "energy":
+        _chosen(item, quantity, {"energy": "J"})
         return Channel("energy", "J", recording.energy)
-    if isinstance(of, tuple) and isinstance(of[1], str):
-        name, _ = _chosen(of, quantity, {"force": MESH["force"], **MESH})
-        values = getattr(recording.mesh(of[0], of[1]), name)
-        return Channel(f"{of[0]}/{of[1]} {name.replace('_', ' ')}", MESH[name], values)
-    name, component = _chosen(of, quantity, POINT)
-    at = of if isinstance(of, str) else (of[0], float(of[1]))
-    single = {"twist": recording.twist, "u": recording.axial}
-    motion = single[name](at) if name in single else recording.displacement(at)[:, component]
+    if isinstance(item, tuple) and isinstance(item[1], str):
+        name, _ = _chosen(item, quantity, {"force": MESH["force"], **MESH})
+        values = getattr(recording.mesh(item[0], item[1]), name)
+        return Channel(f"{item[0]}/{item[1]} {name.replace('_', ' ')}", MESH[name], values)
+    name, _ = _chosen(item, quantity, POINT)
+    at = item if isinstance(item, str) else (item[0], float(item[1]))
+    single = {"twist": recording.twist, "u": recording.axial, "twist_rate": recording.twist_rate}
+    lateral = {
+        "": recording.displacement,
+        "velocity": recording.velocity,
+        "acceleration": recording.acceleration,
+    }
+    kind, _, axis = name.rpartition("_")
+    motion = single[name](at) if name in single else lateral[kind](at)[:, "vw".index(axis)]
     return Channel(f"{place_label(at)} {name}", POINT[name], motion)
 
 

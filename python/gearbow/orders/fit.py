@@ -8,7 +8,7 @@ reported.
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,18 +113,22 @@ class Orders(ReadOnly):
         ]
         return "\n".join(rows)
 
-    def plot(self, count: int = 12) -> "Figure":
+    def plot(self, count: int = 12, *, ax: Any = None) -> "Figure":
         """Draw the largest orders as bars with their names.
 
         Parameters
         ----------
         count : int
             Number of orders.
+        ax : Axes, optional
+            Panel for the bars; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Amplitude of each order on a logarithmic scale.
+            Amplitude of each order, on a logarithmic scale if the amplitudes differ by more than a
+            factor of 30. The colour shows whether a shaft, a mesh, a sideband or a bearing excites
+            the order.
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
@@ -132,7 +137,8 @@ class Orders(ReadOnly):
         largest = np.argsort(-amplitudes, kind="stable")[: whole(count, "count")]
         chosen = np.sort(largest)
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
-        return figures.orders(names, amplitudes[chosen], f"amplitude of {self.label} [{self.unit}]")
+        label = f"amplitude of {self.label} [{self.unit}]"
+        return figures.orders(names, amplitudes[chosen], label, ax=ax)
 
     def __str__(self) -> str:
         return self.table()
@@ -140,7 +146,7 @@ class Orders(ReadOnly):
 
 def orders(
     recording: Recording,
-    of: Record,
+    of: Record | SignalSensor,
     quantity: str | None = None,
     *,
     shaft_harmonics: int = 4,
@@ -155,7 +161,7 @@ def orders(
     ----------
     recording : Recording
         The recorded run.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.orders`.

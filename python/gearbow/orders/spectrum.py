@@ -1,21 +1,23 @@
 """Amplitude spectrum of one recorded signal."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
+from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["WINDOWS", "Spectrum", "amplitudes", "spectrum"]
+__all__ = ["WINDOWS", "Spectrum", "amplitudes", "order_frequencies", "spectrum"]
 
 #: Coefficients of the window functions a₀ − a₁ cos + a₂ cos 2 − … after Heinzel, Rüdiger and
 #: Schilling, *Spectrum and spectral density estimation by the DFT* (2002). A flat-top window gives
@@ -25,6 +27,10 @@ WINDOWS = {
     "hann": (0.5, 0.5),
     "flat top": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
 }
+
+
+#: Number of harmonics of the tooth frequencies with a name in a spectrum.
+_NAMED_HARMONICS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,26 +47,42 @@ class Spectrum(ReadOnly):
         Name of the signal, e.g. "g1 v".
     unit : str
         Unit of the signal.
+    orders : tuple of (str, float)
+        Names and frequencies [Hz] of the orders of the train at a constant speed.
     """
 
     frequencies_hz: Array
     amplitudes: Array
     label: str
     unit: str
+    orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
 
-    def plot(self) -> "Figure":
-        """Draw the spectrum on a logarithmic scale of six decades.
+    def plot(self, ax: Any = None) -> "Figure":
+        """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Panel for the spectrum; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Amplitude against frequency [Hz].
+            Amplitude against frequency [Hz]. Marks show the peaks at orders of shafts, meshes,
+            their sidebands and bearings; the largest have names.
+
+        Raises
+        ------
+        GearbowError
+            If `ax` is not one panel.
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
         label = f"{self.label} [{self.unit}]"
-        return figures.spectrum(self.frequencies_hz, self.amplitudes, label)
+        return figures.spectrum(
+            self.frequencies_hz, self.amplitudes, label, orders=self.orders, ax=ax
+        )
 
     def __repr__(self) -> str:
         return f"Spectrum({self.label} [{self.unit}]; {self.frequencies_hz.size} frequencies)"
@@ -108,7 +130,11 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
 
 
 def spectrum(
-    recording: Recording, of: Record, quantity: str | None = None, *, window: str = "hann"
+    recording: Recording,
+    of: Record | SignalSensor,
+    quantity: str | None = None,
+    *,
+    window: str = "hann",
 ) -> Spectrum:
     """Find the amplitude spectrum of a recorded signal.
 
@@ -116,7 +142,7 @@ def spectrum(
     ----------
     recording : Recording
         The recorded run.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         Owner of the signal, as in `gearbow.Response.spectrum`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.spectrum`.
@@ -130,4 +156,26 @@ def spectrum(
     """
     signal = channel(recording, of, quantity)
     frequencies, amplitude = amplitudes(recording.time, signal.values, window)
-    return Spectrum(frequencies, amplitude, signal.label, signal.unit)
+    named = order_frequencies(recording)
+    return Spectrum(frequencies, amplitude, signal.label, signal.unit, named)
+
+
+def order_frequencies(recording: Recording) -> tuple[tuple[str, float], ...]:
+    """List the orders of a train with their frequencies.
+
+    Parameters
+    ----------
+    recording : Recording
+        The recorded run.
+
+    Returns
+    -------
+    tuple of (str, float)
+        Simplest name and frequency [Hz] of each order; none if the speed changes or the train is
+        unknown.
+    """
+    if recording.kinematics is None or isinstance(recording.speed, SpeedProfile):
+        return ()
+    turns = abs(recording.speed) / (2.0 * np.pi)
+    found = recording.kinematics.orders(mesh_harmonics=_NAMED_HARMONICS)
+    return tuple((each.names[0], each.value * turns) for each in found)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.spectrum import spectrum
 from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,13 +50,19 @@ class Waterfall(ReadOnly):
     unit: str
     kinematics: Kinematics | None = field(repr=False)
 
-    def plot(self, highest: float | None = None) -> "Figure":
+    def plot(
+        self, highest: float | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+    ) -> "Figure":
         """Draw amplitudes against speed and frequency, with the order lines of shafts and meshes.
 
         Parameters
         ----------
         highest : float, optional
             Largest frequency of the figure [Hz]; None includes all visible amplitudes.
+        ax : Axes, optional
+            Panel for the diagram; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -73,12 +80,14 @@ class Waterfall(ReadOnly):
             f"{self.label} [{self.unit}]",
             lines=[(line.names[0], line.value) for line in lines],
             highest=None if highest is None else number(highest, "highest"),
+            speed_unit=speed_unit,
+            ax=ax,
         )
 
 
 def waterfall(
     responses: Sequence[Recording],
-    of: Record,
+    of: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
@@ -89,7 +98,7 @@ def waterfall(
     ----------
     responses : sequence of Response
         Runs at constant speeds, in any order, with equal output steps and numbers of times.
-    of : str or tuple
+    of : str, tuple or SignalSensor
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional

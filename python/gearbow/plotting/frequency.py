@@ -8,10 +8,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from gearbow._types import Array
-from gearbow.plotting.style import MICRO, PALETTE, colour, legend, panels
+from gearbow.plotting.style import (
+    MICRO,
+    PALETTE,
+    GivenAxes,
+    colour,
+    label_x,
+    legend,
+    panels,
+    place_legend,
+    speed_axis,
+)
 
 __all__ = ["MARKS", "bode", "campbell", "critical_speed_map", "synchronous"]
 
@@ -25,7 +37,11 @@ MARKS: dict[str, tuple[str, Any, str]] = {
     "rigid": (PALETTE[6], "-", "."),
 }
 
-_SPEED = "speed of the reference shaft [rad/s]"
+#: Ratio of the largest to the smallest damping ratio above which their scale is logarithmic, and
+#: the smallest damping ratio on that scale [%].
+_DECADES, _LEAST_DAMPING = 10.0, 1e-3
+#: Colour of the operating speeds.
+_OPERATING = "0.88"
 
 
 def campbell(
@@ -36,6 +52,9 @@ def campbell(
     *,
     lines: Sequence[tuple[str, float]],
     intersections: Sequence[tuple[float, float]],
+    operating: tuple[float, float] | None = None,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw frequencies and damping ratios against the speed.
 
@@ -53,38 +72,62 @@ def campbell(
         Name and order of each excitation line.
     intersections : sequence of (float, float)
         Speed [rad/s] and frequency [Hz] of each intersection.
+    operating : (float, float), optional
+        Lowest and highest operating speed [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : Axes or sequence of two Axes, optional
+        Panels of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
         Frequencies with excitation lines and intersections above, damping ratios below.
     """
+    factor, label = speed_axis(speed_unit)
     top = 1.08 * float(frequencies_hz.max(initial=1.0))
+    last = max(float(speeds[-1]), *(operating or (0.0,)))
     # The whirl at speed 0 has no direction: take that of the second speed.
     if len(speeds) > 1:
         whirl = np.concatenate([whirl[1:2], whirl[1:]])
-    with panels(2, 4.6, columns=1, sharex=True) as (figure, (upper, lower)):
+    with panels(2, 4.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+        upper, lower = axes
+        for panel in axes if operating is not None else ():
+            _operating(panel, factor * np.array(operating))
         for mode in range(frequencies_hz.shape[1]):
-            _by_whirl(upper, speeds, frequencies_hz[:, mode], whirl[:, mode])
-            _by_whirl(lower, speeds, 100.0 * damping_ratios[:, mode], whirl[:, mode])
-        for name, order in lines:
-            _excitation_line(upper, name, order, float(speeds[-1]), top)
+            _by_whirl(upper, factor * speeds, frequencies_hz[:, mode], whirl[:, mode])
+            _by_whirl(lower, factor * speeds, 100.0 * damping_ratios[:, mode], whirl[:, mode])
+        _excitation_lines(upper, [(n, o / factor) for n, o in lines], factor * last, top)
         if intersections:
             x, y = np.transpose(intersections)
-            upper.plot(x, y, "o", color="black", markersize=5, markerfacecolor="white")
+            upper.plot(factor * x, y, "o", color="black", markersize=5, markerfacecolor="white")
         upper.set(ylabel="frequency [Hz]", ylim=(0.0, top))
-        lower.set(ylabel="damping ratio [%]", xlabel=_SPEED)
-        lower.set_xlim(speeds[0], max(speeds[-1], speeds[0] + 1.0))
+        lower.set(ylabel="damping ratio [%]")
+        _scale(lower, 100.0 * damping_ratios)
+        label_x(axes, label)
+        for panel in axes:
+            panel.set_xlim(factor * speeds[0], factor * max(last, speeds[0] + 1.0))
         shown = [name for name in MARKS if np.any(whirl == name)]
-        handles = [
+        handles: list[Any] = [
             Line2D([], [], color=MARKS[name][0], linestyle=MARKS[name][1], marker=MARKS[name][2])
             for name in shown
         ]
-        figure.legend(handles, shown, loc="outside upper left", ncols=len(shown))
+        if operating is not None:
+            handles.append(Patch(color=_OPERATING))
+            shown.append("operating speed")
+        place_legend(figure, upper, (handles, shown), ax=ax)
     return figure
 
 
-def critical_speed_map(stiffnesses: Array, lines: Mapping[str, Array], excitation: float) -> Figure:
+def critical_speed_map(
+    stiffnesses: Array,
+    lines: Mapping[str, Array],
+    excitation: float,
+    *,
+    actual: Sequence[float] = (),
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw critical speeds against the bearing stiffness.
 
     Parameters
@@ -95,13 +138,20 @@ def critical_speed_map(stiffnesses: Array, lines: Mapping[str, Array], excitatio
         Critical speeds [rad/s] of each whirl.
     excitation : float
         Order of the excitation.
+    actual : sequence of float
+        Stiffnesses of the bearings of the system [N/m].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : Axes, optional
+        Panel of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
         Critical speeds against stiffness, both axes logarithmic.
     """
-    with panels(1, 6.0, columns=1, width=9.0) as (figure, (panel,)):
+    factor, _ = speed_axis(speed_unit)
+    with panels(1, 6.0, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
         for whirl, (shade, line, mark) in MARKS.items():
             style: dict[str, Any] = {
                 "color": shade,
@@ -111,14 +161,22 @@ def critical_speed_map(stiffnesses: Array, lines: Mapping[str, Array], excitatio
             }
             for number, speeds in enumerate(lines[whirl].T if whirl in lines else ()):
                 label = whirl if number == 0 else None
-                panel.loglog(stiffnesses, speeds, label=label, **style)
-        panel.set(xlabel="stiffness of every bearing [N/m]", ylabel="critical speed [rad/s]")
-        panel.set_title(f"ω = {excitation:g} Ω")
-        legend(figure, panel)
+                panel.loglog(stiffnesses, factor * speeds, label=label, **style)
+        if actual:
+            _span(panel, min(actual), max(actual), "stiffness of the system")
+        panel.set(xlabel="stiffness of every bearing [N/m]")
+        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {excitation:g} Ω")
+        legend(figure, panel, ax=ax)
     return figure
 
 
-def bode(speeds: Array, lines: Mapping[str, tuple[Array, Array]]) -> Figure:
+def bode(
+    speeds: Array,
+    lines: Mapping[str, tuple[Array, Array]],
+    *,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw phase and amplitude against the speed.
 
     Parameters
@@ -127,30 +185,46 @@ def bode(speeds: Array, lines: Mapping[str, tuple[Array, Array]]) -> Figure:
         Speeds of the reference shaft [rad/s].
     lines : mapping of {str: tuple of ndarray of shape (speeds,)}
         Phase [rad] and major semi-axis of the orbit [m] by label.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : sequence of two Axes, optional
+        Panels of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
         Phase [°] above, major semi-axis of the orbits [µm] below.
     """
-    with panels(2, 3.6, columns=1, sharex=True) as (figure, (upper, lower)):
-        for number, (label, (phase, amplitude)) in enumerate(lines.items()):
+    factor, label = speed_axis(speed_unit)
+    with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+        upper, lower = axes
+        for number, (name, (phase, amplitude)) in enumerate(lines.items()):
             style: dict[str, Any] = {
                 "color": colour(number),
                 "linestyle": ("-", "--", "-.", ":")[number % 4],
             }
             known = np.isfinite(phase)
             # The phase has no jumps of 360°; its value at the first speed is unchanged.
-            upper.plot(speeds[known], np.degrees(np.unwrap(phase[known])), label=label, **style)
-            lower.plot(speeds, MICRO * amplitude, **style)
+            upper.plot(
+                factor * speeds[known], np.degrees(np.unwrap(phase[known])), label=name, **style
+            )
+            lower.plot(factor * speeds, MICRO * amplitude, **style)
         upper.set(ylabel="phase [°]")
-        lower.set(ylabel="amplitude [µm]", xlabel=_SPEED)
+        lower.set(ylabel="amplitude [µm]")
+        label_x(axes, label)
         lower.set_ylim(bottom=0.0)
-        legend(figure, upper)
+        legend(figure, upper, ax=ax)
     return figure
 
 
-def synchronous(speeds: Array, orbits: Mapping[str, Array], shafts: Sequence[str]) -> Figure:
+def synchronous(
+    speeds: Array,
+    orbits: Mapping[str, Array],
+    shafts: Sequence[str],
+    *,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw the major semi-axis of the orbits against the speed.
 
     Parameters
@@ -161,38 +235,88 @@ def synchronous(speeds: Array, orbits: Mapping[str, Array], shafts: Sequence[str
         Major semi-axis of the orbit [m] for each shaft as the source, by label.
     shafts : sequence of str
         Names of the shafts.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each label.
 
     Returns
     -------
     matplotlib.figure.Figure
         One panel for each label, one line for each shaft as the source.
     """
-    with panels(len(orbits), 2.8, columns=1, sharex=True) as (figure, axes):
-        for panel, (label, orbit) in zip(axes, orbits.items(), strict=True):
+    factor, label = speed_axis(speed_unit)
+    with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+        for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
             for source, shaft in enumerate(shafts):
                 if np.any(orbit[:, source] > 0.0):
                     values = MICRO * orbit[:, source]
-                    panel.semilogy(speeds, values, label=shaft, color=colour(source))
-            panel.set(ylabel=f"{label} [µm]")
-        axes[-1].set(xlabel=_SPEED)
-        legend(figure, axes[0], title="excited by the shaft")
+                    panel.semilogy(factor * speeds, values, label=shaft, color=colour(source))
+            panel.set(ylabel=f"{name} [µm]")
+        label_x(axes, label)
+        legend(figure, axes[0], title="excited by the shaft", ax=ax)
     return figure
 
 
-def _excitation_line(panel: Axes, name: str, order: float, last: float, top: float) -> None:
-    """Draw an excitation line within the axes, with its name at its end."""
-    reach = min(last, 2.0 * np.pi * top / order) if order else last
-    ends = np.array([0.0, reach])
-    panel.plot(ends, order * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
-    inside = reach == last
-    panel.annotate(
-        name,
-        (reach, order * reach / (2.0 * np.pi)),
-        xytext=(4, 0) if inside else (6, -2),
-        textcoords="offset points",
-        va="center" if inside else "top",
-        fontsize=12,
-    )
+def _operating(panel: Axes, speeds: Array) -> None:
+    """Shade the operating speeds; a single one is a line."""
+    if speeds[0] == speeds[1]:
+        panel.axvline(speeds[0], color=_OPERATING, linewidth=6.0, zorder=0.5)
+    else:
+        panel.axvspan(*speeds, color=_OPERATING, linewidth=0.0, zorder=0.5)
+
+
+def _span(panel: Axes, low: float, high: float, label: str) -> None:
+    """Shade a range of a logarithmic axis; a narrow one is a line."""
+    if high > 1.05 * low:
+        panel.axvspan(low, high, color="0.85", linewidth=0.0, zorder=0.5, label=label)
+    else:
+        panel.axvline(low, color="0.4", linestyle=(0, (6, 3)), zorder=0.5, label=label)
+
+
+def _scale(panel: Axes, damping: Array) -> None:
+    """Choose the scale of the damping ratios [%], so that small and large ones are legible."""
+    sizes = np.abs(damping[np.abs(damping) > _LEAST_DAMPING])
+    if sizes.size == 0 or sizes.max() < _DECADES * sizes.min():
+        panel.set_ylim(bottom=min(0.0, 1.1 * float(damping.min(initial=0.0))))
+        return
+    if damping.min() < -_LEAST_DAMPING:  # an unstable mode: its negative ratio has to be visible
+        panel.set_yscale("symlog", linthresh=float(sizes.min()))
+        panel.axhline(0.0, color="black", linewidth=1.0)
+    else:
+        panel.set_yscale("log", subs=(2, 5))
+        for axis in (panel.yaxis.set_major_formatter, panel.yaxis.set_minor_formatter):
+            axis(FuncFormatter(lambda value, _: f"{value:g}"))
+        panel.set_ylim(0.7 * float(sizes.min()), 1.4 * float(sizes.max()))
+
+
+def _excitation_lines(
+    panel: Axes, lines: Sequence[tuple[str, float]], last: float, top: float
+) -> None:
+    """Draw excitation lines within the axes, with their names at the ends.
+
+    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis.
+    """
+    # A line of text takes about a twentieth of the height.
+    space, free = 0.055 * top, -np.inf
+    for name, slope in sorted(lines, key=lambda line: abs(line[1])):
+        reach = min(last, 2.0 * np.pi * top / slope) if slope else last
+        ends = np.array([0.0, reach])
+        panel.plot(ends, slope * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
+        end = slope * reach / (2.0 * np.pi)
+        inside = reach == last
+        at = max(end, free) if inside else end
+        free = at + space
+        panel.annotate(
+            name,
+            (reach, at),
+            xytext=(5, 0) if inside else (0, 3),
+            textcoords="offset points",
+            va="center" if inside else "bottom",
+            ha="left" if inside else "center",
+            fontsize=12,
+            annotation_clip=False,
+        )
 
 
 def _by_whirl(panel: Axes, speeds: Array, values: Array, whirl: NDArray[np.str_]) -> None:

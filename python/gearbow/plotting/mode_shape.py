@@ -4,17 +4,20 @@ The three axes have the same scale. One factor enlarges all displacements, rotat
 that the drawing shows the mode shape without distortion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.description.layout import BodyOutline, Layout, ShaftOutline
-from gearbow.plotting.style import STYLE, colour
+from gearbow.errors import GearbowError
+from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes
 
 __all__ = ["draw"]
 
@@ -42,7 +45,14 @@ class _Motion(NamedTuple):
         return np.array([np.interp(position, self.x, values) for values in self[1:]])
 
 
-def draw(title: str, shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layout) -> Figure:
+def draw(
+    title: str,
+    shape: ComplexArray,
+    dofs: Sequence[NodalDof],
+    layout: Layout,
+    *,
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw one mode of the train.
 
     Parameters
@@ -55,6 +65,8 @@ def draw(title: str, shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layo
         Shaft, position [m] and direction of each degree of freedom of the nodes.
     layout : Layout
         Geometry of the train at rest.
+    ax : Axes3D, optional
+        Panel of the user in three dimensions.
 
     Returns
     -------
@@ -69,9 +81,7 @@ def draw(title: str, shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layo
     factor = min(factor, LARGEST_TWIST / max([*twists, LARGEST_TWIST / factor]))
     scaled = _at_maximum(shape, moving) * factor
 
-    with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(12.0, 7.6))
-        axes: Any = figure.add_axes((0.0, 0.06, 1.0, 0.82), projection="3d")
+    with _panel(ax) as (figure, axes):
         for index, shaft in enumerate(layout.shafts):
             motion = _motion(dofs, shaft.name, np.real(scaled))
             rest = np.array([[0.0, 0.0, 0.0], [shaft.length, 0.0, 0.0]])
@@ -87,9 +97,30 @@ def draw(title: str, shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layo
             foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
             axes.plot(*foot[:, np.newaxis], "^", color="black", markersize=10)
         _finish(axes, extent)
-        figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
-        figure.suptitle(title)
+        if ax is None:
+            figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
+            figure.suptitle(title)
+        else:
+            axes.legend(loc="upper left", fontsize="small")
+            axes.set_title(title)
     return figure
+
+
+@contextmanager
+def _panel(ax: GivenAxes) -> Iterator[tuple[Figure, Any]]:
+    """Give a panel in three dimensions and its figure."""
+    if ax is not None:
+        (panel,) = given_axes(ax, (1,))
+        if not isinstance(panel, Axes3D):
+            raise GearbowError(
+                "ax: a mode of the train needs Axes in three dimensions; make them with "
+                'figure.add_subplot(projection="3d")'
+            )
+        yield figure_of(panel), panel
+        return
+    with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(12.0, 7.6))
+        yield figure, figure.add_axes((0.0, 0.06, 1.0, 0.82), projection="3d")
 
 
 def _finish(axes: Any, extent: Array) -> None:

@@ -7,13 +7,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, ComplexArray, NodalDof
-from gearbow.plotting.style import colour, legend, panels
+from gearbow.plotting.style import GivenAxes, colour, legend, panels
 
 __all__ = ["overview"]
 
 
 def overview(
-    titles: Sequence[str], shapes: ComplexArray, dofs: Sequence[NodalDof], drawn: Sequence[str]
+    titles: Sequence[str],
+    shapes: ComplexArray,
+    dofs: Sequence[NodalDof],
+    drawn: Sequence[str],
+    *,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw mode shapes along the shafts.
 
@@ -27,6 +32,8 @@ def overview(
         Shaft, position [m] and direction of each degree of freedom of the nodes.
     drawn : sequence of {"lateral", "twist", "u"}, length m
         What to draw of each mode: its lateral displacement, its twist or its axial displacement.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each mode.
 
     Returns
     -------
@@ -34,7 +41,7 @@ def overview(
         One panel for each mode: v (solid) and w (dashed), the twist or u, with the maximum 1.
     """
     shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
-    with panels(len(titles), 3.0, columns=2, width=13.0) as (figure, axes):
+    with panels(len(titles), 3.2, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
             lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
             shape = _real(shapes[mode], [direction in lines for _, _, direction in dofs])
@@ -46,7 +53,7 @@ def overview(
             panel.set(title=title, xlabel="position [m]")
             label = "v (w dashed)" if drawn[mode] == "lateral" else drawn[mode]
             panel.set(ylabel=label, ylim=(-1.15, 1.15))
-        legend(figure, axes[0])
+        legend(figure, axes[0], ax=ax)
     return figure
 
 

@@ -1,21 +1,61 @@
 """Figures of spectra, orders and waterfalls."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import PALETTE, panels
+from gearbow.plotting.style import PALETTE, GivenAxes, figure_of, legend, panels, speed_axis
 
-__all__ = ["orders", "spectrum", "waterfall"]
+__all__ = ["name_orders", "orders", "spectrum", "spectrum_limits", "waterfall"]
 
-#: Smallest amplitudes of a spectrum and of a waterfall, relative to the largest.
-_LINES, _COLOURS = 1e-6, 1e-3
+#: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
+#: largest amplitude.
+_LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3
+#: A peak is larger than this multiple of the median of the spectrum around it.
+_PEAK = 3.0
+#: Smallest ratio of the largest to the smallest bar of a logarithmic scale, and smallest bar of it
+#: relative to the largest.
+_LOGARITHMIC, _SMALLEST = 30.0, 1e-5
+#: Marker and colour of each family of orders.
+FAMILIES: dict[str, tuple[str, str]] = {
+    "shaft": ("o", PALETTE[1]),
+    "mesh": ("^", PALETTE[2]),
+    "sideband": ("d", "#A64D86"),
+    "bearing": ("s", "#B37400"),
+}
 
 
-def spectrum(frequencies_hz: Array, amplitudes: Array, label: str) -> Figure:
+def family(name: str) -> str:
+    """Give the family of an order.
+
+    Parameters
+    ----------
+    name : str
+        Name of the order.
+
+    Returns
+    -------
+    str
+        "shaft", "mesh", "sideband" or "bearing".
+    """
+    if "× mesh " in name:
+        return "sideband" if " + " in name or " − " in name else "mesh"
+    return "bearing" if "× ball pass " in name or "× cage " in name else "shaft"
+
+
+def spectrum(
+    frequencies_hz: Array,
+    amplitudes: Array,
+    label: str,
+    *,
+    orders: Sequence[tuple[str, float]] = (),
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw one spectrum.
 
     Parameters
@@ -26,23 +66,147 @@ def spectrum(frequencies_hz: Array, amplitudes: Array, label: str) -> Figure:
         Amplitudes.
     label : str
         Name and unit of the signal.
+    orders : sequence of (str, float)
+        Names and frequencies [Hz] of the orders of the train.
+    ax : Axes, optional
+        Panel of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Amplitude against frequency.
+        Amplitude against frequency, with the names of the orders at the largest peaks.
     """
-    with panels(1, 4.0, columns=1) as (figure, (panel,)):
-        panel.semilogy(frequencies_hz, amplitudes)
-        top = amplitudes.max(initial=0.0)
-        if top > 0.0:
-            panel.set_ylim(_LINES * top, 2.0 * top)
-            panel.set_xlim(0.0, _highest(frequencies_hz, amplitudes, _LINES))
+    with panels(1, 4.8, columns=1, ax=ax) as (figure, (panel,)):
+        panel.semilogy(frequencies_hz, amplitudes, color=PALETTE[0], linewidth=1.2)
+        highest = spectrum_limits(panel, frequencies_hz, amplitudes)
+        if highest > 0.0:
+            panel.set_xlim(0.0, highest)
         panel.set(xlabel="frequency [Hz]", ylabel=label)
+        name_orders(panel, frequencies_hz, amplitudes, orders)
+        legend(figure, panel, ax=ax)
     return figure
 
 
-def orders(names: Sequence[str], amplitudes: Array, label: str) -> Figure:
+def spectrum_limits(panel: Axes, frequencies_hz: Array, amplitudes: Array) -> float:
+    """Limit the amplitudes of a panel to those above round-off, and find the last frequency.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel.
+    frequencies_hz : ndarray, shape (n,)
+        Frequencies [Hz].
+    amplitudes : ndarray, shape (n,) or (n, m)
+        Amplitudes in the unit of the panel.
+
+    Returns
+    -------
+    float
+        A frequency above that of every amplitude larger than 1e-4 of the largest [Hz]; 0 without a
+        signal.
+    """
+    top = float(amplitudes.max(initial=0.0))
+    if not top > 0.0:
+        return 0.0
+    largest = amplitudes.reshape(len(amplitudes), -1).max(axis=1)
+    highest = _highest(frequencies_hz, largest, _SIGNAL)
+    # The floor between the lines says nothing: most of it stays below the panel.
+    floor = 0.3 * float(np.median(largest[frequencies_hz <= highest]))
+    panel.set_ylim(min(max(_LINES * top, floor), 0.1 * top), 2.0 * top)
+    return highest
+
+
+def name_orders(
+    panel: Axes,
+    frequencies_hz: Array,
+    amplitudes: Array,
+    orders: Sequence[tuple[str, float]],
+    *,
+    most: int = 12,
+    sidebands: bool = True,
+) -> None:
+    """Mark the peaks of a spectrum at orders of the train, and name the largest.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel with logarithmic amplitudes and final limits of the frequency.
+    frequencies_hz : ndarray, shape (n,)
+        Frequencies [Hz].
+    amplitudes : ndarray, shape (n,)
+        Amplitudes in the unit of the panel.
+    orders : sequence of (str, float)
+        Names and frequencies [Hz] of the orders.
+    most : int
+        Largest number of names.
+    sidebands : bool
+        Whether sidebands have names too, which are long.
+    """
+    found = _peaks(panel, frequencies_hz, amplitudes, orders)
+    if not found:
+        return
+    for kind, (marker, shade) in FAMILIES.items():
+        own = [(x, y) for name, x, y in found if family(name) == kind]
+        if own:
+            style: dict[str, Any] = {"marker": marker, "color": shade, "ls": "none", "ms": 6.0}
+            panel.plot(*np.transpose(own), label=f"{kind} order", **style)
+    left, right = panel.get_xlim()
+    named: list[float] = []
+    wanted = [peak for peak in found if sidebands or family(peak[0]) != "sideband"]
+    for name, x, y in sorted(wanted, key=lambda peak: -peak[2]):
+        # A name of one line needs about a fortieth of the width.
+        if len(named) < most and all(abs(x - other) > 0.025 * (right - left) for other in named):
+            named.append(x)
+            panel.annotate(
+                name,
+                (x, y),
+                xytext=(0, 7),
+                textcoords="offset points",
+                rotation=90,
+                ha="center",
+                va="bottom",
+                fontsize=11,
+                color=FAMILIES[family(name)][1],
+            )
+    _raise_limit(panel, [(name, y) for name, x, y in found if x in named])
+
+
+def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]]) -> None:
+    """Raise the upper limit of a logarithmic panel, so that the names above the peaks fit in."""
+    low, high = panel.get_ylim()
+    height = panel.get_position().height * figure_of(panel).get_figheight()
+    share = 1.0
+    for name, y in named:
+        length = 0.085 * len(name) + 0.15  # [in]
+        part = np.log(y / low) / np.log(high / low)
+        share = min(share, max(0.4, (1.0 - length / height) / max(part, 0.1)))
+    panel.set_ylim(low, low * (high / low) ** (1.0 / share))
+
+
+def _peaks(
+    panel: Axes, frequencies_hz: Array, amplitudes: Array, orders: Sequence[tuple[str, float]]
+) -> list[tuple[str, float, float]]:
+    """Find the orders at which the spectrum has a visible peak: name, frequency and amplitude."""
+    if frequencies_hz.size < 3 or not orders:
+        return []
+    step = float(frequencies_hz[1] - frequencies_hz[0])
+    low, right = panel.get_ylim()[0], panel.get_xlim()[1]
+    found: dict[int, tuple[str, float, float]] = {}
+    for name, frequency in orders:
+        near = np.flatnonzero(np.abs(frequencies_hz - frequency) <= 1.01 * step)
+        if near.size == 0 or frequency > right:
+            continue
+        peak = int(near[np.argmax(amplitudes[near])])
+        around = amplitudes[max(0, peak - 12) : peak + 13]
+        inside = 0 < peak < amplitudes.size - 1
+        if inside and amplitudes[peak] < max(amplitudes[peak - 1], amplitudes[peak + 1]):
+            continue
+        if amplitudes[peak] > max(low, _PEAK * float(np.median(around))):
+            found.setdefault(peak, (name, float(frequencies_hz[peak]), float(amplitudes[peak])))
+    return list(found.values())
+
+
+def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes = None) -> Figure:
     """Draw orders as bars.
 
     Parameters
@@ -53,18 +217,31 @@ def orders(names: Sequence[str], amplitudes: Array, label: str) -> Figure:
         Amplitudes.
     label : str
         Name and unit of the amplitude.
+    ax : Axes, optional
+        Panel of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One bar for each order, the first at the top.
+        One bar with its value for each order, the first at the top. The scale begins at zero, or is
+        logarithmic if the amplitudes differ by more than a factor of 30.
     """
-    with panels(1, 1.2 + 0.45 * len(names), columns=1) as (figure, (panel,)):
-        panel.barh(np.arange(len(names)), amplitudes, color=PALETTE[0], log=True)
+    top = float(amplitudes.max(initial=0.0))
+    low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
+    logarithmic = top > _LOGARITHMIC * low > 0.0
+    with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
+        shades = [FAMILIES[family(name)][1] for name in names]
+        bars = panel.barh(np.arange(len(names)), amplitudes, color=shades, log=logarithmic)
+        panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
         panel.set_yticks(np.arange(len(names)), names)
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
         panel.set(xlabel=label)
+        if logarithmic:
+            begin = 0.5 * low
+            panel.set_xlim(begin, top * (top / begin) ** 0.15)
+        elif top > 0.0:
+            panel.set_xlim(0.0, 1.15 * top)
     return figure
 
 
@@ -76,6 +253,8 @@ def waterfall(
     *,
     lines: Sequence[tuple[str, float]],
     highest: float | None,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw spectra against the speed.
 
@@ -93,19 +272,24 @@ def waterfall(
         Name and order of each line, by ascending order.
     highest : float or None
         Largest frequency of the figure [Hz]; None includes all visible amplitudes.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : Axes, optional
+        Panel of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
         Amplitude as colour; dashed lines are orders of shafts and meshes.
     """
+    factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
     if highest is None:
         highest = _highest(frequencies_hz, amplitudes.max(axis=0), _COLOURS)
-    with panels(1, 6.0, columns=1) as (figure, (panel,)):
+    with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
         drawn = panel.pcolormesh(
             frequencies_hz,
-            speeds,
+            factor * speeds,
             np.maximum(amplitudes, _COLOURS * top),
             norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
             cmap="cividis",
@@ -113,26 +297,46 @@ def waterfall(
             rasterized=True,
         )
         figure.colorbar(drawn, ax=panel, label=label)
-        free = highest
-        # Names from the highest order down; a name without space is omitted.
-        for name, order in reversed(lines):
-            at = order * speeds / (2.0 * np.pi)
-            panel.plot(at, speeds, "--", color="white", linewidth=0.8)
-            if at[-1] <= free:
-                free = at[-1] - 0.04 * highest
-                panel.annotate(
-                    name,
-                    (at[-1], speeds[-1]),
-                    xytext=(0, 12),
-                    textcoords="offset points",
-                    rotation=35,
-                    fontsize=10,
-                    annotation_clip=False,
-                )
         panel.grid(visible=False)
-        panel.set(xlabel="frequency [Hz]", ylabel="speed of the reference shaft [rad/s]")
+        panel.set(xlabel="frequency [Hz]", ylabel=speed)
         panel.set_xlim(0.0, highest)
+        _order_lines(panel, factor * speeds, lines, factor)
     return figure
+
+
+def _order_lines(
+    panel: Axes, speeds: Array, lines: Sequence[tuple[str, float]], factor: float
+) -> None:
+    """Draw the orders up to the edge of the panel, with their names above and beside it."""
+    highest = panel.get_xlim()[1]
+    free, taken = highest, -np.inf
+    # Names from the highest order down; a name without space is omitted.
+    for name, order in reversed(lines):
+        at = order * speeds / (2.0 * np.pi * factor)
+        panel.plot(at, speeds, "--", color="white", linewidth=0.8)
+        if at[-1] <= free:
+            free = at[-1] - 0.035 * highest
+            where, shift, turned = (at[-1], speeds[-1]), (0, 6), 45.0
+        elif at[-1] > highest:
+            # The order leaves the panel at the right: its name stands inside, on the line.
+            where = (0.86 * highest, 0.86 * highest * 2.0 * np.pi * factor / order)
+            if where[1] < max(speeds[0], taken + 0.06 * np.ptp(speeds)):
+                continue
+            taken, shift, turned = where[1], (0, 3), 0.0
+        else:
+            continue
+        panel.annotate(
+            name,
+            where,
+            xytext=shift,
+            textcoords="offset points",
+            rotation=turned,
+            rotation_mode="anchor",
+            fontsize=12,
+            color="black" if turned else "white",
+            ha="left" if turned else "center",
+            annotation_clip=False,
+        )
 
 
 def _highest(frequencies: Array, amplitudes: Array, fraction: float) -> float:

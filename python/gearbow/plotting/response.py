@@ -1,42 +1,77 @@
 """Figures of time responses: orbits, time histories, spectra and energies."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import MICRO, PALETTE, colour, legend, panels
+from gearbow.plotting.orders import name_orders, spectrum_limits
+from gearbow.plotting.style import (
+    MICRO,
+    PALETTE,
+    GivenAxes,
+    colour,
+    equal_ranges,
+    label_x,
+    legend,
+    panels,
+    place_legend,
+)
 
-__all__ = ["energy_balance", "history", "mesh", "orbits", "spectrum", "twist"]
+__all__ = [
+    "bearings",
+    "energy_balance",
+    "geometry",
+    "history",
+    "mesh",
+    "orbits",
+    "spectrum",
+    "twist",
+]
+
+#: Colour of the transient at the beginning of a run.
+TRANSIENT = "0.75"
 
 
-def orbits(motion: Mapping[str, Array]) -> Figure:
+def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None) -> Figure:
     """Draw the orbit of each centre in the plane of rotation.
 
     Parameters
     ----------
     motion : mapping of {str: ndarray of shape (k, 2)}
         Displacements v and w [m] by label.
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each centre.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each centre: w against v [µm]. A dot marks the end.
+        One panel for each centre: w against v [µm], the transient in grey. A dot marks the end. All
+        panels have axes of the same length.
     """
     count = len(motion)
-    with panels(count, 3.8, columns=4, width=4.0 * min(4, count)) as (figure, axes):
+    with panels(count, 4.0, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             v, w = MICRO * values.T
-            panel.plot(v, w)
+            if skipped:
+                early = slice(0, skipped + 1)
+                panel.plot(v[early], w[early], color=TRANSIENT, linewidth=0.8, label="earlier")
+            panel.plot(v[skipped:], w[skipped:], color=PALETTE[0])
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1])
             panel.set(title=label, xlabel="v [µm]", ylabel="w [µm]")
-            panel.set_aspect("equal", adjustable="datalim")
-            panel.locator_params(nbins=5)
+        equal_ranges(axes)
+        legend(figure, axes[0], ax=ax)
     return figure
 
 
-def history(time: Array, motion: Mapping[str, Array]) -> Figure:
+def history(
+    time: Array, motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+) -> Figure:
     """Draw the displacement of each centre against time.
 
     Parameters
@@ -45,22 +80,27 @@ def history(time: Array, motion: Mapping[str, Array]) -> Figure:
         Times [s].
     motion : mapping of {str: ndarray of shape (k, 2)}
         Displacements v and w [m] by label.
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each centre.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each centre: v and w [µm].
+        One panel for each centre: v and w [µm]; the time of the transient is grey.
     """
-    with panels(len(motion), 2.4, columns=1, sharex=True) as (figure, axes):
+    with panels(len(motion), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
-            panel.plot(time, MICRO * values, label=["v", "w"])
+            _lines(panel, time, MICRO * values, ("v", "w"))
             panel.set(ylabel=f"{label} [µm]")
-        axes[-1].set(xlabel="time [s]")
-        legend(figure, axes[0])
+        _finish(figure, axes, time, skipped, ax)
     return figure
 
 
-def twist(time: Array, twists: Mapping[str, Array]) -> Figure:
+def twist(
+    time: Array, twists: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+) -> Figure:
     """Draw the twist of each place against time.
 
     Parameters
@@ -69,21 +109,96 @@ def twist(time: Array, twists: Mapping[str, Array]) -> Figure:
         Times [s].
     twists : mapping of {str: ndarray of shape (k,)}
         Twist [rad] by label.
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each place.
 
     Returns
     -------
     matplotlib.figure.Figure
         One panel for each place: twist [mrad].
     """
-    with panels(len(twists), 2.4, columns=1, sharex=True) as (figure, axes):
+    with panels(len(twists), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, twists.items(), strict=True):
-            panel.plot(time, 1e3 * values)
+            panel.plot(time, 1e3 * values, color=PALETTE[0], linewidth=1.1)
             panel.set(ylabel=f"{label} [mrad]")
-        axes[-1].set(xlabel="time [s]")
+        _finish(figure, axes, time, skipped, ax)
     return figure
 
 
-def mesh(time: Array, meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]]) -> Figure:
+def bearings(
+    time: Array, forces: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+) -> Figure:
+    """Draw the force of the shaft on each bearing against time.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        Times [s].
+    forces : mapping of {str: ndarray of shape (k, 2)}
+        Components along y and z [N] by label.
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each bearing.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each bearing: components along y and z [N].
+    """
+    with panels(len(forces), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+        for panel, (label, values) in zip(axes, forces.items(), strict=True):
+            _lines(panel, time, values, ("along y", "along z"))
+            panel.set(ylabel="force [N]", title=label)
+        _finish(figure, axes, time, skipped, ax)
+    return figure
+
+
+def mesh(
+    time: Array,
+    meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]],
+    *,
+    skipped: int = 0,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw force, deflection and stiffness of the meshes.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        Times [s].
+    meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
+        Force [N], deflection [m] and stiffness [N/m] of each mesh (driver, driven).
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : sequence of Axes, optional
+        Panels of the user: a row of meshes for each quantity.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A column for each mesh: force [N], deflection [µm] and stiffness [N/µm].
+    """
+    rows = {
+        pair: {
+            "force [N]": force,
+            "deflection [µm]": MICRO * deflection,
+            "stiffness [N/µm]": stiffness / MICRO,
+        }
+        for pair, (force, deflection, stiffness) in meshes.items()
+    }
+    return _columns(time, rows, skipped, ax)
+
+
+def geometry(
+    time: Array,
+    meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]],
+    *,
+    skipped: int = 0,
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw the geometry of the meshes at the moving centres.
 
     Parameters
@@ -93,6 +208,10 @@ def mesh(time: Array, meshes: Mapping[tuple[str, str], tuple[Array, Array, Array
     meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
         Contact ratio, pressure angle [rad] and angle of the line of centres [rad] of each mesh
         (driver, driven).
+    skipped : int
+        Number of times at the beginning that belong to the transient.
+    ax : sequence of Axes, optional
+        Panels of the user: a row of meshes for each quantity.
 
     Returns
     -------
@@ -100,60 +219,63 @@ def mesh(time: Array, meshes: Mapping[tuple[str, str], tuple[Array, Array, Array
         A column for each mesh: contact ratio, pressure angle [°] and angle of the line of centres
         [°].
     """
-    columns = len(meshes)
-    with panels(3 * columns, 2.6, columns=columns, width=max(9.0, 6.0 * columns), sharex=True) as (
-        figure,
-        axes,
-    ):
-        for column, ((driver, driven), geometry) in enumerate(meshes.items()):
-            contact_ratio, pressure_angle, centre_line_angle = geometry
-            rows = {
-                "contact ratio": contact_ratio,
-                "pressure angle [°]": np.degrees(pressure_angle),
-                "line of centres [°]": np.degrees(centre_line_angle),
-            }
-            for row, (label, values) in enumerate(rows.items()):
-                panel = axes[row * columns + column]
-                panel.plot(time, values, color=colour(column))
-                panel.set(ylabel=label)
-                # Ticks without an offset show an angle of 20.01° in full.
-                panel.ticklabel_format(axis="y", useOffset=False)
-            axes[column].set(title=f"{driver} – {driven}")
-            axes[2 * columns + column].set(xlabel="time [s]")
-    return figure
+    rows = {
+        pair: {
+            "contact ratio": contact_ratio,
+            "pressure angle [°]": np.degrees(pressure_angle),
+            "line of centres [°]": np.degrees(centre_line_angle),
+        }
+        for pair, (contact_ratio, pressure_angle, centre_line_angle) in meshes.items()
+    }
+    return _columns(time, rows, skipped, ax)
 
 
-def spectrum(spectra: Mapping[str, tuple[Array, Array]]) -> Figure:
+def spectrum(
+    spectra: Mapping[str, tuple[Array, Array]],
+    *,
+    orders: Sequence[tuple[str, float]] = (),
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw the amplitude spectrum of the displacement of each centre.
 
     Parameters
     ----------
     spectra : mapping of {str: (ndarray of shape (n,), ndarray of shape (n, 2))}
         Frequencies [Hz] and amplitudes of v and w [m] by label.
+    orders : sequence of (str, float)
+        Names and frequencies [Hz] of the orders of the train.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user, one for each centre.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each centre: amplitudes of v and w [µm] against frequency [Hz].
+        One panel for each centre: amplitudes of v and w [µm] against frequency [Hz]. Names mark the
+        largest peaks at orders of the train.
     """
-    highest = 0.0
-    with panels(len(spectra), 2.4, columns=1, sharex=True) as (figure, axes):
+    with panels(len(spectra), 3.8, columns=1, sharex=True, ax=ax) as (figure, axes):
+        highest = 0.0
         for panel, (label, (frequency, amplitude)) in zip(axes, spectra.items(), strict=True):
-            panel.semilogy(frequency, MICRO * amplitude, label=["v", "w"])
+            _lines(panel, frequency, MICRO * amplitude, ("v", "w"))
+            panel.set_yscale("log")
             panel.set(ylabel=f"{label} [µm]")
-            # Smaller amplitudes are round-off.
-            top = amplitude.max()
-            if top > 0.0:
-                panel.set_ylim(MICRO * 1e-6 * top, MICRO * 2.0 * top)
-                highest = max(highest, frequency[np.any(amplitude > 1e-6 * top, axis=1)][-1])
-        if highest > 0.0:
-            axes[-1].set_xlim(0.0, 1.1 * highest)
-        axes[-1].set(xlabel="frequency [Hz]")
-        legend(figure, axes[0])
+            highest = max(highest, spectrum_limits(panel, frequency, MICRO * amplitude))
+        for panel, (frequency, amplitude) in zip(axes, spectra.values(), strict=True):
+            if highest > 0.0:
+                panel.set_xlim(0.0, highest)
+            largest = MICRO * amplitude.max(axis=1)
+            name_orders(panel, frequency, largest, orders, most=8, sidebands=False)
+        label_x(axes, "frequency [Hz]")
+        place_legend(figure, axes[0], axes[0].get_legend_handles_labels(), ax=ax)
     return figure
 
 
-def energy_balance(time: Array, rows: Mapping[str, tuple[Mapping[str, Array], Array]]) -> Figure:
+def energy_balance(
+    time: Array,
+    rows: Mapping[str, tuple[Mapping[str, Array], Array]],
+    *,
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw energies, works and the residual against time.
 
     Parameters
@@ -162,20 +284,64 @@ def energy_balance(time: Array, rows: Mapping[str, tuple[Mapping[str, Array], Ar
         Times [s].
     rows : mapping of {str: (mapping of {str: ndarray of shape (k,)}, ndarray of shape (k,))}
         Terms by name and their sum [J], for each panel.
+    ax : sequence of Axes, optional
+        Panels of the user, one for each entry.
 
     Returns
     -------
     matplotlib.figure.Figure
         One panel for each entry [J]. Terms that are zero throughout are omitted.
     """
-    with panels(len(rows), 3.0, columns=1, sharex=True) as (figure, axes):
+    with panels(len(rows), 3.0, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, (terms, total)) in zip(axes, rows.items(), strict=True):
             for i, (name, values) in enumerate(terms.items()):
                 if np.any(values != 0.0):
                     panel.plot(time, values, color=colour(i), label=name)
             panel.plot(time, total, color=PALETTE[-1], label="all")
             panel.set(ylabel=f"{label} [J]")
-            if terms:
+            if terms and ax is None:
                 panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        axes[-1].set(xlabel="time [s]")
+            elif terms:
+                panel.legend(loc="best", fontsize="small")
+        label_x(axes, "time [s]")
     return figure
+
+
+def _columns(
+    time: Array,
+    meshes: Mapping[tuple[str, str], Mapping[str, Array]],
+    skipped: int,
+    ax: GivenAxes,
+) -> Figure:
+    """Draw a column for each mesh, with a panel for each of its three quantities."""
+    columns = len(meshes)
+    width = max(9.0, 6.0 * columns)
+    with panels(3 * columns, 2.6, columns=columns, width=width, sharex=True, ax=ax) as (
+        figure,
+        axes,
+    ):
+        for column, ((driver, driven), rows) in enumerate(meshes.items()):
+            for row, (label, values) in enumerate(rows.items()):
+                panel = axes[row * columns + column]
+                panel.plot(time, values, color=colour(column), linewidth=1.1)
+                panel.set(ylabel=label)
+                # Ticks without an offset show an angle of 20.01° in full.
+                panel.ticklabel_format(axis="y", useOffset=False)
+            axes[column].set(title=f"{driver} – {driven}")
+        _finish(figure, axes, time, skipped, ax)
+    return figure
+
+
+def _lines(panel: Axes, x: Array, values: Array, names: Sequence[str]) -> None:
+    """Draw the columns of values in the colours of the palette."""
+    for number, name in enumerate(names):
+        panel.plot(x, values[:, number], color=colour(number), linewidth=1.1, label=name)
+
+
+def _finish(figure: Figure, axes: Sequence[Axes], time: Array, skipped: int, ax: GivenAxes) -> None:
+    """Label the axis of time, shade the time of the transient, and place the legend."""
+    for panel in axes if skipped else ():
+        shade: dict[str, Any] = {"color": TRANSIENT, "alpha": 0.5, "linewidth": 0.0}
+        panel.axvspan(float(time[0]), float(time[skipped]), label="transient", **shade)
+    label_x(axes, "time [s]")
+    legend(figure, axes[0], ax=ax)

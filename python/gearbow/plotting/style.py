@@ -1,21 +1,44 @@
 """Style of all figures: colours, settings, panels and legends."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeAlias
 
 import matplotlib as mpl
+import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-__all__ = ["MICRO", "PALETTE", "STYLE", "colour", "legend", "panels"]
+from gearbow._convert import shown
+from gearbow.errors import GearbowError
+
+__all__ = [
+    "MICRO",
+    "PALETTE",
+    "STYLE",
+    "GivenAxes",
+    "colour",
+    "equal_ranges",
+    "figure_of",
+    "given_axes",
+    "label_x",
+    "legend",
+    "panels",
+    "place_legend",
+    "round_factor",
+    "speed_axis",
+]
 
 #: Micrometres per metre.
 MICRO = 1e6
 
 #: Colours for colour-blind readers: Okabe and Ito, *Color universal design* (2008).
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+
+#: Panels of a user: one, or several in any nesting; None makes a new figure.
+GivenAxes: TypeAlias = Any
 
 #: Settings of every figure. The font is legible at half size.
 STYLE: dict[Any, Any] = {
@@ -33,14 +56,24 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 150,
 }
 
+#: Factor and label of each unit of a speed.
+_SPEED_UNITS = {"rad/s": 1.0, "rpm": 30.0 / np.pi}
+
 
 @contextmanager
 def panels(
-    count: int, height: float, *, columns: int, width: float = 12.0, sharex: bool = False
+    count: int,
+    height: float,
+    *,
+    columns: int,
+    width: float = 12.0,
+    sharex: bool = False,
+    ax: GivenAxes = None,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """Make a figure with rows of panels.
+    """Make a figure with rows of panels, or take the panels of the user.
 
-    The style of gearbow applies within the `with` block.
+    The style of gearbow applies within the `with` block to a new figure. Given panels keep the
+    style of their figure.
 
     Parameters
     ----------
@@ -53,7 +86,9 @@ def panels(
     width : float
         Width of the figure [in].
     sharex : bool
-        Whether all panels have the same horizontal axis.
+        Whether the panels of a column have the same horizontal axis.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user; None makes a new figure.
 
     Yields
     ------
@@ -62,11 +97,15 @@ def panels(
     panels : list of matplotlib.axes.Axes
         The panels, row by row.
     """
+    if ax is not None:
+        given = given_axes(ax, (count,))
+        yield figure_of(given[0]), given
+        return
     columns = min(columns, count)
     rows = -(-count // columns)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height * rows + 0.8))
-        grid = figure.subplots(rows, columns, squeeze=False, sharex=sharex)
+        grid = figure.subplots(rows, columns, squeeze=False, sharex="col" if sharex else False)
         found = list(grid.flat)
         for panel in found[count:]:
             panel.remove()
@@ -74,8 +113,99 @@ def panels(
         figure.align_ylabels()
 
 
-def legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
-    """Place one legend above the panels.
+def given_axes(ax: GivenAxes, counts: Sequence[int], what: str = "") -> list[Axes]:
+    """Check the panels of the user.
+
+    Parameters
+    ----------
+    ax : Axes or sequence of Axes
+        One panel, or several in any nesting.
+    counts : sequence of int
+        Allowed numbers of panels.
+    what : str
+        What the panels show.
+
+    Returns
+    -------
+    list of matplotlib.axes.Axes
+        The panels.
+
+    Raises
+    ------
+    GearbowError
+        If these are not panels of matplotlib, or their number is another one.
+    """
+    given = list(np.ravel(np.array(ax, dtype=object)))
+    for one in given:
+        if not isinstance(one, Axes):
+            raise GearbowError(
+                f"ax: must be matplotlib Axes or a sequence of them, got {shown(one)}"
+            )
+    if len(given) not in counts:
+        wanted = " or ".join(str(count) for count in counts)
+        shows = f" ({what})" if what else ""
+        raise GearbowError(
+            f"ax: this figure has {wanted} panel{'s' if wanted != '1' else ''}{shows}, "
+            f"got {len(given)}; give as many Axes, for example of figure.subplots({counts[-1]})"
+        )
+    return given
+
+
+def figure_of(panel: Axes) -> Figure:
+    """Give the figure of a panel, also of one in a subfigure.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    figure: Any = panel.figure
+    while not isinstance(figure, Figure):
+        figure = figure.figure
+    return figure
+
+
+def equal_ranges(axes: Sequence[Axes]) -> None:
+    """Give orbits a common scale: equal lengths of all axes, each about the middle of its data.
+
+    Parameters
+    ----------
+    axes : sequence of Axes
+        The panels.
+    """
+    boxes = [panel.dataLim for panel in axes]
+    half = 0.54 * max(max(box.width, box.height) for box in boxes)
+    for panel, box in zip(axes, boxes, strict=True):
+        if math.isfinite(half) and half > 0.0:
+            x, y = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
+            panel.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+        panel.set_aspect("equal", adjustable="box")
+        panel.locator_params(nbins=4)
+
+
+def label_x(axes: Sequence[Axes], label: str) -> None:
+    """Label the horizontal axis of every panel that is not above one with the same axis.
+
+    Parameters
+    ----------
+    axes : sequence of Axes
+        The panels, from the top.
+    label : str
+        Name and unit.
+    """
+    for number, panel in enumerate(axes):
+        shared = panel.get_shared_x_axes()
+        if not any(shared.joined(panel, below) for below in axes[number + 1 :]):
+            panel.set_xlabel(label)
+
+
+def legend(figure: Figure, panel: Axes, title: str | None = None, *, ax: GivenAxes = None) -> None:
+    """Place one legend above the panels, or inside the first given panel.
 
     Parameters
     ----------
@@ -85,10 +215,88 @@ def legend(figure: Figure, panel: Axes, title: str | None = None) -> None:
         The panel with the labelled lines.
     title : str, optional
         Title of the legend.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user: the legend covers as few data as possible.
     """
     handles, labels = panel.get_legend_handles_labels()
     if handles:
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), title=title)
+        place_legend(figure, panel, (handles, labels), title=title, ax=ax)
+
+
+def place_legend(
+    figure: Figure,
+    panel: Axes,
+    entries: tuple[Sequence[Any], Sequence[str]],
+    *,
+    title: str | None = None,
+    ax: GivenAxes = None,
+) -> None:
+    """Place a legend with given entries, as `legend` does.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    panel : matplotlib.axes.Axes
+        The panel for the legend, if the panels are those of the user.
+    entries : (sequence of Artist, sequence of str)
+        Handles and labels.
+    title : str, optional
+        Title of the legend.
+    ax : Axes or sequence of Axes, optional
+        Panels of the user.
+    """
+    if ax is not None:
+        panel.legend(*entries, title=title, loc="best", fontsize="small")
+        return
+    # An inch of the legend holds about eight letters; a handle takes the space of nine.
+    letters = sum(len(label) + 9 for label in entries[1])
+    rows = max(1, math.ceil(letters / (8.0 * figure.get_figwidth())))
+    columns = math.ceil(len(entries[1]) / rows)
+    figure.legend(*entries, loc="outside upper center", ncols=columns, title=title)
+
+
+def speed_axis(unit: str) -> tuple[float, str]:
+    """Give the factor and the label of an axis of speeds.
+
+    Parameters
+    ----------
+    unit : {"rad/s", "rpm"}
+        Unit of the axis.
+
+    Returns
+    -------
+    float
+        Factor from rad/s to the unit.
+    str
+        Label of the axis.
+
+    Raises
+    ------
+    GearbowError
+        If the unit is another one.
+    """
+    if unit not in _SPEED_UNITS:
+        raise GearbowError(f"speed_unit: must be 'rad/s' or 'rpm', got {shown(unit)}")
+    return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
+
+
+def round_factor(exact: float) -> float:
+    """Round a factor down to 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    exact : float
+        Positive factor.
+
+    Returns
+    -------
+    float
+        The round factor.
+    """
+    power = 10.0 ** math.floor(math.log10(exact))
+    # 10**n and the quotient have round-off.
+    return max(n for n in (1.0, 2.0, 5.0) if n * power <= exact * (1.0 + 1e-9)) * power
 
 
 def colour(number: int) -> str:

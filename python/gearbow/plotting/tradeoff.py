@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from gearbow.plotting.style import STYLE, colour
+from gearbow.plotting.style import GivenAxes, colour, panels
 
 __all__ = ["work_precision"]
 
@@ -26,6 +25,7 @@ def work_precision(
     floor: float,
     worst: float,
     simulated: float,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw the CPU time against the error, both on logarithmic axes.
 
@@ -43,15 +43,15 @@ def work_precision(
         Largest error of all runs.
     simulated : float
         Simulated time [s].
+    ax : Axes, optional
+        Panel of the user.
 
     Returns
     -------
     matplotlib.figure.Figure
         The figure.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(12.0, 7.0), layout="constrained")
-        panel = figure.subplots()
+    with panels(1, 6.2, columns=1, ax=ax) as (figure, (panel,)):
         for i, (name, (x, y)) in enumerate(methods.items()):
             marker = f"-{_METHODS[i % len(_METHODS)]}"
             panel.plot(x, y, marker, color=colour(i), ms=9.0, label=name)
@@ -72,5 +72,8 @@ def work_precision(
         panel.set_xlabel("error: RMS of the difference / RMS of the signal about its mean")
         panel.set_ylabel(f"CPU time for {simulated:g} simulated s [s]")
         handles, labels = panel.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right center")
+        if ax is None:
+            figure.legend(handles, labels, loc="outside right center")
+        else:
+            panel.legend(handles, labels, loc="best", fontsize="small")
     return figure

@@ -5,12 +5,22 @@ The core lists what a run can record of a mesh or a bearing (`Connection::channe
 
 from gearbow._core import connection_channels
 
-__all__ = ["BEARING", "MESH", "POINT", "ROLLING"]
+__all__ = ["BEARING", "MESH", "POINT", "RATES", "ROLLING"]
 
 _CONNECTION = connection_channels()
 
+#: Recorded rates of a node, by the name of their array: the quantities along its axes.
+RATES = {
+    "velocity": ("velocity_v", "velocity_w"),
+    "twist_rate": ("twist_rate",),
+    "acceleration": ("acceleration_v", "acceleration_w"),
+}
 #: Quantities of a node.
-POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"}
+POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"} | {
+    quantity: {"velocity": "m/s", "twist_rate": "rad/s", "acceleration": "m/s²"}[array]
+    for array, quantities in RATES.items()
+    for quantity in quantities
+}
 #: Quantities of a mesh: the fields of `MeshResponse`.
 MESH = _CONNECTION["mesh"]
 #: Quantities of the bearings at a node: the components of their force.

@@ -1,7 +1,7 @@
 """Energies of a system during a run, and the work done on it."""
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
@@ -116,8 +116,13 @@ class EnergyBalance(ReadOnly):
         total, work = self.total, self.work
         return (total - total[:1]) - (work - work[:1])
 
-    def plot(self) -> "Figure":
+    def plot(self, ax: Any = None) -> "Figure":
         """Draw energies, works and the residual against time.
+
+        Parameters
+        ----------
+        ax : sequence of three Axes, optional
+            Panels for energies, works and residual; None makes a new figure.
 
         Returns
         -------
@@ -135,7 +140,7 @@ class EnergyBalance(ReadOnly):
             "work": (_terms(WORKS), self.work),
             "residual": (_terms(()), self.residual),
         }
-        return figures.energy_balance(self.time, rows)
+        return figures.energy_balance(self.time, rows, ax=ax)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Convert all terms to a table.

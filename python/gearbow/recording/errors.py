@@ -35,8 +35,8 @@ class ErrorEstimate:
 class Errors(dict[str, ErrorEstimate]):
     """Estimated errors of a run by the kind of signal.
 
-    The keys are "displacement" and "mesh_force", where such signals were recorded and vary. The
-    error is that of the worst recorded signal.
+    The keys are "displacement", "velocity", "acceleration" and "mesh_force", where such signals
+    were recorded and vary. The error is that of the worst recorded signal.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
-from gearbow.recording.channels import ROLLING
+from gearbow.recording.channels import RATES, ROLLING
 from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
@@ -215,8 +215,9 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
         },
         **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
     }
-    # A run without energies, a system without axial motion, and an older file lack these arrays.
-    for group in ("energy", "axial", "bearing_displacement"):
+    # A run without energies or rates, a system without axial motion, and an older file lack these
+    # arrays.
+    for group in ("energy", *RATES, "axial", "bearing_displacement"):
         names = [name for name in expected if name.startswith(group)]
         if all(header(name) is None for name in names):
             expected = {name: value for name, value in expected.items() if name not in names}

@@ -91,6 +91,9 @@ class MeshResponse(ReadOnly):
         Contact ratio at the moving centres, NaN where the base circles overlap.
     pairs_in_contact : ndarray, shape (k,)
         Number of tooth pairs that carry load.
+    thrust : ndarray, shape (k,)
+        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
+        subject to the opposite force.
     """
 
     deflection: Array
@@ -101,6 +104,7 @@ class MeshResponse(ReadOnly):
     centre_line_angle: Array
     contact_ratio: Array
     pairs_in_contact: Array
+    thrust: Array
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from gearbow._convert import array
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, Record, RunData
 from gearbow.description.speed import SpeedProfile
@@ -80,6 +82,72 @@ class RecordedRun(ReadOnly):
             return self.speed(self.time)
         return np.full(self.time.shape, self.speed)
 
+    def angle(self, shaft: str, times: ArrayLike | None = None) -> Array:
+        """Prescribed angle of a shaft, without its twist.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angle about x, not reduced to one revolution [rad].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such shaft, or the response has no kinematics.
+        """
+        known, high, low = self._data["final"]["anchor"]
+        t = self.time if times is None else array(times, "times", least=0)
+        turned: Array
+        if isinstance(self.speed, SpeedProfile):
+            turned = self.speed.angle(t) - self.speed.angle(known)
+        else:
+            turned = self.speed * (t - known)
+        angle: Array = self._ratio(shaft) * (high + (low + turned))
+        return angle
+
+    def spin(self, shaft: str, times: ArrayLike | None = None) -> Array:
+        """Prescribed angular velocity of a shaft.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angular velocity about x [rad/s].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such shaft, or the response has no kinematics.
+        """
+        t = self.time if times is None else array(times, "times", least=0)
+        if isinstance(self.speed, SpeedProfile):
+            return self._ratio(shaft) * self.speed(t)
+        return np.full(t.shape, self._ratio(shaft) * self.speed)
+
+    def _ratio(self, shaft: str) -> float:
+        """Find the signed speed ratio of a shaft."""
+        if self.kinematics is None:
+            raise ChannelError(
+                "the angles of the shafts are unknown: the response has no kinematics"
+            )
+        ratios = dict(self.kinematics.shafts)
+        if shaft not in ratios:
+            raise ChannelError(f"no shaft is called {shaft!r}; there are {', '.join(ratios)}")
+        return ratios[shaft]
+
     @property
     def final(self) -> Mapping[str, Any]:
         """Final state without rounding; `simulate(initial=...)` continues from it.
@@ -100,13 +168,14 @@ class RecordedRun(ReadOnly):
         -------
         list of str or tuple
             Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
-            position), "energy".
+            position), "velocity", "acceleration", "energy".
         """
         items: list[Record] = []
         for shaft, position, names in self._data["points"]:
             items.extend(names or [(shaft, position)])
         items.extend((driver, driven) for driver, driven in self._data["meshes"])
         items.extend(("bearing", shaft, position) for shaft, position in self._data["bearings"])
+        items += [name for name in ("velocity", "acceleration") if name in self._data]
         return [*items, "energy"] if self._data["energy"] is not None else items
 
     def _axial(self, name: Literal["axial", "axial_bearing_force"]) -> Array:

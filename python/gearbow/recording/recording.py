@@ -1,17 +1,15 @@
 """Access to the recorded signals of a run by name and place."""
 
-from gearbow._lookup import locate
-from gearbow._types import Array, At
-from gearbow.description.places import place
+from gearbow._types import Array
 from gearbow.errors import ChannelError
-from gearbow.recording.bearings import BearingRecording
 from gearbow.recording.energy import EnergyBalance
+from gearbow.recording.motion import MotionRecording
 from gearbow.recording.record import Event, MeshResponse
 
 __all__ = ["Recording"]
 
 
-class Recording(BearingRecording):
+class Recording(MotionRecording):
     """Recorded signals of a run at k times.
 
     Parameters
@@ -36,68 +34,6 @@ class Recording(BearingRecording):
     request : RunRequest or None
         Scene and options of the run; None if unknown.
     """
-
-    def displacement(self, name: At) -> Array:
-        """Lateral displacement of a place.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Displacements v and w [m].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
-        """
-        return self._data["displacement"][:, self._point(name)]
-
-    def twist(self, name: At) -> Array:
-        """Twist of a place, relative to the rigid-body rotation.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Twist about x [rad].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
-        """
-        return self._data["twist"][:, self._point(name)]
-
-    def axial(self, name: At) -> Array:
-        """Axial displacement of a place.
-
-        Parameters
-        ----------
-        name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Displacement u along x [m].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record. If the system has no axial
-            motion.
-        """
-        point = self._point(name)
-        return self._axial("axial")[:, point]
 
     def mesh(self, driver: str, driven: str) -> MeshResponse:
         """Time history of one mesh.
@@ -180,16 +116,3 @@ class Recording(BearingRecording):
             show.
         """
         return tuple(Event(*event) for event in self._data["events"])
-
-    def _point(self, name: At) -> int:
-        points = self._data["points"]
-        name = place(name, "name")
-        if isinstance(name, str):
-            for i, (_, _, names) in enumerate(points):
-                if name in names:
-                    return i
-        else:
-            found = locate([(shaft, x) for shaft, x, _ in points], *name)
-            if found is not None:
-                return found
-        raise self._missing(f"the motion of {name!r}", name)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearbow._extras import extra
 from gearbow._types import Array, RunData
 from gearbow.description.speed import plain_speed
-from gearbow.recording.channels import BEARING, MESH, ROLLING
+from gearbow.recording.channels import BEARING, MESH, POINT, RATES, ROLLING
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.record import RunRecord
 
@@ -32,12 +32,16 @@ __all__ = [
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
 
-#: Arrays over time that a run may lack: of axial motion, and those that older files do not contain.
-OPTIONAL = ("axial", "axial_bearing_force", "bearing_displacement")
+#: Arrays over time that a run may lack: rates, those of axial motion, and those that older files do
+#: not contain.
+OPTIONAL = (*RATES, "axial", "axial_bearing_force", "bearing_displacement")
 #: Unit and axes of every array over time.
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
     "twist": ("rad", ("time", "point")),
+    "velocity": ("m/s", ("time", "point", "axis")),
+    "twist_rate": ("rad/s", ("time", "point")),
+    "acceleration": ("m/s²", ("time", "point", "axis")),
     "axial": ("m", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
     "bearing_displacement": ("m", ("time", "bearing", "axis")),
@@ -121,6 +125,7 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
             columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
             columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
+            columns |= _rate_columns(data, i, name)
             if along is not None:
                 columns[f"{name} u [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
@@ -133,6 +138,18 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
         columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
     table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(data["time"], name="time [s]"))
     return table
+
+
+def _rate_columns(data: RunData, point: int, name: str) -> dict[str, Array]:
+    """Collect the recorded rates of a point by their names with units."""
+    recorded = optional_arrays(data)
+    columns: dict[str, Array] = {}
+    for array, quantities in RATES.items():
+        if array in recorded:
+            signals = recorded[array][:, point].reshape(-1, len(quantities)).T
+            for quantity, values in zip(quantities, signals, strict=True):
+                columns[f"{name} {quantity} [{POINT[quantity]}]"] = values
+    return columns
 
 
 def _bearing_columns(data: RunData) -> dict[str, Array]:

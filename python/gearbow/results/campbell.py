@@ -1,7 +1,7 @@
 """Campbell diagram: modes against the speed, and their intersections with excitation lines."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, CampbellData, ComplexArray
+from gearbow.results.peak import operating_range
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -252,18 +253,43 @@ class Campbell(ReadOnly):
         table: pd.DataFrame = pd.DataFrame(rows)
         return table
 
-    def plot(self) -> "Figure":
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        speed_unit: str = "rad/s",
+        operating: float | tuple[float, float] | None = None,
+    ) -> "Figure":
         """Draw frequencies and damping ratios against the speed.
+
+        Parameters
+        ----------
+        ax : sequence of two Axes, optional
+            Panels for frequencies and damping ratios; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
+        operating : float or tuple of (float, float), optional
+            Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
+            the figure shades. The excitation lines reach at least to it.
 
         Returns
         -------
         matplotlib.figure.Figure
             Frequencies with excitation lines and intersections above, damping ratios below. Line
-            styles show the whirl.
+            styles show the whirl. The scale of the damping is logarithmic if the ratios differ by
+            more than a factor of 10.
+
+        Raises
+        ------
+        GearbowError
+            If `ax` or the unit is invalid.
+        SceneError
+            If the operating speeds are invalid.
         """
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
+        span = operating_range(operating)
         return frequency.campbell(
             self.speeds,
             self.frequencies_hz,
@@ -271,6 +297,9 @@ class Campbell(ReadOnly):
             self.whirl,
             lines=[(line.name, line.order) for line in self.lines],
             intersections=[(each.speed, each.frequency_hz) for each in self.intersections],
+            operating=None if span is None else (abs(span[0]), abs(span[1])),
+            speed_unit=speed_unit,
+            ax=ax,
         )
 
 

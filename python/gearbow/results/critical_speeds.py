@@ -1,7 +1,7 @@
 """Map of undamped critical speeds against the bearing stiffness."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ class CriticalSpeedMap(ReadOnly):
         Critical speeds of the reference shaft [rad/s] for each stiffness, ascending.
     whirl : tuple of tuple of str
         Whirl of the mode at each critical speed.
+    actual : tuple of float
+        Stiffnesses along y and z of the bearings of the system that have constant coefficients
+        [N/m].
 
     Examples
     --------
@@ -52,6 +55,7 @@ class CriticalSpeedMap(ReadOnly):
     excitation: float
     speeds: tuple[Array, ...]
     whirl: tuple[tuple[str, ...], ...]
+    actual: tuple[float, ...] = ()
 
     def lines(self, whirl: str) -> Array:
         """Critical speeds of modes with one whirl.
@@ -86,18 +90,28 @@ class CriticalSpeedMap(ReadOnly):
             line[: row.size] = row
         return table
 
-    def plot(self, count: int = 4) -> "Figure":
+    def plot(self, count: int = 4, *, ax: Any = None, speed_unit: str = "rad/s") -> "Figure":
         """Draw the map on logarithmic axes.
 
         Parameters
         ----------
         count : int
             Number of lines for each whirl.
+        ax : Axes, optional
+            Panel for the map; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
         matplotlib.figure.Figure
-            One line for each critical speed. Its style shows the whirl.
+            One line for each critical speed. Its style shows the whirl. A vertical line or a grey
+            range shows the stiffness of the bearings of the system.
+
+        Raises
+        ------
+        GearbowError
+            If `ax` or the unit is invalid.
         """
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
@@ -105,4 +119,11 @@ class CriticalSpeedMap(ReadOnly):
         most = whole(count, "count")
         found = dict.fromkeys(name for names in self.whirl for name in names)
         lines = {whirl: self.lines(whirl)[:, :most] for whirl in found}
-        return frequency.critical_speed_map(self.stiffnesses, lines, self.excitation)
+        return frequency.critical_speed_map(
+            self.stiffnesses,
+            lines,
+            self.excitation,
+            actual=self.actual,
+            speed_unit=speed_unit,
+            ax=ax,
+        )

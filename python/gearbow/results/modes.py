@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -190,7 +190,7 @@ class Modes(ReadOnly):
         )
         return table
 
-    def plot(self, number: int | None = None, *, count: int = 6) -> "Figure":
+    def plot(self, number: int | None = None, *, count: int = 6, ax: Any = None) -> "Figure":
         """Draw one mode of the train in three dimensions, or an overview of the first shapes.
 
         Parameters
@@ -199,6 +199,9 @@ class Modes(ReadOnly):
             Number of the mode to draw in three dimensions, from 1; None is the overview.
         count : int
             Number of modes in the overview.
+        ax : Axes or sequence of Axes, optional
+            Panel in three dimensions for one mode, or one panel for each mode of the overview; None
+            makes a new figure.
 
         Returns
         -------
@@ -209,7 +212,7 @@ class Modes(ReadOnly):
         Raises
         ------
         GearbowError
-            If there is no such mode.
+            If there is no such mode, or `ax` is invalid.
         """
         with extra("plot"):
             from gearbow.plotting import mode_shape, modes, within_elements  # noqa: PLC0415
@@ -226,7 +229,7 @@ class Modes(ReadOnly):
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             most = whole(count, "count")
             shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
-            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]))
+            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]), ax=ax)
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
@@ -236,7 +239,7 @@ class Modes(ReadOnly):
         )
         own = self.shapes[number - 1 : number]
         shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
-        return mode_shape.draw(title, shapes[0], dofs, self.layout)
+        return mode_shape.draw(title, shapes[0], dofs, self.layout, ax=ax)
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

@@ -2,32 +2,26 @@
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from gearbow._extras import extra
-from gearbow._types import At, Record
 from gearbow.accuracy.estimate import estimate_errors
-from gearbow.description.places import is_pair, place_label, places
 from gearbow.errors import GearbowError
-from gearbow.orders.fit import Orders, orders
-from gearbow.orders.spectrum import Spectrum, amplitudes, spectrum
+from gearbow.orders.channel import channel
 from gearbow.recording import file, tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
-from gearbow.recording.recording import Recording
+from gearbow.recording.resample import resampled
+from gearbow.results.run_figures import RunFigures
+from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
-__all__ = ["PLOT_KINDS", "Response"]
-
-#: Kinds of figures of `Response.plot`.
-PLOT_KINDS = ("orbits", "history", "twist", "mesh", "spectrum")
+__all__ = ["Response"]
 
 
-class Response(Recording):
+class Response(RunFigures):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -123,147 +117,57 @@ class Response(Recording):
             self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
-    def spectrum(
-        self, of: Record, quantity: str | None = None, *, window: str = "hann"
-    ) -> Spectrum:
-        """Find the amplitude spectrum of one recorded signal.
+    def resample(self, rate: float) -> "Response":
+        """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
 
-        Frequencies above half of the sampling rate appear as lower frequencies (aliasing). Choose
-        an `output_step` that is short enough for the highest frequency of the signal.
-
-        Parameters
-        ----------
-        of : str or tuple
-            A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft,
-            position [m]) or "energy".
-        quantity : str, optional
-            "v", "w", "twist" or "u" of a place, "y", "z" or "x" of the force on a bearing, or a
-            field of `MeshResponse`. None is "v", "y" or the mesh force.
-        window : {"hann", "flat top", "none"}
-            Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
-            whole periods.
-
-        Returns
-        -------
-        Spectrum
-            Amplitudes over frequency.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
-        GearbowError
-            If the times are not equally spaced.
-        """
-        return spectrum(self, of, quantity, window=window)
-
-    def orders(
-        self,
-        of: Record,
-        quantity: str | None = None,
-        *,
-        shaft_harmonics: int = 4,
-        mesh_harmonics: int = 3,
-        sidebands: int = 1,
-        bearing_harmonics: int = 3,
-        skip_time: float = 0.0,
-    ) -> Orders:
-        """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
+        A low-pass filter precedes the sampling, so that no frequency appears as another one
+        (aliasing). It passes frequencies up to 0.4 `rate` with an error of 0.01 %, suppresses those
+        above 0.5 `rate` by 80 dB, and shifts no phase. The filter sees what was recorded: the
+        `output_step` of the run must be short enough for all frequencies of the motion.
 
         Parameters
         ----------
-        of : str or tuple
-            Owner of the signal, as for `spectrum`.
-        quantity : str, optional
-            Quantity, as for `spectrum`.
-        shaft_harmonics, mesh_harmonics : int
-            Number of harmonics of each shaft and of each tooth frequency.
-        sidebands : int
-            Number of sidebands on each side of a tooth frequency, for each of the two shafts.
-        bearing_harmonics : int
-            Number of harmonics of the ball-pass frequency of each rolling bearing; with one or
-            more, also the order of the cage.
-        skip_time : float
-            Time at the beginning that is ignored [s].
+        rate : float
+            Sampling rate [Hz].
 
         Returns
         -------
-        Orders
-            Complex amplitudes by least squares, with the names of the excitations.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
-        GearbowError
-            If the speed changes, the record is too short to separate the orders, or the output
-            step is too long for the highest order.
-        """
-        return orders(
-            self,
-            of,
-            quantity,
-            shaft_harmonics=shaft_harmonics,
-            mesh_harmonics=mesh_harmonics,
-            sidebands=sidebands,
-            bearing_harmonics=bearing_harmonics,
-            skip_time=skip_time,
-        )
-
-    def plot(self, kind: str = "orbits", names: At | Sequence[At] | None = None) -> "Figure":
-        """Draw recorded signals.
-
-        Parameters
-        ----------
-        kind : {"orbits", "history", "twist", "mesh", "spectrum"}
-            Orbits of the centres, displacement or twist against time, geometry of the meshes
-            (contact ratio, pressure angle and angle of the line of centres) against time, or
-            amplitude spectrum of the displacement.
-        names : str, tuple or sequence of them, optional
-            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh". None is all
-            recorded gears and disks, or all recorded places if there are none.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure. It is neither shown nor saved.
+        Response
+            The response at multiples of 1/rate. The first and the last 25 samples are missing,
+            because the filter needs the signal on both sides. Events, final state and statistics
+            are those of the run.
 
         Raises
         ------
         GearbowError
-            If the kind is unknown, or no suitable signal was recorded.
+            If the times are not equally spaced, the rate exceeds that of the recording, or the
+            recording is shorter than the filter.
         """
-        with extra("plot"):
-            from gearbow.plotting import response as figures  # noqa: PLC0415
+        return Response.from_record(resampled(self.to_record(), rate))
 
-        if kind not in PLOT_KINDS:
-            raise GearbowError(f"kind: must be one of {', '.join(PLOT_KINDS)}, got {kind!r}")
-        if kind == "mesh":
-            geometry = {}
-            for pair in self._pairs(names):
-                found = self.mesh(*pair)
-                angles = (found.pressure_angle, found.centre_line_angle)
-                geometry[pair] = (found.contact_ratio, *angles)
-            return figures.mesh(self.time, geometry)
-        chosen = self._chosen(names)
-        if kind == "twist":
-            twists = {place_label(at): self.twist(at) for at in chosen}
-            return figures.twist(self.time, twists)
-        motion = {place_label(at): self.displacement(at) for at in chosen}
-        if kind == "spectrum":
-            spectra = {label: amplitudes(self.time, values) for label, values in motion.items()}
-            return figures.spectrum(spectra)
-        return figures.orbits(motion) if kind == "orbits" else figures.history(self.time, motion)
-
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.
+
+        Parameters
+        ----------
+        sensors : sequence of Probe or Accelerometer
+            Sensors whose signals are added.
 
         Returns
         -------
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
+
+        Raises
+        ------
+        ChannelError
+            If a sensor needs a motion that was not recorded.
         """
-        return tables.to_dataframe(self.to_record())
+        table = tables.to_dataframe(self.to_record())
+        for sensor in sensors:
+            found = channel(self, sensor)
+            table[f"{found.label} [{found.unit}]"] = found.values
+        return table
 
     def to_xarray(self) -> "xr.Dataset":
         """Convert everything to a labelled data set.
@@ -318,25 +222,6 @@ class Response(Recording):
             If the file cannot be opened.
         """
         return cls.from_record(file.load(path))
-
-    def _chosen(self, names: At | Sequence[At] | None) -> list[At]:
-        """Choose the places of a figure."""
-        if names is not None:
-            return list(places(names, "names"))
-        points = self._data["points"]
-        named: list[At] = [names[0] for _, _, names in points if names]
-        chosen = named or [(shaft, position) for shaft, position, _ in points]
-        if not chosen:
-            raise GearbowError("no motion was recorded; give record=['gears'] to simulate")
-        return chosen
-
-    def _pairs(self, names: Any) -> list[tuple[str, str]]:
-        """Choose the meshes of a figure."""
-        given: Any = self._data["meshes"] if names is None else names
-        pairs: list[tuple[str, str]] = [given] if is_pair(given) else list(given)
-        if not pairs:
-            raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
-        return pairs
 
     def __repr__(self) -> str:
         data = self._data

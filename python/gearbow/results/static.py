@@ -36,6 +36,9 @@ class MeshState:
         Contact ratio, NaN where the base circles overlap.
     pairs_in_contact : float
         Number of tooth pairs that carry load.
+    thrust : float
+        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
+        subject to the opposite force.
     """
 
     deflection: float
@@ -46,6 +49,7 @@ class MeshState:
     centre_line_angle: float
     contact_ratio: float
     pairs_in_contact: float
+    thrust: float
 
 
 class Static(ReadOnly):
@@ -97,7 +101,7 @@ class Static(ReadOnly):
         Parameters
         ----------
         name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
@@ -109,7 +113,8 @@ class Static(ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        return self.state[self.coordinates.lateral(name)]
+        displacement: Array = self.coordinates.displacement(self.state, name)
+        return displacement
 
     def twist(self, name: At) -> float:
         """Twist of a place.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class Synchronous(ReadOnly):
         Parameters
         ----------
         name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
@@ -94,7 +94,8 @@ class Synchronous(ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        return self.amplitudes[:, :, self.coordinates.lateral(name)]
+        displacement: ComplexArray = self.coordinates.displacement(self.amplitudes, name)
+        return displacement
 
     def twist(self, name: At) -> ComplexArray:
         """Complex amplitudes of the twist of a place.
@@ -177,7 +178,10 @@ class Synchronous(ReadOnly):
         """
         indices = self.coordinates.lateral(name)
         elastic: ComplexArray = self.amplitudes[:, :, indices].copy()
-        own = self.shafts.index(self.coordinates.shaft(name))
+        shaft = self.coordinates.shaft(name)
+        if shaft not in self.shafts:
+            raise GearbowError(f"{name!r} is no place of a shaft: only shafts have a bow")
+        own = self.shafts.index(shaft)
         if self.excitation != "unbalance" and self.slow_roll is None:
             elastic[:, own] -= self._bow[indices]
         return elastic
@@ -280,7 +284,14 @@ class Synchronous(ReadOnly):
         )
         return [Peak(*row, operating=span) for row in found]
 
-    def bode(self, names: At | Sequence[At], source: str | None = None) -> "Figure":
+    def bode(
+        self,
+        names: At | Sequence[At],
+        source: str | None = None,
+        *,
+        ax: Any = None,
+        speed_unit: str = "rad/s",
+    ) -> "Figure":
         """Draw amplitude and phase against the speed.
 
         Parameters
@@ -289,6 +300,10 @@ class Synchronous(ReadOnly):
             A gear or disk by name, (shaft, position [m]), or several.
         source : str, optional
             The shaft that excites; None is the shaft of each place.
+        ax : sequence of two Axes, optional
+            Panels for phase and amplitude; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -303,15 +318,21 @@ class Synchronous(ReadOnly):
             own = self.coordinates.shaft(name)
             shaft = self.shafts.index(own if source is None else source)
             lines[place_label(name)] = (self.phase(name)[:, shaft], self.orbit(name)[:, shaft])
-        return frequency.bode(self.speeds, lines)
+        return frequency.bode(self.speeds, lines, speed_unit=speed_unit, ax=ax)
 
-    def plot(self, names: At | Sequence[At]) -> "Figure":
+    def plot(
+        self, names: At | Sequence[At], *, ax: Any = None, speed_unit: str = "rad/s"
+    ) -> "Figure":
         """Draw the major semi-axis of the orbits against the speed.
 
         Parameters
         ----------
         names : str, tuple of (str, float), or sequence of them
             A gear or disk by name, (shaft, position [m]), or several.
+        ax : Axes or sequence of Axes, optional
+            One panel for each name; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -322,4 +343,4 @@ class Synchronous(ReadOnly):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
         orbits = {place_label(name): self.orbit(name) for name in places(names, "names")}
-        return frequency.synchronous(self.speeds, orbits, self.shafts)
+        return frequency.synchronous(self.speeds, orbits, self.shafts, speed_unit=speed_unit, ax=ax)

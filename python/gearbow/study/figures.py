@@ -89,13 +89,12 @@ def turn(study: Study) -> Figure:
                 v, w = (_MICRO * found.signals[gear, name] for name in ("v", "w"))
                 panel.plot(v, w, color=colours[bow], label=f"{bow:g}")
                 panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
-                panel.set_aspect("equal", adjustable="datalim")
-                panel.locator_params(nbins=3)
             for line, (label, (name, scale)) in zip(panels, rows.items(), strict=True):
                 for panel, pair in zip(line, study.pairs, strict=True):
                     values = scale * found.signals[pair, name]
                     panel.plot(found.turn, values, color=colours[bow])
                     panel.set(ylabel=f"{label}, {pair}")
+        plots.equal_ranges(orbits)
         for panel in panels[0]:
             panel.axhline(1.0, color="black", linewidth=1.0)
         for panel in panels[-1]:

@@ -257,8 +257,9 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     recorded: Any = {
         name: both(first[name], second[name])
         for name in (
-            *("time", "displacement", "twist", "axial", "bearing_force", "axial_bearing_force"),
-            *("bearing_displacement", "rolling_contact", "mesh", "energy", "energy_terms"),
+            *("time", "displacement", "twist", "velocity", "twist_rate", "acceleration", "axial"),
+            *("bearing_force", "axial_bearing_force", "bearing_displacement", "rolling_contact"),
+            *("mesh", "energy", "energy_terms"),
         )
         if name in first
     }

@@ -23,6 +23,7 @@ from gearbow.description.places import names_of_bases
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing, Support
+from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
 
@@ -31,19 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SystemDescription"]
 
-_PARTS: dict[str, type[Part]] = {
-    "shafts": Shaft,
-    "gears": Gear,
-    "meshes": Mesh,
-    "bearings": Bearing,
-    "torques": Torque,
-    "disks": Disk,
-    "supports": Support,
-    "housings": Housing,
-    "couplings": Coupling,
-    "drives": Drive,
-    "forces": Force,
-}
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
 #: Options of a system, and their conversion to plain data.
@@ -106,7 +94,7 @@ class SystemDescription:
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces)
-        for (key, kind), given in zip(_PARTS.items(), lists, strict=True):
+        for (key, kind), given in zip(PARTS.items(), lists, strict=True):
             setattr(self, key, parts(given, kind, key, *_OTHERS.get(key, ())))
         options = {
             "reference": reference,
@@ -118,7 +106,7 @@ class SystemDescription:
         }
         description: dict[str, Plain] = {
             key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
-            for key in _PARTS
+            for key in PARTS
         }
         for key, value in options.items():
             converted = None if value is None else _OPTIONS[key](value, key)
@@ -134,12 +122,8 @@ class SystemDescription:
         system = cls.__new__(cls)
         system._model = model
         description = model.description()
-        for key, kind in _PARTS.items():
-            setattr(
-                system,
-                key,
-                tuple(kind._from_description(part) for part in description.get(key, ())),
-            )
+        for key, parts_given in parts_of(description).items():
+            setattr(system, key, parts_given)
         for key in _OPTIONS:
             setattr(system, key, tuples(description.get(key, _DEFAULTS.get(key))))
         return system
@@ -226,7 +210,7 @@ class SystemDescription:
         >>> system.replace(gravity=None).gravity is None
         True
         """
-        names = (*_PARTS, *_OPTIONS)
+        names = (*PARTS, *_OPTIONS)
         for key in changes:
             if key not in names:
                 raise SceneError(
@@ -372,13 +356,13 @@ class SystemDescription:
         """
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(self.dofs, self.gears, self.disks, bases)
+        return Coordinates.of(self.dofs, self.gears, self.disks, bases, self.housings)
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)
 
     def __repr__(self) -> str:
-        counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
+        counts = [f"{len(getattr(self, key))} {key}" for key in PARTS if getattr(self, key)]
         dofs = len(self._model.dofs)
         return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
 

@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, number, shown, truth, whole
 from gearbow._core import Model
 from gearbow.description.layout import layout
+from gearbow.description.loads import Bearing
+from gearbow.description.part import Part
+from gearbow.description.speed_table import SpeedTable
 from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
@@ -200,7 +203,8 @@ class LinearAnalyses(SystemDescription):
             found = Model(description).critical_speeds(excitation, count)
             speeds.append(np.array([speed for speed, _ in found]))
             whirl.append(tuple(name for _, name in found))
-        return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl))
+        actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
+        return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl), actual)
 
     def synchronous(self, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
         """Find the linear response to bow and unbalance, without time stepping.
@@ -236,3 +240,12 @@ class LinearAnalyses(SystemDescription):
             _bearing_force=data["bearing_force"],
             _bow=data["bow"],
         )
+
+
+def _stiffnesses(bearing: Part) -> tuple[float, ...]:
+    """Give the positive constant stiffnesses of a bearing along y and z."""
+    if not isinstance(bearing, Bearing) or isinstance(bearing.stiffness, SpeedTable):
+        return ()
+    given = np.asarray(bearing.stiffness, dtype=np.float64)
+    along = np.diag(given) if given.ndim == 2 else given
+    return tuple(float(stiffness) for stiffness in np.unique(along) if stiffness > 0.0)

@@ -3,6 +3,7 @@
 from gearbow.analysis.balance import balance
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.continuation import ContinuationAnalyses
+from gearbow.system.drawing import plot
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
@@ -99,6 +100,7 @@ class RotorSystem(ContinuationAnalyses):
     0.10
     """
 
+    plot = plot
     simulate_many = simulate_many
     tradeoff = tradeoff
     balance = balance

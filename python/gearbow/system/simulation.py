@@ -102,7 +102,7 @@ class Simulation(LinearAnalyses):
             Recorded items: names of gears, disks or shafts (all their nodes), of supports, housings
             and points of housings, (shaft, position), (driver, driven), ("bearing", shaft,
             position), and the groups "gears", "disks", "meshes", "bearings", "housings", "nodes",
-            "energy".
+            "energy". "velocity" and "acceleration" add those of all recorded places.
         geometry : {"live", "frozen"}
             "live": line of action and tooth engagement follow the moving centres. "frozen": they
             are those of the centres at rest.

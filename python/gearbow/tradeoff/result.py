@@ -161,13 +161,15 @@ class Tradeoff(Generic[S]):
             "larger error or a longer budget"
         )
 
-    def plot(self, *, duration: float | None = None) -> "Figure":
+    def plot(self, *, duration: float | None = None, ax: Any = None) -> "Figure":
         """Draw a work-precision diagram: CPU time against error, both on logarithmic axes.
 
         Parameters
         ----------
         duration : float, optional
             Simulated time of the compared runs [s]; None is the duration of the study.
+        ax : Axes, optional
+            Panel for the diagram; None makes a new figure.
 
         Returns
         -------
@@ -202,6 +204,7 @@ class Tradeoff(Generic[S]):
             floor=self.floor,
             worst=max(trial.bound for trial in self.trials),
             simulated=self.duration if duration is None else duration,
+            ax=ax,
         )
 
     def to_dataframe(self) -> "pd.DataFrame":

@@ -93,7 +93,7 @@ impl<'m> ModalSetup<'m> {
         maps: InterfaceMaps,
         selection: Selection,
     ) -> Self {
-        let output = OutputMap::new(&nonlinear_loads, &linear, selection);
+        let output = OutputMap::new(&nonlinear_loads, &linear, &maps, selection);
         Self { linear, nonlinear_loads, maps, output }
     }
 

@@ -65,7 +65,7 @@ impl Pilot {
             return Ok(Record::default());
         }
         let [begin, end] = self.span;
-        let plan = RecordPlan { energy: false, ..plan.clone() };
+        let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
         let (motion, origin) = (setup.nonlinear_loads.motion.clone(), self.start.rotation.origin);
         let mut pilot = RunObserver {
             recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),

@@ -5,6 +5,7 @@ use super::events::{Event, EventRecorder};
 use super::{Point, RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
+use crate::model::Model;
 use crate::motion::{Energies, EquationOfMotion};
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
@@ -16,6 +17,12 @@ pub struct Record {
     pub displacement: Vec<f64>,
     /// θ of every point, rad; zero in a scene without twist.
     pub twist: Vec<f64>,
+    /// (v̇, ẇ) of every point, m/s; empty where not asked for, like the two following.
+    pub velocity: Vec<f64>,
+    /// θ̇ of every point, rad/s.
+    pub twist_rate: Vec<f64>,
+    /// (v̈, ẅ) of every point, m/s².
+    pub acceleration: Vec<f64>,
     /// u of every point, m; empty in a scene without axial motion.
     pub axial: Vec<f64>,
     /// Axial force of the shaft on the bearings of every bearing node, N; empty in a scene without axial motion.
@@ -44,13 +51,16 @@ pub(super) struct Recorder<'a, 'm> {
     times: &'a [f64],
     /// Time at which the elapsed time is zero, s.
     origin: f64,
-    /// Indices of the coordinates that recording needs.
+    /// Indices of the coordinates that recording needs, and of those whose acceleration it needs.
     coordinates: Vec<usize>,
+    accelerated: Vec<usize>,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
     /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
+    /// Scratch: accelerations at these instants; empty where none are recorded.
+    acceleration: Vec<f64>,
     audit: Option<Audit>,
     events: EventRecorder,
     every_step: bool,
@@ -73,6 +83,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
             time: room(1),
             displacement: room(2 * plan.points.len()),
             twist: room(plan.points.len()),
+            velocity: room(if plan.velocity { 2 * plan.points.len() } else { 0 }),
+            twist_rate: room(if plan.velocity { plan.points.len() } else { 0 }),
+            acceleration: room(if plan.acceleration { 2 * plan.points.len() } else { 0 }),
             axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
             axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
             bearing_force: room(2 * plan.bearings.len()),
@@ -87,6 +100,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             displacement: vec![0.0; BATCH * model.len()],
             velocity: vec![0.0; BATCH * model.len()],
+            acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
+            accelerated: plan.accelerated(model),
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
             every_step: plan.energy || EventRecorder::watches(&motion),
@@ -121,6 +136,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
             let room = count * self.motion.model().len();
             let (q, v) = (&mut self.displacement[..room], &mut self.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
+            if self.plan.acceleration {
+                motion.accelerations(instants, &self.accelerated, &mut self.acceleration[..room])?;
+            }
             for (index, elapsed) in instants.iter().enumerate() {
                 if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
                     audit.integrate(&self.motion, motion, *elapsed)?;
@@ -157,7 +175,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
     fn sample(&mut self, elapsed: f64, index: usize) -> Result<(), Halt> {
         let model = self.motion.model();
         let own = index * model.len()..(index + 1) * model.len();
-        let (q, v) = (&self.displacement[own.clone()], &self.velocity[own]);
+        let (q, v) = (&self.displacement[own.clone()], &self.velocity[own.clone()]);
         // Quantities that can fail come first, so that the record holds complete outputs only.
         let mut meshes = Vec::with_capacity(self.plan.meshes.len());
         for mesh in &self.plan.meshes {
@@ -176,19 +194,22 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 series.push(value);
             }
         }
-        let of_rows = |rows: &[Row; 2]| {
-            rows.each_ref().map(|row| row.iter().map(|(index, factor)| factor * q[*index]).sum::<f64>())
-        };
         for point in &self.plan.points {
-            let translation = model.numbering.translation(point.node);
-            let own = translation.map_or([0.0; 2], |v| [q[v], q[v + 1]]);
-            self.record.displacement.extend(point.rows.as_ref().map_or(own, of_rows));
-            self.record.twist.push(model.numbering.twist(point.node).map_or(0.0, |index| q[index]));
+            let twist = |of: &[f64]| model.numbering.twist(point.node).map_or(0.0, |index| of[index]);
+            self.record.displacement.extend(lateral(model, point, q));
+            self.record.twist.push(twist(q));
+            if self.plan.velocity {
+                self.record.velocity.extend(lateral(model, point, v));
+                self.record.twist_rate.push(twist(v));
+            }
+            if self.plan.acceleration {
+                self.record.acceleration.extend(lateral(model, point, &self.acceleration[own.clone()]));
+            }
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
             self.record.bearing_force.extend(force);
-            self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], of_rows));
+            self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], |rows| along_rows(rows, q)));
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
             }
@@ -220,4 +241,16 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.record.events = self.events.list;
         (self.record, recorder_state)
     }
+}
+
+/// Components along y and z at a point, of the displacements of all coordinates or of a derivative of them.
+fn lateral(model: &Model, point: &Point, values: &[f64]) -> [f64; 2] {
+    let translation = model.numbering.translation(point.node);
+    let own = translation.map_or([0.0; 2], |v| [values[v], values[v + 1]]);
+    point.rows.as_ref().map_or(own, |rows| along_rows(rows, values))
+}
+
+/// Sums of values with the coefficients of each row.
+fn along_rows(rows: &[Row; 2], values: &[f64]) -> [f64; 2] {
+    rows.each_ref().map(|row| row.iter().map(|(index, factor)| factor * values[*index]).sum())
 }

@@ -7,13 +7,17 @@ use crate::motion::PowerCoordinates;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
-const GROUPS: [&str; 7] = ["gears", "disks", "meshes", "bearings", "nodes", "housings", "energy"];
+const GROUPS: [&str; 9] =
+    ["gears", "disks", "meshes", "bearings", "nodes", "housings", "energy", "velocity", "acceleration"];
+
+const VELOCITY: &str = "velocity";
+const ACCELERATION: &str = "acceleration";
 
 /// One entry of the list of quantities to record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// A gear, disk, shaft, housing or point of a housing, or a group: gears, disks, meshes, bearings, nodes, housings,
-    /// energy.
+    /// energy, velocity or acceleration of the recorded nodes.
     Name(String),
     /// A node of a shaft.
     Node(String, f64),
@@ -21,6 +25,13 @@ pub enum Request {
     Mesh(String, String),
     /// The bearings at a node of a shaft.
     Bearing(String, f64),
+}
+
+impl Request {
+    /// Whether it is this name.
+    fn is(&self, name: &str) -> bool {
+        matches!(self, Self::Name(own) if own == name)
+    }
 }
 
 /// A node to record.
@@ -45,6 +56,10 @@ pub struct RecordPlan {
     pub meshes: Vec<usize>,
     /// Whether energies and works are recorded.
     pub energy: bool,
+    /// Whether velocities and twist rates of the points are recorded.
+    pub velocity: bool,
+    /// Whether accelerations of the points are recorded.
+    pub acceleration: bool,
 }
 
 impl RecordPlan {
@@ -56,6 +71,11 @@ impl RecordPlan {
         let mut plan = Self::default();
         for (index, request) in requests.iter().enumerate() {
             plan.add(model, request, &EntryPath::entry("record", index))?;
+        }
+        let of_points = |request: &&Request| [VELOCITY, ACCELERATION].iter().any(|name| request.is(name));
+        if let (true, Some(Request::Name(name))) = (plan.points.is_empty(), requests.iter().find(of_points)) {
+            let message = format!("\"{name}\" is that of the recorded places; add one, such as \"gears\"");
+            return Err(SceneError::new("record", message));
         }
         Ok(plan)
     }
@@ -70,6 +90,8 @@ impl RecordPlan {
                 "bearings" => scene.bearings.iter().for_each(|bearing| self.add_bearing(model, bearing.node)),
                 "nodes" => (0..scene.shafts.len()).for_each(|shaft| self.add_shaft(model, shaft)),
                 "energy" => self.energy = true,
+                VELOCITY => self.velocity = true,
+                ACCELERATION => self.acceleration = true,
                 "housings" => scene.housing_names().for_each(|name| self.add_housing_point(model, name)),
                 _ if scene.housing_point(name).is_some() => self.add_housing_point(model, name),
                 _ => match (scene.body(name), scene.shaft(name)) {
@@ -175,13 +197,20 @@ impl RecordPlan {
 }
 
 impl RecordPlan {
-    /// Indices of the displacements and velocities that recording needs.
+    /// Indices of the coordinates whose accelerations recording needs, ascending.
+    pub(super) fn accelerated(&self, model: &Model) -> Vec<usize> {
+        let points = if self.acceleration { self.points.clone() } else { Vec::new() };
+        Self { points, ..Self::default() }.coordinates(model)
+    }
+
+    /// Indices of the displacements, velocities and accelerations that recording needs.
     pub(super) fn selection(&self, model: &Model) -> Selection {
         let displacements = self.coordinates(model);
-        let mut moving = Self { points: Vec::new(), ..self.clone() };
+        let mut moving = Self { points: if self.velocity { self.points.clone() } else { Vec::new() }, ..self.clone() };
         // Contact events need the velocities at all meshes with backlash.
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
         Selection {
+            accelerations: self.accelerated(model),
             velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
             powers: self.energy.then(|| PowerCoordinates::new(model)),
             displacements,

@@ -241,6 +241,9 @@ pub struct Mesh {
     /// Damping along the line of action, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Whether the damping acts while the flanks are separated as well; only in contact by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_in_separation: Option<bool>,
     /// Angle from y to the line of centres, driver to driven gear, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_line_angle: Option<f64>,

@@ -43,6 +43,7 @@ class TeethLaw:
     live: bool = True
     relief: tuple[float, float, int] | None = None  # amount, length, exponent
     backlash: float | None = None
+    film: bool = False  # damping acts in separation too
     error: Callable[[Any, Any], Any] | None = None  # error as a function of the spin angles
     run_out: tuple[complex, complex] = (0j, 0j)
 
@@ -166,19 +167,24 @@ class TeethLaw:
         force = energy[7] + self.law.damping * rate
         # a prescribed stiffness acts only along the line of action
         generalised = energy[:6] if self.twist else energy[7] * gradient[:6]
-        return delta[0].real, force, -(generalised + self.law.damping * rate * gradient[:6])
+        viscous = self.law.damping * rate
+        if self.film and delta[0].real <= 0:
+            return delta[0].real, viscous, -viscous * gradient[:6]
+        return delta[0].real, force, -(generalised + viscous * gradient[:6])
 
     def force(self, q: Array, qd: Array, angles: Array, spins: Array) -> tuple[float, Array]:
         """Give drive-flank force minus back-flank force, and generalised forces as in `MeshLaw`."""
         if self.backlash is None:
             _, force, out = self.flank(q, qd, angles, spins, False)
             return float(force), out
-        total, both = 0.0, np.zeros(6)
+        total, both, touches = 0.0, np.zeros(6), False
         for sign, back in ((1, False), (-1, True)):
             if self.deflection(q, angles, back) > 0:
                 _, force, out = self.flank(q, qd, angles, spins, back)
-                if force > 0:
-                    total, both = total + sign * float(force), both + out
+                if force > 0 or self.film:
+                    total, both, touches = total + sign * float(force), both + out, True
+        if self.film and not touches:
+            _, total, both = self.flank(q, qd, angles, spins, False)
         return total, both
 
 

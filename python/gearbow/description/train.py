@@ -1,0 +1,129 @@
+"""Parts of a system made from its plain description, and what a drawing of the train needs."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearbow._core import Model
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array, ComplexArray, Dof, Plain
+from gearbow.description.couplings import Coupling, Drive, Force
+from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.layout import Layout, layout
+from gearbow.description.loads import Bearing, Torque
+from gearbow.description.part import Part
+from gearbow.description.shafts import Shaft
+from gearbow.description.supports import Housing, Support
+from gearbow.errors import AccuracyWarning
+
+__all__ = ["PARTS", "Train", "parts_of"]
+
+#: Class of the parts of each list of a system.
+PARTS: dict[str, type[Part]] = {
+    "shafts": Shaft,
+    "gears": Gear,
+    "meshes": Mesh,
+    "bearings": Bearing,
+    "torques": Torque,
+    "disks": Disk,
+    "supports": Support,
+    "housings": Housing,
+    "couplings": Coupling,
+    "drives": Drive,
+    "forces": Force,
+}
+
+
+def parts_of(description: Mapping[str, Plain]) -> dict[str, tuple[Any, ...]]:
+    """Make the parts of a system from its plain description.
+
+    Parameters
+    ----------
+    description : mapping
+        A description that the core has checked.
+
+    Returns
+    -------
+    dict of {str: tuple of Part}
+        The parts by the names of the parameters of `gearbow.RotorSystem`.
+    """
+    return {
+        key: tuple(kind._from_description(part) for part in description.get(key, ()))
+        for key, kind in PARTS.items()
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Train(ReadOnly):
+    """A train at rest: parts, positions, senses of rotation and bows.
+
+    Parameters
+    ----------
+    parts : mapping of {str: tuple of Part}
+        The parts by the names of the parameters of `gearbow.RotorSystem`.
+    layout : Layout
+        Positions of shafts, gears, disks and bearings.
+    ratios : mapping of {str: float}
+        Signed speed of each shaft over that of the reference shaft.
+    dofs : tuple of (str, float or (float, float), str)
+        Degrees of freedom of the bowed shafts.
+    bow : ndarray, shape (n,)
+        Amplitudes of these degrees of freedom without load. The real parts of those of v and w are
+        the bow b_y and b_z [m].
+    """
+
+    parts: Mapping[str, tuple[Any, ...]]
+    layout: Layout
+    ratios: Mapping[str, float]
+    dofs: tuple[Dof, ...]
+    bow: ComplexArray
+
+    @classmethod
+    def of(cls, description: Mapping[str, Plain], ratios: Array) -> "Train":
+        """Make the train of a plain description.
+
+        Parameters
+        ----------
+        description : mapping
+            A description that the core has checked.
+        ratios : ndarray, shape (shafts,)
+            Signed speed of each shaft over that of the reference shaft.
+
+        Returns
+        -------
+        Train
+            The train.
+        """
+        parts = parts_of(description)
+        lists = ("shafts", "gears", "disks", "meshes", "bearings")
+        bows = [_bow(description, shaft.name) for shaft in parts["shafts"] if shaft.bow is not None]
+        return cls(
+            parts=parts,
+            layout=layout(*(parts[key] for key in lists), couplings=parts["couplings"]),
+            ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
+            dofs=tuple(dof for dofs, _ in bows for dof in dofs),
+            bow=np.concatenate([np.empty(0, complex), *(values for _, values in bows)]),
+        )
+
+
+def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], ComplexArray]:
+    """Give the degrees of freedom and the bow of one shaft, from a model of this shaft alone."""
+    own: dict[str, list[Plain]] = {
+        key: [part for part in description.get(key, ()) if part["shaft"] == name]
+        for key in ("gears", "disks", "bearings")
+    }
+    # Of the bearings, a sag depends on the positions only.
+    own["bearings"] = [
+        {"shaft": name, "position": bearing["position"], "stiffness": 1e8}
+        for bearing in own["bearings"]
+    ]
+    own["shafts"] = [shaft for shaft in description["shafts"] if shaft["name"] == name]
+    model = Model({**own, "motion": "lateral"})
+    with warnings.catch_warnings():
+        # The conditioning of the modes does not affect the bow.
+        warnings.simplefilter("ignore", AccuracyWarning)
+        bow: ComplexArray = model.synchronous(np.empty(0), "bow")["bow"]
+    return list(model.dofs), bow

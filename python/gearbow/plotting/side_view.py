@@ -1,0 +1,242 @@
+"""Side view of a train: shafts, gears, disks and all symbols, to scale."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from gearbow._types import Array, ComplexArray
+from gearbow.description.layout import ShaftOutline
+from gearbow.description.train import Train
+from gearbow.plotting import loads, symbols
+from gearbow.plotting.development import Box, Development, body_box, developed
+from gearbow.plotting.labels import NAMES, Labels, around
+from gearbow.plotting.style import MICRO, colour
+from gearbow.plotting.within_elements import refined
+
+__all__ = ["SideView", "bows"]
+
+#: Points around a box where its label may be: above, below, right, left.
+_WAYS = ((0, 1), (0, -1), (1, 0.8), (-1, 0.8), (1, -0.8), (-1, -0.8), (1, 0), (-1, 0), (0, 0))
+
+
+class SideView:
+    """Side view of a train.
+
+    Parameters
+    ----------
+    train : Train
+        The train.
+    magnify : float
+        Factor that enlarges the bows.
+
+    Attributes
+    ----------
+    shades : dict of {str: str}
+        Colour of each shaft.
+    development : Development
+        Heights of the shafts.
+    boxes : list of tuple of float
+        Boxes of all shafts, gears and disks [m].
+    kinds : list of str
+        Kinds of symbols of the view, for the legend.
+    """
+
+    def __init__(self, train: Train, magnify: float) -> None:
+        self.train, self.magnify = train, magnify
+        self.development: Development = developed(train)
+        self.shades = {shaft.name: colour(i) for i, shaft in enumerate(train.layout.shafts)}
+        self.boxes: list[Box] = [box for shaft in train.layout.shafts for box in self._own(shaft)]
+        self.kinds = symbols.kinds(train)
+
+    def extent(self) -> Box:
+        """Give the box of all parts to scale.
+
+        Returns
+        -------
+        tuple of float
+            Left, bottom, right, top [m].
+        """
+        left, bottom, right, top = np.transpose(self.boxes)
+        return float(left.min()), float(bottom.min()), float(right.max()), float(top.max())
+
+    def draw(self, panel: Axes, point: float) -> None:
+        """Draw the view into a panel with final limits.
+
+        Parameters
+        ----------
+        panel : matplotlib.axes.Axes
+            The panel.
+        point : float
+            Length of a point of the page in the data [m].
+        """
+        labels = Labels(panel, point)
+        labels.avoid(*self.boxes)
+        for shaft in self.train.layout.shafts:
+            self._shaft(panel, shaft)
+        labels.avoid(*self._feet(labels), *self._couplings(labels), strictly=True)
+        loads.draw(labels, self.train, self.development.heights)
+        self._bows(labels)
+        self._gear_names(labels)
+        self._shaft_names(labels)
+
+    def _height(self, name: str) -> float:
+        return self.development.heights[name]
+
+    def _own(self, shaft: ShaftOutline) -> Iterator[Box]:
+        """Give the boxes of the segments, gears and disks of a shaft."""
+        left, y = float(shaft.origin[0]), self._height(shaft.name)
+        ends = [0.0, *(end for end, _ in shaft.steps)]
+        for (begin, end), (_, radius) in zip(pairwise(ends), shaft.steps, strict=True):
+            yield left + begin, y - radius, left + end, y + radius
+        for body in self.train.layout.bodies:
+            if body.shaft == shaft.name:
+                yield body_box(self.train, body, y)
+
+    def _shaft(self, panel: Axes, shaft: ShaftOutline) -> None:
+        """Draw the segments, gears and disks of a shaft, and its axis."""
+        shade = self.shades[shaft.name]
+        count = len(shaft.steps)
+        for number, (left, bottom, right, top) in enumerate(self._own(shaft)):
+            panel.add_patch(
+                Rectangle(
+                    (left, bottom),
+                    right - left,
+                    top - bottom,
+                    facecolor=shade,
+                    edgecolor=shade if number < count else "black",
+                    alpha=0.35 if number < count else 0.55,
+                    linewidth=1.0,
+                    zorder=2.0 if number < count else 3.0,
+                )
+            )
+        x = float(shaft.origin[0])
+        over = 0.03 * shaft.length
+        ends, y = [x - over, x + shaft.length + over], self._height(shaft.name)
+        panel.plot(ends, [y, y], color="0.25", linewidth=0.8, linestyle="-.", zorder=4.0)
+
+    def _feet(self, labels: Labels) -> Iterator[Box]:
+        """Draw the bearings and what they stand on."""
+        panel, point = labels.panel, labels.point
+        housings: dict[str, list[Box]] = {
+            housing.name: [] for housing in self.train.parts["housings"]
+        }
+        for part in self.train.parts["bearings"]:
+            shaft = self.train.layout.shaft(part.shaft)
+            x = float(shaft.origin[0]) + part.position
+            y = self._height(part.shaft) - shaft.outer_radius(part.position)
+            kind = symbols.bearing_kind(part)
+            foot = symbols.bearing(panel, kind, x, y, point)
+            yield foot
+            base = part.support
+            name = base if isinstance(base, str) else getattr(base, "name", None)
+            if name in housings:
+                housings[name].append(foot)
+                continue
+            if base is not None:
+                foot = symbols.support(panel, x, foot[1], point)
+                yield foot
+                if name is not None:
+                    labels.add(name, around(*foot, ((1, 0), (-1, 0), (0, -1))), fontsize=NAMES)
+            yield symbols.ground(panel, x, foot[1], point)
+        for name, feet in housings.items():
+            if feet:
+                self._housing(labels, name, feet)
+
+    def _housing(self, labels: Labels, name: str, feet: list[Box]) -> None:
+        """Draw a grey area behind the bearings of a housing."""
+        edges = np.array(feet)
+        margin = 8.0 * labels.point
+        left, bottom = edges[:, 0].min() - margin, edges[:, 1].min() - margin
+        right = edges[:, 2].max() + margin
+        shafts = {part.shaft for part in self.train.parts["bearings"] if part.support == name}
+        top = max(box[3] for shaft in shafts for box in self._own(self.train.layout.shaft(shaft)))
+        top = max(top, edges[:, 3].max()) + margin
+        labels.panel.add_patch(
+            Rectangle(
+                (left, bottom),
+                right - left,
+                top - bottom,
+                facecolor="0.93",
+                edgecolor="0.4",
+                linewidth=1.2,
+                linestyle="--",
+                zorder=1.0,
+            )
+        )
+        inside = [((left, top), (1.0, -1.0)), ((right, top), (-1.0, -1.0))]
+        inside += [((left, bottom), (1.0, 1.0)), ((right, bottom), (-1.0, 1.0))]
+        labels.add(name, inside, fontsize=NAMES, color="0.25")
+
+    def _couplings(self, labels: Labels) -> Iterator[Box]:
+        for part in self.train.parts["couplings"]:
+            x, y, radius = loads.place(self.train, self.development.heights, part.a)
+            yield symbols.coupling(labels.panel, x, y, radius, labels.point)
+
+    def _gear_names(self, labels: Labels) -> None:
+        for body in self.train.layout.bodies:
+            box = body_box(self.train, body, self._height(body.shaft))
+            labels.add(body.name, around(*box, _WAYS), fontsize=NAMES)
+
+    def _shaft_names(self, labels: Labels) -> None:
+        """Write the name of each shaft at its ends, or along it."""
+        for shaft in self.train.layout.shafts:
+            boxes = list(self._own(shaft))[: len(shaft.steps)]
+            begin, end = boxes[0], boxes[-1]
+            places = [*around(*begin, ((-1, 0),)), *around(*end, ((1, 0),))]
+            for box in sorted(boxes, key=lambda box: box[0] - box[2]):
+                for way in ((0.0, 1), (0.0, -1), (0.7, 1), (-0.7, 1), (0.7, -1), (-0.7, -1)):
+                    places += around(*box, (way,))
+            labels.add(
+                shaft.name, places, color=self.shades[shaft.name], fontsize=NAMES, weight="bold"
+            )
+
+    def _bows(self, labels: Labels) -> None:
+        """Draw the enlarged bow of each shaft in its own plane, with its size and angle."""
+        for name, (x, bow) in bows(self.train).items():
+            left, y = float(self.train.layout.shaft(name).origin[0]), self._height(name)
+            largest = bow[int(np.argmax(np.abs(bow)))]
+            if largest == 0.0:
+                continue
+            curve = y + self.magnify * np.real(bow * np.conj(largest)) / abs(largest)
+            labels.panel.plot(left + x, curve, color="black", linewidth=2.2, zorder=6.0)
+            for (a, b), (c, d) in pairwise(zip(left + x[::4], curve[::4], strict=True)):
+                labels.avoid((a, min(b, d), c, max(b, d)), strictly=True)
+            text = f"bow {MICRO * abs(largest):.3g} µm at {np.degrees(np.angle(largest)):.0f}°"
+            places: list[Any] = []
+            for part in (0.5, 0.35, 0.65, 0.2, 0.8, 0.05, 0.95):
+                n = int(part * (x.size - 1))
+                places += [((left + x[n], float(curve[n])), (0.0, way)) for way in (1.0, -1.0)]
+            labels.add(text.replace("-", "−"), places, fontsize=NAMES)
+
+
+def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
+    """Find the bow of each shaft that has one.
+
+    Parameters
+    ----------
+    train : Train
+        The train.
+
+    Returns
+    -------
+    dict of {str: (ndarray of shape (k,), ndarray of shape (k,))}
+        Positions [m] and deflection b_y + i b_z [m].
+    """
+    if not train.dofs:
+        return {}
+    values, dofs = refined(train.bow[np.newaxis], train.dofs, train.layout)
+    found: dict[str, dict[str, list[Any]]] = {}
+    for (name, x, direction), value in zip(dofs, values[0], strict=True):
+        if direction in ("v", "w"):
+            found.setdefault(name, {}).setdefault(direction, []).append((x, value.real))
+    curves = {}
+    for name, planes in found.items():
+        y, z = (dict(planes[direction]) for direction in ("v", "w"))
+        positions = sorted(y)
+        curve = np.array([complex(y[x], z[x]) for x in positions])
+        curves[name] = np.array(positions), curve
+    return curves

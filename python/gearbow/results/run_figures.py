@@ -1,0 +1,169 @@
+"""Figures and animations of a recorded run."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._convert import number
+from gearbow._extras import extra
+from gearbow._types import At
+from gearbow.description.places import is_pair, is_place, place_label, places
+from gearbow.description.speed import SpeedProfile
+from gearbow.errors import GearbowError, SceneError
+from gearbow.orders.spectrum import amplitudes, order_frequencies
+from gearbow.results.motion import animate
+from gearbow.results.signals import SignalResponse
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["PLOT_KINDS", "RunFigures"]
+
+#: Kinds of figures of `Response.plot`.
+PLOT_KINDS = ("orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum")
+
+
+class RunFigures(SignalResponse):
+    """Figures of a run at k times.
+
+    Parameters
+    ----------
+    data : mapping
+        Recorded arrays, events, final state and statistics.
+    speed : float or SpeedProfile
+        Speed of the reference shaft [rad/s].
+    """
+
+    animate = animate
+
+    def plot(
+        self,
+        kind: str = "orbits",
+        names: Any = None,
+        *,
+        skip_time: float | None = None,
+        ax: Any = None,
+    ) -> "Figure":
+        """Draw recorded signals.
+
+        Parameters
+        ----------
+        kind : str
+            - "orbits": orbits of the centres.
+            - "history", "twist": displacement or twist against time.
+            - "mesh": force, deflection and stiffness of the meshes against time.
+            - "geometry": contact ratio, pressure angle and angle of the line of centres of the
+              meshes against time.
+            - "bearings": forces on the bearings against time.
+            - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
+        names : str, tuple or sequence of them, optional
+            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
+            (shaft, position [m]) for "bearings". None is all recorded items; of places, the gears
+            and disks if there are any.
+        skip_time : float, optional
+            Time at the beginning with the transient [s]: orbits and histories show it in grey,
+            spectra omit it. None is 0, but orbits at a constant speed then show the last turn of
+            the slowest shaft in colour.
+        ax : Axes or sequence of Axes, optional
+            One panel for each name, for a mesh three; None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If the kind or `ax` is invalid, or no suitable signal was recorded.
+        SceneError
+            If `skip_time` is negative or longer than the record.
+        """
+        with extra("plot"):
+            from gearbow.plotting import response as figures  # noqa: PLC0415
+
+        if kind not in PLOT_KINDS:
+            raise GearbowError(f"kind: must be one of {', '.join(PLOT_KINDS)}, got {kind!r}")
+        skipped = self._skipped(skip_time, turn=kind == "orbits")
+        if kind in ("mesh", "geometry"):
+            fields = {
+                "mesh": ("force", "deflection", "stiffness"),
+                "geometry": ("contact_ratio", "pressure_angle", "centre_line_angle"),
+            }[kind]
+            found = {pair: self.mesh(*pair) for pair in self._pairs(names)}
+            chosen = {
+                pair: tuple(getattr(one, name) for name in fields) for pair, one in found.items()
+            }
+            return getattr(figures, kind)(self.time, chosen, skipped=skipped, ax=ax)  # type: ignore[no-any-return]
+        if kind == "bearings":
+            forces = {place_label(at): self.bearing_force(*at) for at in self._bearings(names)}
+            return figures.bearings(self.time, forces, skipped=skipped, ax=ax)
+        places_of = self._chosen(names)
+        if kind == "twist":
+            twists = {place_label(at): self.twist(at) for at in places_of}
+            return figures.twist(self.time, twists, skipped=skipped, ax=ax)
+        motion = {place_label(at): self.displacement(at) for at in places_of}
+        if kind == "orbits":
+            return figures.orbits(motion, skipped=skipped, ax=ax)
+        if kind == "history":
+            return figures.history(self.time, motion, skipped=skipped, ax=ax)
+        spectra = {
+            label: amplitudes(self.time[skipped:], values[skipped:])
+            for label, values in motion.items()
+        }
+        return figures.spectrum(spectra, orders=order_frequencies(self), ax=ax)
+
+    def _skipped(self, skip_time: float | None, *, turn: bool) -> int:
+        """Count the times that belong to the transient."""
+        if self.time.size == 0:
+            return 0
+        if skip_time is not None:
+            given = number(skip_time, "skip_time")
+            span = float(self.time[-1] - self.time[0])
+            if not 0.0 <= given < max(span, 1e-300):
+                raise SceneError(
+                    f"skip_time: must be from 0 to below the length {span:g} s of the record, "
+                    f"got {given:g}"
+                )
+            begin = self.time[0] + given
+        elif turn and self.kinematics is not None and not isinstance(self.speed, SpeedProfile):
+            slowest = min(abs(ratio) for _, ratio in self.kinematics.shafts) * abs(self.speed)
+            begin = self.time[-1] - (2.0 * math.pi / slowest if slowest > 0.0 else math.inf)
+        else:
+            return 0
+        # Round-off of the times must not move the begin to the next one.
+        return int(np.searchsorted(self.time, begin - 1e-9 * abs(begin)))
+
+    def _chosen(self, names: At | Sequence[At] | None) -> list[At]:
+        """Choose the places of a figure."""
+        if names is not None:
+            return list(places(names, "names"))
+        points = self._data["points"]
+        named: list[At] = [names[0] for _, _, names in points if names]
+        chosen = named or [(shaft, position) for shaft, position, _ in points]
+        if not chosen:
+            raise GearbowError("no motion was recorded; give record=['gears'] to simulate")
+        return chosen
+
+    def _bearings(self, names: Any) -> list[tuple[str, float]]:
+        """Choose the bearings of a figure."""
+        if names is None:
+            found = [(shaft, position) for shaft, position in self._data["bearings"]]
+        else:
+            found = list(places(names, "names"))
+            for i, at in enumerate(found):
+                if not is_place(at):
+                    raise SceneError(f"names[{i}]: must be (shaft, position), got {at!r}")
+        if not found:
+            raise GearbowError("no bearing was recorded; give record=['bearings'] to simulate")
+        return found
+
+    def _pairs(self, names: Any) -> list[tuple[str, str]]:
+        """Choose the meshes of a figure."""
+        given: Any = self._data["meshes"] if names is None else names
+        pairs: list[tuple[str, str]] = [given] if is_pair(given) else list(given)
+        if not pairs:
+            raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
+        return pairs

@@ -1,0 +1,1 @@
+"""Sensors: what measures a recorded motion."""

@@ -1,0 +1,82 @@
+"""Accelerometers on supports, housings and shafts."""
+
+from dataclasses import KW_ONLY, dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gearbow._convert import number
+from gearbow._types import Array, At
+from gearbow.description.places import place, place_label
+from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor, degrees_text
+
+__all__ = ["Accelerometer"]
+
+
+@dataclass(frozen=True)
+class Accelerometer(SignalSensor):
+    """An accelerometer, which measures the lateral acceleration of a place in one direction.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        Name of a support, housing or point of a housing, of a gear or disk, or (shaft,
+        position [m]), for example that of a bearing. Its acceleration must be recorded.
+    angle : float
+        Direction, from y towards z [rad].
+
+    Raises
+    ------
+    SceneError
+        If the place is invalid, or the angle is not finite.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.Accelerometer("pedestal", angle=0.0).label
+    'accelerometer pedestal, 0°'
+    """
+
+    at: At
+    _: KW_ONLY
+    angle: float = 0.0
+
+    unit: ClassVar[str] = "m/s²"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", place(self.at, "accelerometer.at"))
+        object.__setattr__(self, "angle", number(self.angle, "accelerometer.angle"))
+
+    @property
+    def label(self) -> str:
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
+        return f"accelerometer {place_label(self.at)}, {degrees_text(self.angle)}"
+
+    def measure(self, recording: Recording) -> Array:
+        """Measure a recorded motion.
+
+        Parameters
+        ----------
+        recording : Recording
+            The recorded run.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Acceleration in the direction of the sensor, without gravity [m/s²].
+
+        Raises
+        ------
+        ChannelError
+            If the acceleration was not recorded; the message says what to record.
+        """
+        direction = np.array([np.cos(self.angle), np.sin(self.angle)])
+        along: Array = recording.acceleration(self.at) @ direction
+        return along

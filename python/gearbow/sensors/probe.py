@@ -1,0 +1,151 @@
+"""Proximity probes, which measure the displacement of the surface of a shaft."""
+
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, number, text
+from gearbow._types import Array
+from gearbow.errors import SceneError
+from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import SignalSensor, degrees_text
+
+__all__ = ["Probe", "RunOut"]
+
+#: Run-out over the angle in the shaft: once per revolution, a function, or (angles, values).
+RunOut: TypeAlias = complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
+
+
+@dataclass(frozen=True)
+class Probe(SignalSensor):
+    """A proximity probe beside a shaft.
+
+    It measures the displacement of the shaft towards the probe, plus the run-out of the surface
+    that passes below it. Displacements contain the bow of the shaft.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    position : float
+        Position along the shaft [m]. The motion there must be recorded.
+    angle : float
+        Angle from y towards z at which the probe stands [rad].
+    run_out : complex, callable or tuple of (array_like, array_like), optional
+        Deviation of the surface from a circle about the axis of the shaft [m], positive outwards,
+        over the angle in the shaft [rad]; electrical run-out included. A complex number is an
+        eccentricity with its angle in the shaft; a callable takes an array of angles; (angles,
+        values) are interpolated linearly around the circumference. None is no run-out.
+    support : str, optional
+        Name of the support, housing or point of a housing on which the probe stands. Its
+        displacement is subtracted and must be recorded. None is the ground.
+
+    Raises
+    ------
+    SceneError
+        If a number is not finite, or the run-out is none of these forms.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> probe = gb.Probe("input", position=0.3, angle=0.8, run_out=5e-6j)
+    >>> probe.label
+    'probe input at 0.3 m, 45.84°'
+    """
+
+    shaft: str
+    position: float
+    _: KW_ONLY
+    angle: float = 0.0
+    run_out: RunOut | None = None
+    support: str | None = None
+
+    unit: ClassVar[str] = "m"
+
+    def __post_init__(self) -> None:
+        text(self.shaft, "probe.shaft")
+        for name in ("position", "angle"):
+            object.__setattr__(self, name, number(getattr(self, name), f"probe.{name}"))
+        if self.support is not None:
+            text(self.support, "probe.support")
+        self._run_out(np.zeros(1))
+
+    @property
+    def label(self) -> str:
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
+        return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}"
+
+    def measure(self, recording: Recording) -> Array:
+        """Measure a recorded motion.
+
+        Parameters
+        ----------
+        recording : Recording
+            The recorded run.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Displacement towards the probe plus run-out [m].
+
+        Raises
+        ------
+        ChannelError
+            If a motion was not recorded; the message says what to record.
+        SceneError
+            If the function of the run-out gives no finite numbers.
+        """
+        place = (self.shaft, self.position)
+        motion = recording.displacement(place)
+        if self.support is not None:
+            motion = motion - recording.displacement(self.support)
+        towards: Array = motion @ np.array([np.cos(self.angle), np.sin(self.angle)])
+        if self.run_out is None:
+            return towards
+        return towards + self._run_out(
+            self.angle - recording.angle(self.shaft) - recording.twist(place)
+        )
+
+    def _run_out(self, angles: Array) -> Array:
+        """Give the run-out at angles in the shaft."""
+        given = self.run_out
+        if given is None:
+            return np.zeros_like(angles)
+        if callable(given):
+            values = array(given(angles), "probe.run_out")
+            if values.shape != angles.shape:
+                raise SceneError(
+                    f"probe.run_out: the function must give one number for each of "
+                    f"{angles.size} angles, got {values.size}"
+                )
+            return values
+        if isinstance(given, tuple | list):
+            if len(given) != 2:
+                raise SceneError(f"probe.run_out: must be (angles, values), got {len(given)} items")
+            known, values = (array(part, "probe.run_out") for part in given)
+            if known.shape != values.shape:
+                raise SceneError(
+                    f"probe.run_out: must have as many angles as values, got {known.size} and "
+                    f"{values.size}"
+                )
+            return np.interp(angles, known, values, period=2.0 * np.pi)
+        try:
+            amplitude = complex(given)
+        except (TypeError, ValueError):
+            amplitude = complex(np.nan)
+        if not np.isfinite(amplitude):
+            raise SceneError(
+                "probe.run_out: must be a finite complex number, a function or (angles, values), "
+                f"got {given!r}"
+            )
+        eccentric: Array = np.real(amplitude * np.exp(-1j * angles))
+        return eccentric

@@ -1,0 +1,64 @@
+"""What sensors have in common."""
+
+import math
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+from gearbow._read_only import ReadOnly
+from gearbow._types import Array
+from gearbow.recording.recording import Recording
+
+__all__ = ["Sensor", "SignalSensor", "degrees_text"]
+
+
+class Sensor(ReadOnly, ABC):
+    """A sensor, which measures a recorded motion."""
+
+    @abstractmethod
+    def measure(self, recording: Recording) -> Array:
+        """Measure a recorded motion.
+
+        Parameters
+        ----------
+        recording : Recording
+            The recorded run.
+
+        Returns
+        -------
+        ndarray
+            The measurement.
+        """
+
+
+class SignalSensor(Sensor):
+    """A sensor with one value for each recorded time."""
+
+    #: Unit of the signal.
+    unit: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and direction.
+        """
+
+
+def degrees_text(angle: float) -> str:
+    """Give an angle in degrees for a label.
+
+    Parameters
+    ----------
+    angle : float
+        The angle [rad].
+
+    Returns
+    -------
+    str
+        The angle, e.g. "45°".
+    """
+    return f"{math.degrees(angle):.4g}°"

@@ -1,0 +1,181 @@
+"""Tachometers: the times of the pulses of a shaft."""
+
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._convert import number, text, whole
+from gearbow._types import Array
+from gearbow.errors import SceneError
+from gearbow.recording.recording import Recording
+from gearbow.sensors.sensor import Sensor
+
+__all__ = ["Tacho"]
+
+#: Steps of the safeguarded Newton iteration; bisection alone reaches round-off in as many.
+_STEPS = 64
+
+
+@dataclass(frozen=True)
+class Tacho(Sensor):
+    """A sensor of marks on a shaft, which gives one pulse for each mark that passes it.
+
+    The times are exact: they are the roots of the angle of the shaft, not an interpolation of
+    samples. With a position, the recorded twist there is part of the angle, between two samples as
+    the cubic through their twists and twist rates.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    pulses : int
+        Marks at equal angles around the shaft; the first is at the angle zero in the shaft.
+    position : float, optional
+        Position along the shaft [m], where the twist and its rate must be recorded. None leaves the
+        twist out: the pulses are those of the prescribed rotation.
+    angle : float
+        Angle from y towards z at which the sensor stands [rad].
+
+    Raises
+    ------
+    SceneError
+        If the number of pulses is no positive whole number, or another number is not finite.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> run_up = gb.SpeedProfile.ramp(0.0, 20.0, duration=2.0)
+    >>> response = system.simulate(2.0, run_up)
+    >>> response.measure(gb.Tacho("rotor")).round(6)
+    array([0.      , 1.120998, 1.585331, 1.941626])
+    """
+
+    shaft: str
+    pulses: int = 1
+    _: KW_ONLY
+    position: float | None = None
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        text(self.shaft, "tacho.shaft")
+        object.__setattr__(self, "pulses", whole(self.pulses, "tacho.pulses"))
+        if self.position is not None:
+            object.__setattr__(self, "position", number(self.position, "tacho.position"))
+        object.__setattr__(self, "angle", number(self.angle, "tacho.angle"))
+
+    def measure(self, recording: Recording) -> Array:
+        """Find the times of the pulses of a recorded run.
+
+        Parameters
+        ----------
+        recording : Recording
+            The recorded run.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Times of the pulses from the first recorded time up to the last one, ascending [s].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such shaft, or the twist or its rate was not recorded.
+        SceneError
+            If the recorded times do not ascend, which the twist needs.
+        """
+        if recording.time.size == 0:
+            return np.empty(0)
+        nodes, angle, rate = self._rotation(recording)
+        spacing = 2.0 * np.pi / self.pulses
+        return _crossings(
+            nodes, lambda t: (angle(t) - self.angle) / spacing, lambda t: rate(t) / spacing
+        )
+
+    def _rotation(
+        self, recording: Recording
+    ) -> tuple[Array, Callable[[Array], Array], Callable[[Array], Array]]:
+        """Give times between which the angle is monotone, and the angle and its rate over time."""
+        # The speed of a run does not change its sign.
+        nodes = np.unique([recording.time.min(), recording.time.max()])
+
+        def angle(t: Array) -> Array:
+            return recording.angle(self.shaft, t)
+
+        def rate(t: Array) -> Array:
+            return recording.spin(self.shaft, t)
+
+        if self.position is None:
+            return nodes, angle, rate
+        place, time = (self.shaft, self.position), recording.time
+        if time.size > 1 and not np.diff(time).min() > 0.0:
+            raise SceneError("tacho.position: the recorded times must ascend; leave position out")
+        twist, twist_rate = recording.twist(place), recording.twist_rate(place)
+        return (
+            np.union1d(nodes, time),
+            lambda t: angle(t) + _cubic(time, twist, twist_rate, t),
+            lambda t: rate(t) + _cubic_rate(time, twist, twist_rate, t),
+        )
+
+
+def _crossings(
+    nodes: Array, turned: Callable[[Array], Array], rate: Callable[[Array], Array]
+) -> Array:
+    """Find the times at which a function, monotone between the nodes, is a whole number.
+
+    A value at the beginning counts, one at the end of the last interval does not.
+    """
+    values = turned(nodes)
+    low, high, levels = [], [], []
+    for begin, end, first, last in zip(nodes, nodes[1:], values, values[1:], strict=False):
+        if last > first:
+            whole_numbers = np.arange(np.ceil(first), np.ceil(last))
+        else:
+            whole_numbers = np.arange(np.floor(first), np.floor(last), -1.0)
+        levels.append(whole_numbers)
+        low.append(np.full(whole_numbers.size, begin))
+        high.append(np.full(whole_numbers.size, end))
+    if not levels:
+        return np.empty(0)
+    level, left, right = (np.concatenate(parts) for parts in (levels, low, high))
+    rising = turned(right) > turned(left)
+    t = (left + right) / 2.0
+    for _ in range(_STEPS):
+        excess = turned(t) - level
+        passed = (excess >= 0.0) == rising
+        left, right = np.where(passed, left, t), np.where(passed, t, right)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = t - excess / rate(t)
+        # Newton's step, or the middle of the bracket where the step leaves it.
+        following = np.where((newton >= left) & (newton <= right), newton, (left + right) / 2.0)
+        if np.array_equal(following, t):
+            break
+        t = following
+    return np.sort(t)
+
+
+def _cubic(time: Array, values: Array, rates: Array, t: Array) -> Array:
+    """Interpolate samples by the cubics through their values and rates."""
+    i, h, s = _interval(time, t)
+    rise = s * s * (3.0 - 2.0 * s)
+    bend = h * s * (1.0 - s)
+    cubic: Array = (1.0 - rise) * values[i] + rise * values[i + 1]
+    return cubic + bend * ((1.0 - s) * rates[i] - s * rates[i + 1])
+
+
+def _cubic_rate(time: Array, values: Array, rates: Array, t: Array) -> Array:
+    """Give the rate of `_cubic`."""
+    i, h, s = _interval(time, t)
+    slope: Array = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / h
+    return slope + (1.0 - s) * (1.0 - 3.0 * s) * rates[i] + s * (3.0 * s - 2.0) * rates[i + 1]
+
+
+def _interval(time: Array, t: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    """Give the index of the interval of each time, its length, and the fraction within it."""
+    i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
+    h = time[i + 1] - time[i]
+    return i, h, (t - time[i]) / h
