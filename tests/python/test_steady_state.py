@@ -13,7 +13,7 @@ import pytest
 import gearbow as gb
 from gearbow.results.steady import instability
 from reference.teeth import Toothed
-from test_teeth_stability import MEISSNER, OMEGA_1, boundaries, criterion, monodromy
+from test_teeth_stability import MEISSNER, boundaries, criterion, monodromy
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GEARS = ("g1", "g2", "g3", "g4")
@@ -23,7 +23,8 @@ PAIRS = (("g1", "g2"), ("g3", "g4"))
 def train(**options: Any) -> gb.RotorSystem:
     """Return the train of the example with a bow of 5 % of the radius and 1 % damping."""
     spec = importlib.util.spec_from_file_location("bowed_train", EXAMPLES / "bowed_train.py")
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     return example.train(0.05 * example.RADIUS).replace(modal_damping=0.01, **options)
@@ -166,8 +167,8 @@ def test_files_keep_the_motion_and_the_multipliers(tmp_path: Path):
     )
     assert (loaded.period, loaded.residual) == (steady.period, steady.residual)
     assert repr(loaded) == repr(steady)
+    steady.response.save(path)
     with pytest.raises(gb.GearbowError, match="not a steady state"):
-        steady.response.save(path)
         gb.SteadyState.load(path)
 
 

@@ -1,9 +1,10 @@
 """Branches of fixed points of a map over a parameter: pseudo-arclength continuation.
 
-Keller's method (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*,
-in Applications of Bifurcation Theory, Academic Press 1977) follows a branch x(s), λ(s) by its length
-s, so that it passes folds. The Jacobian is dense and taken from differences at each point. It is
-the matrix of the corrector, its eigenvalues are the multipliers, and its null vector is the tangent.
+The method of H. B. Keller (*Numerical solution of bifurcation and nonlinear eigenvalue problems*,
+in Applications of Bifurcation Theory, Academic Press 1977) follows a branch x(s), λ(s) by its
+length s, so that it passes folds. The Jacobian is dense and taken from differences at each point.
+It is the matrix of the corrector, its eigenvalues are the multipliers, and its null vector is the
+tangent.
 """
 
 from collections.abc import Iterator

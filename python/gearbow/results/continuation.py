@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow._read_only import read_only
@@ -20,6 +19,7 @@ from gearbow.results.steady import instability
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 __all__ = ["UNITS", "BranchData", "Continuation", "summary"]
 
@@ -166,7 +166,8 @@ class Continuation:
         if name not in STATISTICS:
             raise GearbowError(f"name: must be one of {', '.join(STATISTICS)}, got {name!r}")
         found: Array = channel(self._signals, of, quantity).values
-        return found[STATISTICS.index(name) :: len(STATISTICS)].copy()
+        chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
+        return chosen
 
     def plot(
         self, of: Record, quantity: str | None = None, *, statistic: str | None = None
@@ -273,9 +274,9 @@ def summary(periods: Sequence[RunData]) -> RunData:
         return np.concatenate(rows)
 
     for name, value in data.items():
-        if isinstance(value, np.ndarray) and value.shape[:1] == data["time"].shape:
-            if name != "time":
-                data[name] = numbers([period[name] for period in periods])  # type: ignore[literal-required]
+        is_signal = isinstance(value, np.ndarray) and value.shape[:1] == data["time"].shape
+        if is_signal and name != "time":
+            data[name] = numbers([period[name] for period in periods])  # type: ignore[literal-required]
     data["mesh"] = {
         name: numbers([period["mesh"][name] for period in periods]) for name in data["mesh"]
     }

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearbow._convert import number as number_of
 from gearbow._core import Model
 from gearbow._types import At, ComplexArray
 from gearbow.errors import GearbowError
@@ -21,8 +22,8 @@ __all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
 
 #: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives.
 SMALLEST_MULTIPLIER = 0.9
-#: Error of a multiplier. A motion with undamped modes, whose multipliers have the magnitude 1, counts
-#: as stable.
+#: Error of a multiplier. A motion with undamped modes, whose multipliers have the magnitude 1,
+#: counts as stable.
 _ERROR = 1e-6
 #: Angle of a multiplier within which it counts as real [rad]: two real multipliers that meet have
 #: angles of the square root of their error.
@@ -127,8 +128,9 @@ class SteadyState:
             Complex multipliers.
         """
         if self._multipliers is None:
-            self._multipliers = self._computed()
-        return self._multipliers.copy()
+            self._multipliers = self.multipliers_above(SMALLEST_MULTIPLIER)
+        found: ComplexArray = self._multipliers.copy()
+        return found
 
     @property
     def stable(self) -> bool:
@@ -212,12 +214,33 @@ class SteadyState:
         _STEADY(about["steady"], "steady")
         return cls(Response.from_record(run), about["steady"])
 
-    def _computed(self) -> ComplexArray:
+    def multipliers_above(self, magnitude: float) -> ComplexArray:
+        """Compute the Floquet multipliers from a magnitude on.
+
+        Parameters
+        ----------
+        magnitude : float
+            Smallest magnitude. The smaller it is, the more periods the computation takes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Complex multipliers, the largest first.
+
+        Raises
+        ------
+        GearbowError
+            If the motion does not know its system.
+        """
         request = self.response.request
         if request is None:
-            raise GearbowError("multipliers: this motion does not know its system")
-        model = self._model or Model(request.description)
-        return model.multipliers(**request.options, smallest=SMALLEST_MULTIPLIER, progress=None)
+            raise GearbowError(
+                "multipliers: this motion does not know its system; take that of steady_state"
+            )
+        model = self._model or Model(dict(request.description))
+        return model.multipliers(
+            **request.options, smallest=number_of(magnitude, "magnitude"), progress=None
+        )
 
     def __repr__(self) -> str:
         return (

@@ -210,7 +210,7 @@ def _scaled_bow(bow: Bow | None, factor: float) -> Bow | None:
 
 @dataclass(frozen=True)
 class _Modes:
-    """Undamped modes as a basis: elastic modes by ωη and η̇, rigid-body motions by their velocity."""
+    """Undamped modes as a basis: elastic ones by ωη and η̇, rigid-body motions by η̇."""
 
     shapes: Array
     frequencies: Array
@@ -263,7 +263,8 @@ class _Motion:
         """Give the unknowns of the first steady state."""
         final = found.response.final
         state = self.family.base._model.user_order(final["state"])
-        return self.modes.unknowns(state[None])[0]
+        unknowns: Array = self.modes.unknowns(state[None])[0]
+        return unknowns
 
     def images(self, states: Array, value: float) -> Array:
         """Give the unknowns after a period."""
@@ -328,7 +329,7 @@ class _Motion:
 
 
 def _smallest(values: Array) -> float:
-    """Give the smallest value of a periodic signal: the vertex of the parabola at its finest samples."""
+    """Give the smallest value of a periodic signal, by a parabola through its finest samples."""
     spectrum = np.fft.rfft(values)
     fine = np.fft.irfft(spectrum, _FINER * values.size) * _FINER
     at = int(np.argmin(fine))
