@@ -1,20 +1,18 @@
 //! The Python methods of `_core.Model`.
 
 use nalgebra::Complex;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, table};
-use super::entries;
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use super::options::{RecordEntry, RunOptions, read_initial};
+use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
-use super::{frequency, simulate, speed, steady};
-use crate::analysis::simulate::{Method, Options, round_below, sample_step};
-use crate::analysis::steady::common_period;
+use super::{frequency, simulate, speed};
+use crate::analysis::simulate::{Options, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
@@ -353,88 +351,4 @@ impl PyModel {
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         simulate::simulate(self, py, options, record, progress.as_ref())
     }
-
-    /// Common period of the excitation [s]: the given one, or that of the scene.
-    fn common_period(&self, speed: f64, given: Option<f64>, longest: f64) -> PyResult<f64> {
-        EntryPath::root("speed").finite(speed)?;
-        Ok(common_period(self.model(), speed, given, longest)?)
-    }
-
-    #[pyo3(signature = (*, initial, samples, record, progress, **options))]
-    fn steady_state<'py>(
-        &self,
-        py: Python<'py>,
-        initial: &Bound<'py, PyAny>,
-        samples: usize,
-        record: Vec<RecordEntry>,
-        progress: Option<Py<PyAny>>,
-        options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
-        let options = run_options(py, initial, options)?;
-        if let Some(text) = options.unattainable() {
-            warn(py, text)?;
-        }
-        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
-        warn_of_speed(py, &self.model().scene, options.fastest())?;
-        steady::steady_state(self, py, (options, samples), record, progress.as_ref())
-    }
-
-    /// Displacements and velocities of a final state in the order of the degrees of freedom.
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
-    fn user_order<'py>(
-        &self,
-        py: Python<'py>,
-        state: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, steady::in_user_order(self.model(), state.as_slice()?)?))
-    }
-
-    #[pyo3(signature = (*, initial, states, samples, record, **options))]
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
-    fn period_map<'py>(
-        &self,
-        py: Python<'py>,
-        initial: &Bound<'py, PyAny>,
-        states: PyReadonlyArray2<'py, f64>,
-        samples: usize,
-        record: Vec<RecordEntry>,
-        options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>)> {
-        let options = run_options(py, initial, options)?;
-        steady::period_map(self, py, options, (record, samples), &states)
-    }
-
-    #[pyo3(signature = (*, initial, smallest, record, progress, **options))]
-    fn multipliers<'py>(
-        &self,
-        py: Python<'py>,
-        initial: &Bound<'py, PyAny>,
-        smallest: f64,
-        record: Vec<RecordEntry>,
-        progress: Option<Py<PyAny>>,
-        options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
-        let options = run_options(py, initial, options)?;
-        steady::multipliers(self, py, (options, smallest), record, progress.as_ref())
-    }
-}
-
-/// Reads the options of a run without output times.
-fn run_options(py: Python<'_>, initial: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
-    let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
-    Ok(Options {
-        duration: given.duration,
-        speed: given.speed.try_into()?,
-        method: Method::named(&given.method)?,
-        step: given.step,
-        rtol: given.rtol,
-        stages: given.stages,
-        modes: given.modes,
-        reduction: given.reduction,
-        initial: read_initial(initial)?,
-        times: Vec::new(),
-        geometry: mesh_geometry(&given.geometry)?,
-        start: given.start,
-        checkpoint: None,
-    })
 }

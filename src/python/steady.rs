@@ -1,23 +1,22 @@
-//! `_core.Model.steady_state` and `multipliers`: run without the interpreter lock.
+//! `_core.steady_state`, `multipliers` and `period_map`: steady states of a model, found without the interpreter lock.
 
 use std::sync::Arc;
 
 use nalgebra::Complex;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::pythonize;
 use serde::Serialize;
 
 use super::background;
-use super::errors::warn;
+use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use super::options::RecordEntry;
+use super::options::{RecordEntry, run_options};
 use super::response::response_dict;
-use crate::analysis::simulate::{Options, RecordPlan};
+use crate::analysis::simulate::RecordPlan;
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
-use crate::model::Model;
-use crate::scene::SceneError;
+use crate::scene::{EntryPath, SceneError};
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
 #[derive(Serialize)]
@@ -32,17 +31,36 @@ struct SteadyEntries {
     method: &'static str,
 }
 
-/// Finds the steady state with the period `options.duration` and records a number of samples.
+/// Common period of the excitation of a model at a speed, s: the given one, or that of the scene up to `longest`.
+#[pyfunction]
+#[pyo3(signature = (model, speed, given, longest))]
+pub fn common_period(model: &Bound<'_, PyModel>, speed: f64, given: Option<f64>, longest: f64) -> PyResult<f64> {
+    EntryPath::root("speed").finite(speed)?;
+    Ok(steady::common_period(model.get().model(), speed, given, longest)?)
+}
+
+/// Finds the steady state with the period `duration` and records a number of samples.
 ///
 /// # Errors
 /// The reason for which there is none, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, samples, record, progress, **options))]
 pub fn steady_state<'py>(
-    owner: &PyModel,
-    py: Python<'py>,
-    (options, samples): (Options, usize),
+    model: &Bound<'py, PyModel>,
+    initial: &Bound<'py, PyAny>,
+    samples: usize,
     record: Vec<RecordEntry>,
-    progress: Option<&Py<PyAny>>,
+    progress: Option<Py<PyAny>>,
+    options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
+    if let Some(text) = options.unattainable() {
+        warn(py, text)?;
+    }
+    owner.warn_of_ill_conditioning(py, owner.representative_speed(options.fastest()), options.dense(owner.model()))?;
+    warn_of_speed(py, &owner.model().scene, options.fastest())?;
+    let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, progress, move |_, watch| {
@@ -63,17 +81,23 @@ pub fn steady_state<'py>(
     Ok((response, pythonize(py, &entries)?))
 }
 
-/// Finds the multipliers of a steady state.
+/// Finds the multipliers of magnitude `smallest` and more of a steady state.
 ///
 /// # Errors
 /// The reason for which the runs end early, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, smallest, record, progress, **options))]
 pub fn multipliers<'py>(
-    owner: &PyModel,
-    py: Python<'py>,
-    (options, smallest): (Options, f64),
+    model: &Bound<'py, PyModel>,
+    initial: &Bound<'py, PyAny>,
+    smallest: f64,
     record: Vec<RecordEntry>,
-    progress: Option<&Py<PyAny>>,
+    progress: Option<Py<PyAny>>,
+    options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
+    let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
     let cached = Arc::clone(&owner.cached);
     let (outcome, raised) =
@@ -85,13 +109,19 @@ pub fn multipliers<'py>(
 ///
 /// # Errors
 /// The reason for which a run ends early, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, states, samples, record, **options))]
+#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn period_map<'py>(
-    owner: &PyModel,
-    py: Python<'py>,
-    options: Options,
-    (record, samples): (Vec<RecordEntry>, usize),
-    states: &PyReadonlyArray2<'py, f64>,
+    model: &Bound<'py, PyModel>,
+    initial: &Bound<'py, PyAny>,
+    states: PyReadonlyArray2<'py, f64>,
+    samples: usize,
+    record: Vec<RecordEntry>,
+    options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>)> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
     let numbering = &owner.model().numbering;
     let states = states.as_array();
     if states.ncols() != 2 * numbering.len() {
@@ -114,11 +144,17 @@ pub fn period_map<'py>(
 ///
 /// # Errors
 /// [`SceneError`] for a state of another system.
-pub fn in_user_order(model: &Model, state: &[f64]) -> Result<Vec<f64>, SceneError> {
-    if state.len() != 2 * model.len() {
-        return Err(SceneError::new("state", "is of a system with other nodes"));
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+pub fn user_order<'py>(
+    model: &Bound<'py, PyModel>,
+    state: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (numbering, state) = (&model.get().model().numbering, state.as_slice()?);
+    if state.len() != 2 * numbering.len() {
+        return Err(SceneError::new("state", "is of a system with other nodes").into());
     }
-    Ok(by_halves(state, |q| model.numbering.to_user_order(q)))
+    Ok(PyArray1::from_vec(model.py(), by_halves(state, |q| numbering.to_user_order(q))))
 }
 
 /// Converts displacements and velocities, the two halves of a state.

@@ -24,8 +24,8 @@ _DIFFERENCE = 1e-5
 #: Difference of the parameter for the tangent, relative to the interval.
 _PARAMETER = 1e-6
 #: Number of corrections of one point, and that at which the steps keep their length.
-_CORRECTIONS = 9
-_USUAL = 5
+_CORRECTIONS = 12
+_USUAL = 7
 #: Largest angle between two tangents [cos].
 _TURN = 0.9
 #: Relative accuracy of a located point.
@@ -37,10 +37,38 @@ class Map(Protocol):
     """A map of states over a parameter."""
 
     def images(self, states: Array, value: float) -> Array:
-        """Give the images of states, both (k, n), at one value of the parameter."""
+        """Give the images of states at one value of the parameter.
+
+        Parameters
+        ----------
+        states : ndarray, shape (k, n)
+            States.
+        value : float
+            The parameter.
+
+        Returns
+        -------
+        ndarray, shape (k, n)
+            Their images, by the same steps.
+        """
 
     def observed(self, state: Array, value: float) -> tuple[Any, float]:
-        """Give what to keep of a fixed point, and the distance from the first contact loss."""
+        """Observe a fixed point.
+
+        Parameters
+        ----------
+        state : ndarray, shape (n,)
+            The fixed point.
+        value : float
+            The parameter.
+
+        Returns
+        -------
+        kept : object
+            What to keep of it.
+        margin : float
+            Distance from the first contact loss.
+        """
 
 
 @dataclass(frozen=True)
@@ -59,6 +87,8 @@ class Settings:
         Largest |P(x) − x| over |x|.
     floor : float
         Smallest |x| that differences and tolerances are relative to.
+    largest, smallest : float
+        Largest and smallest step along the branch.
     """
 
     start: float
@@ -72,7 +102,13 @@ class Settings:
 
     @property
     def span(self) -> float:
-        """Length of the interval."""
+        """Length of the interval.
+
+        Returns
+        -------
+        float
+            |stop − start|.
+        """
         return abs(self.stop - self.start)
 
 
@@ -114,13 +150,25 @@ class BranchPoint:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of the derivative, the largest first."""
+        """List the eigenvalues of the derivative.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            The largest first.
+        """
         values: ComplexArray = np.linalg.eigvals(self.jacobian).astype(complex)
         return values[np.argsort(-np.abs(values))]
 
     @property
     def flip(self) -> float:
-        """Give a function that changes its sign where a multiplier passes −1."""
+        """Give a function that changes its sign where a multiplier passes −1.
+
+        Returns
+        -------
+        float
+            Determinant of the derivative plus the identity, as the n-th root of its magnitude.
+        """
         sign, logarithm = np.linalg.slogdet(self.jacobian + np.eye(self.state.size))
         return float(sign * np.exp(logarithm / self.state.size))
 

@@ -267,20 +267,22 @@ def summary(periods: Sequence[RunData]) -> RunData:
     """
     data: dict[str, Any] = dict(periods[-1])
 
-    def numbers(arrays: list[Array]) -> Array:
-        rows = [
-            np.stack([a.min(axis=0), a.max(axis=0), a.mean(axis=0), a.std(axis=0)]) for a in arrays
-        ]
-        return np.concatenate(rows)
-
     for name, value in data.items():
         is_signal = isinstance(value, np.ndarray) and value.shape[:1] == data["time"].shape
         if is_signal and name != "time":
-            data[name] = numbers([period[name] for period in periods])  # type: ignore[literal-required]
+            data[name] = _numbers([period[name] for period in periods])  # type: ignore[literal-required]
     data["mesh"] = {
-        name: numbers([period["mesh"][name] for period in periods]) for name in data["mesh"]
+        name: _numbers([period["mesh"][name] for period in periods]) for name in data["mesh"]
     }
     data["time"] = np.arange(len(STATISTICS) * len(periods), dtype=float)
     data["energy"] = data["energy_terms"] = None
     data["events"] = []
     return data  # type: ignore[return-value]
+
+
+def _numbers(signals: Sequence[Array]) -> Array:
+    """Give the numbers of one signal at all points."""
+    rows = [
+        np.stack([a.min(axis=0), a.max(axis=0), a.mean(axis=0), a.std(axis=0)]) for a in signals
+    ]
+    return np.concatenate(rows)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import number as number_of
-from gearbow._core import Model
+from gearbow._core import Model, multipliers
 from gearbow._types import At, ComplexArray
 from gearbow.errors import GearbowError
 from gearbow.recording import file
@@ -39,12 +39,12 @@ _STEADY = record(
 )
 
 
-def instability(multipliers: ComplexArray) -> str | None:
+def instability(values: ComplexArray) -> str | None:
     """Name the instability of a periodic motion by its largest multiplier.
 
     Parameters
     ----------
-    multipliers : ndarray
+    values : ndarray
         Floquet multipliers.
 
     Returns
@@ -53,9 +53,9 @@ def instability(multipliers: ComplexArray) -> str | None:
         "fold" (a multiplier beyond +1), "flip" (beyond −1), "Neimark-Sacker" (a complex pair beyond
         the unit circle), or None for a stable motion.
     """
-    if not multipliers.size:
+    if not values.size:
         return None
-    largest = multipliers[np.argmax(np.abs(multipliers))]
+    largest = values[np.argmax(np.abs(values))]
     if not abs(largest) > 1.0 + _ERROR:
         return None
     angle = abs(np.angle(largest))
@@ -238,8 +238,8 @@ class SteadyState:
                 "multipliers: this motion does not know its system; take that of steady_state"
             )
         model = self._model or Model(dict(request.description))
-        return model.multipliers(
-            **request.options, smallest=number_of(magnitude, "magnitude"), progress=None
+        return multipliers(
+            model, **request.options, smallest=number_of(magnitude, "magnitude"), progress=None
         )
 
     def __repr__(self) -> str:

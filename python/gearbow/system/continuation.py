@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._convert import number, text, whole
+from gearbow._core import common_period, period_map, user_order
 from gearbow._progress import reported
 from gearbow._types import Array, Progress, Record, RunData
 from gearbow.analysis.arclength import BranchPoint, Settings, branch
@@ -46,7 +47,7 @@ class ContinuationAnalyses(SteadyAnalyses):
         rtol: float = 1e-9,
         step: float = 0.02,
         max_points: int = 400,
-        initial: str | Response | SteadyState = "static",
+        initial: str | SteadyState = "static",
         record: Iterable[Record] = ("gears", "meshes"),
         geometry: str = "live",
         progress: bool | Progress | None = None,
@@ -73,8 +74,9 @@ class ContinuationAnalyses(SteadyAnalyses):
             First step along the branch, over the interval.
         max_points : int
             Largest number of points.
-        initial : {"synchronous", "static", "rest"}, Response or SteadyState
-            Motion from which the search of the first steady state starts.
+        initial : {"synchronous", "static", "rest"} or SteadyState
+            Motion from which the search of the first steady state starts; a steady state that
+            started at the time 0.
         record : sequence of str or tuple
             Recorded items, as for `simulate`.
         geometry : {"live", "frozen"}
@@ -96,27 +98,22 @@ class ContinuationAnalyses(SteadyAnalyses):
         KeyboardInterrupt
             At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
         """
-        if parameter not in UNITS:
-            known = ", ".join(f'"{name}"' for name in UNITS)
-            raise SceneError(f"parameter: must be one of {known}, got {parameter!r}")
+        _check(parameter, start, stop, speed)
         start, stop = number(start, "start"), number(stop, "stop")
-        if start == stop:
-            raise SceneError(f"stop: must differ from start, got {stop}")
-        if (parameter == "speed") == (speed is not None):
-            raise SceneError('speed: give it for every parameter except "speed"')
         at = start if speed is None else number(speed, "speed")
         geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
         periods = whole(periods, "periods")
         family = _Family(self, parameter, at)
         first = family.system(start)
         longest = number(max_period, "max_period")
-        common = periods * first._model.common_period(at, None, longest)
+        common = periods * common_period(first._model, at, None, longest)
+        wanted = requests(record)
         found = first.steady_state(
-            at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=record
+            at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=wanted
         )
         motion = _Motion(
             family,
-            requests(record),
+            wanted,
             (rtol, geometry),
             (periods, longest),
             _samples(self, common, at),
@@ -128,25 +125,44 @@ class ContinuationAnalyses(SteadyAnalyses):
             whole(max_points, "max_points"),
             tolerance=_RESIDUAL * rtol,
         )
-        points: list[BranchPoint] = []
-        message = ""
-        try:
-            with reported(progress, settings.max_points, "points", estimate=False) as report:
-                for point in branch(motion, motion.unknowns(found), settings):
-                    points.append(point)
-                    if report is not None:
-                        report(min(1.0, len(points) / settings.max_points))
-        except KeyboardInterrupt as error:
-            error.branch = motion.result(points, at, "interrupted")  # type: ignore[attr-defined]
+        return _followed(motion, motion.unknowns(found), settings, progress)
+
+
+def _check(parameter: str, start: float, stop: float, speed: float | None) -> None:
+    """Check what is followed."""
+    if parameter not in UNITS:
+        known = ", ".join(f'"{name}"' for name in UNITS)
+        raise SceneError(f"parameter: must be one of {known}, got {parameter!r}")
+    begin, end = number(start, "start"), number(stop, "stop")
+    if begin == end:
+        raise SceneError(f"stop: must differ from start, got {end}")
+    if (parameter == "speed") == (speed is not None):
+        raise SceneError('speed: give it for every parameter except "speed"')
+
+
+def _followed(
+    motion: "_Motion", first: Array, settings: Settings, progress: bool | Progress | None
+) -> Continuation:
+    """Follow a branch, and keep what was computed where it ends early."""
+    points: list[BranchPoint] = []
+    message = ""
+    try:
+        with reported(progress, settings.max_points, "points", estimate=False) as report:
+            for point in branch(motion, first, settings):
+                points.append(point)
+                if report is not None:
+                    report(min(1.0, len(points) / settings.max_points))
+    except KeyboardInterrupt as error:
+        error.branch = motion.result(points, "interrupted") if points else None  # type: ignore[attr-defined]
+        raise
+    except GearbowError as error:
+        if not points:
             raise
-        except GearbowError as error:
-            if not points:
-                raise
-            message = str(error)
-        low, high = sorted((start, stop))
-        if not message and low <= points[-1].value <= high:
-            message = f"max_points: {max_points} points reach {points[-1].value:.6g}"
-        return motion.result(points, at, message)
+        message = str(error)
+    low, high = sorted((settings.start, settings.stop))
+    if not message and low <= points[-1].value <= high:
+        message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
+    return motion.result(points, message)
 
 
 def _samples(system: SteadyAnalyses, period: float, speed: float) -> int:
@@ -262,7 +278,7 @@ class _Motion:
     def unknowns(self, found: SteadyState) -> Array:
         """Give the unknowns of the first steady state."""
         final = found.response.final
-        state = self.family.base._model.user_order(final["state"])
+        state = user_order(self.family.base._model, final["state"])
         unknowns: Array = self.modes.unknowns(state[None])[0]
         return unknowns
 
@@ -283,8 +299,9 @@ class _Motion:
 
     def _run(self, unknowns: Array, value: float, samples: int) -> tuple[Array, RunData | None]:
         system, speed = self.family.system(value), self.family.speed(value)
-        period = self.periods * system._model.common_period(speed, None, self.longest)
-        images, data = system._model.period_map(
+        period = self.periods * common_period(system._model, speed, None, self.longest)
+        images, data = period_map(
+            system._model,
             initial="static",
             states=np.ascontiguousarray(self.modes.states(unknowns)),
             samples=samples,
@@ -309,8 +326,9 @@ class _Motion:
             after[:, place] = unknowns[:, place] - drift / period
         return after, data
 
-    def result(self, points: list[BranchPoint], speed: float, message: str) -> Continuation:
+    def result(self, points: list[BranchPoint], message: str) -> Continuation:
         """Give the points as a result."""
+        speed = self.family.fixed
         signals = Response(summary([point.kept for point in points]), speed)
         signals.kinematics = Kinematics.of(self.family.base)
         multipliers = [

@@ -5,8 +5,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from gearbow._convert import number, text, whole
+from gearbow._core import common_period, steady_state
 from gearbow._progress import reported
-from gearbow._types import Progress, Record
+from gearbow._types import Progress, Record, RunData
 from gearbow.accuracy.levels import check_reduction
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import plain_speed
@@ -56,17 +57,31 @@ class SteadyAnalyses(Simulation):
             teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
         max_period : float
             Longest accepted common period [s].
-        accuracy, step, rtol, stages, modes
-            Error of the integration, as for `simulate`. The iteration ends where its error is below
-            `rtol`.
+        accuracy : {"draft", "engineering", "reference"}, optional
+            Total error, as for `simulate`.
+        step : float, optional
+            Fixed step [s]; the period is divided into steps of at most this length.
+        rtol : float, optional
+            Tolerance of the integration, as for `simulate`. The iteration ends where its error is
+            below it.
+        stages : int, optional
+            Number of Gauss nodes in a step, 1 to 4.
+        modes : int, optional
+            Number of modes, as for `simulate`.
         initial : {"synchronous", "static", "rest"}, Response or SteadyState
             Motion from which the iteration starts. Where several motions exist, it decides which
             is found.
         output_step : float, optional
             Longest time between recorded instants [s], which divide the period evenly. None
             resolves shaft rotation and tooth passing.
-        record, geometry, start, progress
+        record : sequence of str or tuple
+            Recorded items, as for `simulate`.
+        geometry : {"live", "frozen"}
             As for `simulate`.
+        start : float, optional
+            Time at the start [s]; 0 by default.
+        progress : bool or callable, optional
+            True shows a progress bar; a callable receives the completed fraction.
 
         Returns
         -------
@@ -102,7 +117,7 @@ class SteadyAnalyses(Simulation):
             if not period > 0.0:
                 raise SceneError(f"period: must be positive, got {period}")
         longest = number(max_period, "max_period", infinite=True)
-        period = self._model.common_period(speed, period, longest)
+        period = common_period(self._model, speed, period, longest)
         system = self._over_time(begin, period)
         given = {"method": None, "step": step, "rtol": rtol}
         if accuracy is not None:
@@ -128,16 +143,21 @@ class SteadyAnalyses(Simulation):
         }
         samples = system._samples(period, speed, output_step)
         with reported(progress, 1.0) as report:
-            data, about = system._model.steady_state(**arguments, samples=samples, progress=report)
-        response = Response(in_order(data, None), speed)
-        response.kinematics = Kinematics.of(system)
-        again = {**arguments, "initial": response.final, "start": response.final["time"]}
-        response.request = RunRequest(system.description, again)
+            data, about = steady_state(system._model, **arguments, samples=samples, progress=report)
+        response = system._steady_response(data, speed, arguments)
         if level is not None and stages is None and modes is None:
             response.accuracy = level.explanation(response.events, coarse)
         if modes is not None or level is not None:
             check_reduction(response.statistics, level, given=modes is not None)
         return SteadyState(response, about, system._model)
+
+    def _steady_response(self, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
+        """Give the recorded period; its request continues from its end, with the same motion."""
+        response = Response(in_order(data, None), speed)
+        response.kinematics = Kinematics.of(self)
+        again = {**arguments, "initial": response.final, "start": response.final["time"]}
+        response.request = RunRequest(self.description, again)
+        return response
 
     def _samples(self, period: float, speed: float, output_step: float | None) -> int:
         """Give the number of recorded instants in a period."""

@@ -52,7 +52,8 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
 /// motion need not contain. Slow modes have the largest part.
 fn disturbed(map: &PeriodMap<'_>, z: &[f64], unknown: &[usize], size: f64) -> Vec<f64> {
     let linear = map.linear();
-    let rate = |entry: usize| linear.blocks.iter().filter_map(|list| list.get(entry % linear.slots)).map(|x| x * x).sum();
+    let rate =
+        |entry: usize| linear.blocks.iter().filter_map(|list| list.get(entry % linear.slots)).map(|x| x * x).sum();
     let parts: Vec<f64> = unknown.iter().map(|entry| 1.0 / (1.0 + f64::sqrt(rate(*entry)) * map.period())).collect();
     let factor = DISTURBANCE * size / norm(&parts).max(f64::MIN_POSITIVE);
     let mut state = z.to_vec();
