@@ -10,6 +10,9 @@ use crate::scene::SceneError;
 
 /// Predicted error in multiples of the tolerance below which a period is recorded.
 const EXPECTED: f64 = 0.5;
+/// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
+/// the iteration, and each has an error of the tolerance.
+const REPEATED: f64 = 10.0;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 30;
 /// Number of first iterations that choose the step levels: the motion changes much in them.
@@ -156,7 +159,7 @@ impl<'s, 'a> Solver<'s, 'a> {
     fn repeats(&self, point: &Point) -> bool {
         let rigid = &self.preconditioner.positions;
         let changes = point.defect.iter().enumerate().filter(|(entry, _)| !rigid.contains(entry));
-        changes.map(|(_, change)| change * change).sum::<f64>().sqrt() <= self.tolerance * point.size
+        changes.map(|(_, change)| change * change).sum::<f64>().sqrt() <= REPEATED * self.tolerance * point.size
     }
 
     /// Newton's method from z: the recorded fixed point, or the last point.
