@@ -170,3 +170,26 @@ def test_wrong_arguments_name_the_argument():
         system.continuation("torque", 1.0, 2.0)
     with pytest.raises(gb.SceneError, match="bow: no shaft has a bow"):
         system.continuation("bow", 1.0, 2.0, speed=10.0)
+
+
+def test_an_interrupted_branch_keeps_its_points():
+    def stop(fraction: float) -> None:
+        if fraction > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        clearance().continuation(
+            "backlash",
+            HALF,
+            3 * HALF,
+            speed=speed(0.3),
+            record=["meshes"],
+            max_points=6,
+            progress=stop,
+        )
+    kept: gb.Continuation = caught.value.branch  # type: ignore[attr-defined]
+    assert kept.values.size == 4
+    assert kept.message == "interrupted"
+    assert kept.stable.all()
+    assert "backlash" in repr(kept)
+    kept.plot(MESH, "deflection").savefig(Path("/dev/null"), format="png")

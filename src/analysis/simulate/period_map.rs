@@ -183,9 +183,17 @@ impl PeriodMap<'_> {
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
     pub fn adapt(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
+        self.adapt_to(z, self.tolerance())
+    }
+
+    /// The same for a relative tolerance `rtol` in place of that of the options.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn adapt_to(&mut self, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
-        let state = self.follow(&mut stepper, self.control(), z)?;
+        let state = self.follow(&mut stepper, self.control(rtol), z)?;
         self.levels = stepper.levels.unwrap_or_default().into();
         Ok(state.y)
     }
@@ -217,7 +225,7 @@ impl PeriodMap<'_> {
         stepper.levels = Some(vec![0; self.steps as usize]);
         let mut output = self.setup.output.clone();
         let (mut state, mut statistics) = (self.state(z), Statistics::new());
-        let control = self.control();
+        let control = self.control(self.tolerance());
         let done = self.heartbeat.done;
         let mut observer = RunObserver {
             recorder: Recorder::new(motion, self.plan, &times, origin, during),
@@ -273,10 +281,10 @@ impl PeriodMap<'_> {
     }
 
     /// Steps that meet the tolerance, or fixed ones if the options ask for them.
-    fn control(&self) -> LevelControl {
+    fn control(&self, rtol: f64) -> LevelControl {
         match self.options.step {
             Some(_) => LevelControl::Fixed,
-            None => LevelControl::Adaptive { rtol: self.options.tolerance(), floor: self.start.floor },
+            None => LevelControl::Adaptive { rtol, floor: self.start.floor },
         }
     }
 }

@@ -13,10 +13,19 @@ const EXPECTED: f64 = 0.5;
 /// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
 /// the iteration, and each has an error of the tolerance.
 const REPEATED: f64 = 10.0;
+/// Largest error in multiples of the tolerance at which the iteration may stall, and the reduction of the error that is too
+/// little.
+const STALLED: f64 = 100.0;
+const SLOW: f64 = 0.3;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 30;
-/// Number of first iterations that choose the step levels: the motion changes much in them.
-const ADAPTED: usize = 2;
+/// Tolerance of the first iteration. That of the next ones is a fraction of the error that is left, until it is the given one:
+/// a period of a large error need not be integrated accurately.
+const COARSEST: f64 = 1e-4;
+/// That fraction.
+const FRACTION: f64 = 1e-3;
+/// Error of a state in multiples of the tolerance of the integration.
+const AMPLIFICATION: f64 = 10.0;
 /// Number of periods of running in before each attempt of Newton's method.
 const RUN_IN: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
@@ -56,12 +65,12 @@ struct Point {
 }
 
 /// How a period is integrated.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 enum Steps {
     /// With the levels of the period before.
     Same,
-    /// With levels that meet the tolerance.
-    Adapted,
+    /// With levels that meet a relative tolerance.
+    Adapted(f64),
     /// With levels that meet the tolerance, and recorded.
     Recorded,
 }
@@ -107,7 +116,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         let size = self.map.size(&z)?;
         let (response, image) = match steps {
             Steps::Same => (None, self.map.apply(&z)?),
-            Steps::Adapted => (None, self.map.adapt(&z)?),
+            Steps::Adapted(rtol) => (None, self.map.adapt_to(&z, rtol)?),
             Steps::Recorded => {
                 let (response, image) = self.map.record(&z, self.samples)?;
                 (Some(Box::new(response)), image)
@@ -124,26 +133,26 @@ impl<'s, 'a> Solver<'s, 'a> {
         let mut z = self.map.initial();
         let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
         let mut best: Option<Point> = None;
-        // Whether the last point solves the equations of its steps, and whether predictions have been right.
-        let (mut is_solved, mut errors_fall) = (false, true);
+        // Tolerance of the steps.
+        let mut rtol = COARSEST.max(self.tolerance);
         for count in 0..MAX_ITERATIONS {
-            let steps = match count {
-                _ if is_solved || errors_fall && predicted(&errors) <= EXPECTED => Steps::Recorded,
-                0..ADAPTED => Steps::Adapted,
-                _ => Steps::Same,
-            };
-            let point = self.point(z, steps)?;
-            self.map.report(progress(&errors, point.error));
-            errors.push(point.error);
-            if steps == Steps::Recorded && (point.error <= 1.0 || is_solved && self.repeats(&point)) {
+            let (is_fine, stalls) = (rtol <= self.tolerance, stalls(&errors));
+            if count > 0 {
+                let expected = predicted(&errors).max(AMPLIFICATION * rtol / self.tolerance);
+                rtol = (FRACTION * expected * self.tolerance).clamp(self.tolerance, rtol);
+            }
+            // A period that is expected to be the last one is recorded.
+            let is_last = is_fine && (predicted(&errors) <= EXPECTED || stalls);
+            let point = self.point(z, if is_last { Steps::Recorded } else { Steps::Adapted(rtol) })?;
+            if is_last && (point.error <= 1.0 || stalls && self.repeats(&point)) {
                 return Ok(Ok(point));
             }
-            is_solved = point.error <= EXPECTED && steps == Steps::Same;
+            self.map.report(progress(&errors, point.error));
+            errors.push(point.error);
             z = iteration.next(&point.z, &point.correction);
-            if count == 0 || steps == Steps::Recorded {
-                // The steps of the period were other ones than those of the next.
+            if count == 0 {
+                // The first tolerance is no fraction of the error.
                 iteration.clear();
-                errors_fall = steps != Steps::Recorded;
             }
             if best.as_ref().is_none_or(|best| point.error < best.error) {
                 best = Some(point);
@@ -164,7 +173,7 @@ impl<'s, 'a> Solver<'s, 'a> {
 
     /// Newton's method from z: the recorded fixed point, or the last point.
     fn newton(&mut self, z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
-        let mut point = self.point(z, Steps::Adapted)?;
+        let mut point = self.point(z, Steps::Adapted(self.tolerance))?;
         for _ in 0..MAX_NEWTON {
             // Derivatives need a base of the same steps.
             let base = self.point(point.z, Steps::Same)?;
@@ -197,7 +206,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         let mut part = 1.0;
         loop {
             let z = base.z.iter().zip(step).map(|(z, step)| z + part * step).collect();
-            let found = self.point(z, Steps::Adapted);
+            let found = self.point(z, Steps::Adapted(self.tolerance));
             let reduces = found.as_ref().is_ok_and(|point| point.error < base.error);
             if reduces || part <= SHORTEST_STEP || matches!(found, Err(AnalysisError::Interrupted)) {
                 return found;
@@ -232,8 +241,14 @@ impl<'s, 'a> Solver<'s, 'a> {
 fn predicted(errors: &[f64]) -> f64 {
     match errors {
         [.., before, last] => last * (last / before).min(1.0),
-        _ => f64::INFINITY,
+        [first] => *first,
+        [] => f64::INFINITY,
     }
+}
+
+/// Whether the error is near the tolerance and decreases little: it is the error of the integration.
+fn stalls(errors: &[f64]) -> bool {
+    matches!(errors, [.., before, last] if *last <= STALLED && *last > SLOW * before)
 }
 
 /// Completed part of the solution: that of the decades between the first error and the tolerance.
