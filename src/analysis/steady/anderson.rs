@@ -20,19 +20,18 @@ pub struct Anderson {
 }
 
 impl Anderson {
-    /// Forgets all points.
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    /// The next point after `z` with the correction `g` = g(z).
-    pub fn next(&mut self, z: &[f64], g: &[f64]) -> Vec<f64> {
+    /// The next point after `z` with the correction `g` = g(z). A change of the corrections below `noise` is that of their
+    /// errors, and gives no secant.
+    pub fn next(&mut self, z: &[f64], g: &[f64], noise: f64) -> Vec<f64> {
         let (z, g) = (DVector::from_column_slice(z), DVector::from_column_slice(g));
         if let Some((z_before, g_before)) = self.last.take() {
+            let change = &g - g_before;
             if self.secants.len() == MAX_SECANTS {
                 self.secants.remove(0);
             }
-            self.secants.push((&z - z_before, &g - g_before));
+            if change.norm() >= noise {
+                self.secants.push((&z - z_before, change));
+            }
         }
         let next = self.minimum(&z, &g);
         self.last = Some((z, g));
@@ -70,7 +69,7 @@ mod tests {
         for _ in 0..7 {
             let at = DVector::from_column_slice(&z);
             let g = &a * &at + &b - &at;
-            z = iteration.next(&z, g.as_slice());
+            z = iteration.next(&z, g.as_slice(), 0.0);
         }
         let at = DVector::from_column_slice(&z);
         assert!((&a * &at + &b - at).norm() < 1e-10);

@@ -26,6 +26,8 @@ const COARSEST: f64 = 1e-4;
 const FRACTION: f64 = 1e-3;
 /// Error of a state in multiples of the tolerance of the integration.
 const AMPLIFICATION: f64 = 10.0;
+/// Change of a correction in multiples of its error from which a secant is taken.
+const SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
 const RUN_IN: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
@@ -136,7 +138,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         // Tolerance of the steps.
         let mut rtol = COARSEST.max(self.tolerance);
         for count in 0..MAX_ITERATIONS {
-            let (is_fine, stalls) = (rtol <= self.tolerance, stalls(&errors));
+            let (is_fine, stalls, before) = (rtol <= self.tolerance, stalls(&errors), rtol);
             if count > 0 {
                 let expected = predicted(&errors).max(AMPLIFICATION * rtol / self.tolerance);
                 rtol = (FRACTION * expected * self.tolerance).clamp(self.tolerance, rtol);
@@ -149,11 +151,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             }
             self.map.report(progress(&errors, point.error));
             errors.push(point.error);
-            z = iteration.next(&point.z, &point.correction);
-            if count == 0 {
-                // The first tolerance is no fraction of the error.
-                iteration.clear();
-            }
+            z = iteration.next(&point.z, &point.correction, SECANT * AMPLIFICATION * before * point.size);
             if best.as_ref().is_none_or(|best| point.error < best.error) {
                 best = Some(point);
             } else if count > MAX_ITERATIONS / 2 && point.error > 1e3 * best.as_ref().map_or(0.0, |best| best.error) {
