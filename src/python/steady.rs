@@ -18,6 +18,9 @@ use crate::analysis::simulate::RecordPlan;
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
 use crate::scene::{EntryPath, SceneError};
 
+/// States after a period, one row each, and the recorded period.
+type Images<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>);
+
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
 #[derive(Serialize)]
 struct SteadyEntries {
@@ -119,7 +122,7 @@ pub fn period_map<'py>(
     samples: usize,
     record: Vec<RecordEntry>,
     options: Option<&Bound<'py, PyDict>>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>)> {
+) -> PyResult<Images<'py>> {
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
     let numbering = &owner.model().numbering;

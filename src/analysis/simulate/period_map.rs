@@ -19,7 +19,7 @@ use super::{
 };
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
-use crate::integrate::{Halt, Observer, State, Statistics, Trajectory};
+use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
 use crate::modal::{CachedModel, ModalStateSpace};
 use crate::motion::EquationOfMotion;
 
@@ -159,7 +159,7 @@ impl PeriodMap<'_> {
     pub fn size(&mut self, z: &[f64]) -> Result<f64, AnalysisError> {
         let begin = self.start.state.elapsed;
         let norm = self.stepper.clone().energy_norm(begin, z);
-        let norm = norm.map_err(|halt| self.explained(&crate::integrate::Halted { halt, elapsed: begin }))?;
+        let norm = norm.map_err(|halt| self.explained(&Halted { halt, elapsed: begin }))?;
         Ok(norm.max(self.start.floor))
     }
 
@@ -246,7 +246,7 @@ impl PeriodMap<'_> {
             last: self.options.last(&self.start.rotation, origin + begin + period, state),
             limited_by: limited_by(self.options, &statistics),
             statistics,
-            spectrum: self.spectrum.clone(),
+            spectrum: self.spectrum,
             condition: Some(self.setup.linear.condition),
             reduction: self.reduction,
         };
@@ -264,7 +264,7 @@ impl PeriodMap<'_> {
         Ok(state)
     }
 
-    fn explained(&self, halted: &crate::integrate::Halted) -> AnalysisError {
+    fn explained(&self, halted: &Halted) -> AnalysisError {
         explain(self.cached, halted, self.start.rotation.origin)
     }
 
