@@ -4,9 +4,11 @@ Run with ``python examples/signals.py``. The script writes the figure to ``docs/
 """
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import gearbow as gb
 
@@ -39,11 +41,11 @@ def train() -> gb.RotorSystem:
     )
 
 
-def draw(system: gb.RotorSystem) -> plt.Figure:
+def draw(system: gb.RotorSystem) -> Figure:
     """Simulate, measure, and draw both parts of the figure."""
     place = ("input", 0.25)
     record = [place, "pedestal", "acceleration"]
-    options = {"speed": SPEED, "record": record, "rtol": 1e-6}
+    options: dict[str, Any] = {"speed": SPEED, "record": record, "rtol": 1e-6}
     response = system.simulate(0.5, output_step=2e-5, **options)
     coarse = system.simulate(0.5, output_step=1.0 / RATE, **options)
 
