@@ -41,6 +41,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "mesh_models": ["--output", "."],
     "published": ["--summary"],
     "resonance_sweep": ["--output", "figure.png"],
+    "signals": [],
     "tradeoff": None,
 }
 
