@@ -101,6 +101,8 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     labels = Labels(panel, point)
     for body in circles(train):
         y, z = train.layout.shaft(body.shaft).origin[1:]
+        half = body.radius / np.sqrt(2.0)
+        labels.avoid((y - half, z - half, y + half, z + half))
         for angle in np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False):
             at = (y + body.radius * np.cos(angle), z + body.radius * np.sin(angle))
             low, high = ((at[0] + d * point, at[1] + d * point) for d in (-2.0, 2.0))
