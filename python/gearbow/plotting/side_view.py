@@ -113,6 +113,12 @@ class SideView:
                     zorder=2.0 if number < count else 3.0,
                 )
             )
+        # The hidden edges of a bore.
+        for (left, _, right, _), bore in zip(self._own(shaft), shaft.bores, strict=False):
+            for y in (self._height(shaft.name) + bore, self._height(shaft.name) - bore):
+                if bore > 0.0:
+                    style: dict[str, Any] = {"color": shade, "linewidth": 1.0, "linestyle": "--"}
+                    panel.plot([left, right], [y, y], zorder=2.5, **style)
         x = float(shaft.origin[0])
         over = 0.03 * shaft.length
         ends, y = [x - over, x + shaft.length + over], self._height(shaft.name)
