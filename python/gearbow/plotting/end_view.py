@@ -13,7 +13,7 @@ from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import Box
-from gearbow.plotting.labels import NAMES, Labels, Place
+from gearbow.plotting.labels import Labels, Place
 
 __all__ = ["circles", "draw", "extent", "line_of_action"]
 
@@ -130,7 +130,7 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
         centre = train.layout.shaft(body.shaft).origin[1:]
         teeth = f", z = {gears[body.name].teeth}" if body.name in gears else ""
         places = _around_circle(centre, body.radius)
-        labels.add(f"{body.name}{teeth}", places, fontsize=NAMES)
+        labels.add(f"{body.name}{teeth}", places)
 
 
 def _around_circle(centre: Array, radius: float) -> list[Place]:
