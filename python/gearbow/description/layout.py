@@ -30,6 +30,8 @@ class ShaftOutline(ReadOnly):
         Position (x, y, z) of the left end [m].
     steps : tuple of (float, float)
         End [m] and outer radius [m] of each segment, from the left.
+    bores : tuple of float
+        Inner radius of each segment [m]; 0 for a solid one.
     shear_lengths : tuple of float
         Length √(12EI/(κGA)) of each segment [m], the element length with the shear parameter 1;
         0 without shear deformation.
@@ -38,6 +40,7 @@ class ShaftOutline(ReadOnly):
     name: str
     origin: Array
     steps: tuple[tuple[float, float], ...]
+    bores: tuple[float, ...]
     shear_lengths: tuple[float, ...]
 
     @property
@@ -191,6 +194,7 @@ def layout(
             shaft.name,
             origins.get(shaft.name, np.zeros(3)),
             _steps(shaft),
+            tuple(segment.inner_diameter / 2.0 for segment in _segments(shaft)),
             tuple(_shear_length(shaft, segment) for segment in _segments(shaft)),
         )
         for shaft in shafts
