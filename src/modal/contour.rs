@@ -7,7 +7,8 @@
 //!
 //! The logarithm of the determinant is a smooth function of ln λ apart from the zeros. Its phase is known up to multiples
 //! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
-//! is halved where the prediction fails. The number of determinants hardly depends on the number of eigenvalues outside.
+//! is halved where the prediction is uncertain or fails. The number of determinants hardly depends on the number of
+//! eigenvalues outside.
 
 use std::f64::consts::PI;
 
@@ -22,10 +23,14 @@ pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
 const MAX_ERROR: f64 = 0.5;
 /// Difference of the complex logarithm from its prediction below which the next step on the contour is longer.
 const SMALL_ERROR: f64 = 0.05;
+/// Largest difference of the predictions from all previous points and from one less. It bounds the error of the prediction
+/// by half a turn: a larger error could differ from its value between −π and π by whole turns.
+const MAX_UNCERTAINTY: f64 = 1.0;
 /// Ratio of the lengths of successive steps.
-const GROWTH: f64 = 1.5;
-/// First and largest step in ln λ.
-const FIRST_STEP: f64 = 0.1;
+const GROWTH: f64 = 4.0;
+/// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
+const FIRST_STEP: f64 = 1e-5;
+/// Largest step in ln λ.
 const MAX_STEP: f64 = 0.35;
 /// Smallest step in ln λ: an eigenvalue lies on the contour.
 const MIN_STEP: f64 = 1e-9;
@@ -154,6 +159,14 @@ pub(super) fn missing(
             let next = if distance + step > (1.0 - MIN_STEP) * length { length } else { distance + step };
             let z = side[0] + (side[1] - side[0]) * (next / length);
             let predicted = extrapolated(&points, z);
+            let uncertainty = points
+                .get(1..)
+                .filter(|rest| !rest.is_empty())
+                .map_or(0.0, |rest| (predicted - extrapolated(rest, z)).norm());
+            if uncertainty > MAX_UNCERTAINTY {
+                step = (next - distance) / 2.0;
+                continue;
+            }
             let error = reduced(value(z)? - predicted);
             count += 1;
             if count > MAX_DETERMINANTS || !error.is_finite() {

@@ -15,8 +15,9 @@ use super::SpectralRange;
 use super::contour::{self, Annulus, Contour, Known};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
+use crate::connection::Row;
 use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
-use crate::model::{Model, Weights};
+use crate::model::{Model, Support, Weights};
 
 /// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
 const UNCOUPLED: f64 = 1e-11;
@@ -33,9 +34,9 @@ pub(super) struct Problem<'m> {
     /// s, rad/s.
     pub shift: f64,
     /// D = C + ΩG.
-    rate: Sparse,
+    pub rate: Sparse,
     /// Symmetric part of K.
-    stiffness: Sparse,
+    pub stiffness: Sparse,
     /// Whether D and the skew part of K are zero.
     pub undamped: bool,
     /// Rigid-body modes, one per column, orthonormal in M.
@@ -88,25 +89,58 @@ impl<'m> Problem<'m> {
         positions.chain(self.free.iter().map(move |column| state(*column, n)))
     }
 
+    /// The same problem with K_symmetric and without D: that of the undamped modes.
+    pub fn without_damping(&self) -> Self {
+        Self {
+            model: self.model,
+            speed: self.speed,
+            shift: self.shift,
+            rate: Sparse::new(self.model.len(), Vec::new()),
+            stiffness: self.stiffness.clone(),
+            undamped: true,
+            null: self.null.clone(),
+            free: (0..self.null.ncols()).collect(),
+            bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, stable: true, ..self.bound },
+        }
+    }
+
     /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
     pub fn damper_states(&self) -> Vec<Vec<f64>> {
-        let (n, mut rows) = (self.model.len(), Vec::new());
-        for support in self.model.supports.iter().filter(|support| support.damping != [[0.0; 2]; 2]) {
+        let n = self.model.len();
+        let state = |row: Row| {
+            let mut state = vec![0.0; 2 * n];
+            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
+            state
+        };
+        self.damper_rows().into_iter().map(state).collect()
+    }
+
+    /// The deflections of dampers and of circulatory springs.
+    pub fn damper_rows(&self) -> Vec<Row> {
+        let acts = |local: &Support| {
+            local.damping != [[0.0; 2]; 2] || local.skew_part().as_flattened().iter().any(|value| *value != 0.0)
+        };
+        let mut rows = Vec::new();
+        for support in self.model.supports.iter().filter(|support| acts(support)) {
             rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
         }
-        let links = self.model.links.iter().filter(|link| link.local.damping != [[0.0; 2]; 2]);
+        let links = self.model.links.iter().filter(|link| acts(&link.local));
         rows.extend(links.flat_map(|link| link.rows.iter().cloned()));
         for connection in self.model.connections(self.speed) {
             if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
                 rows.extend(connection.rows());
             }
         }
-        let state = |row: Vec<(usize, f64)>| {
-            let mut state = vec![0.0; 2 * n];
-            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
-            state
-        };
-        rows.into_iter().map(state).collect()
+        rows
+    }
+
+    /// Weights of S(λ).
+    pub fn weights(&self, at: Complex64) -> Weights {
+        let weights = Weights::dynamic(at, self.speed);
+        if self.undamped {
+            return Weights { damping: Complex64::ZERO, gyroscopic: Complex64::ZERO, symmetric: true, ..weights };
+        }
+        weights
     }
 
     /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
@@ -115,7 +149,7 @@ impl<'m> Problem<'m> {
         let known = Known { zeros, values: found.collect() };
         let determinant = |at: Complex64| {
             let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
-            let matrix = self.model.dynamic_stiffness(&Weights::dynamic(at, self.speed), self.speed);
+            let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
             matrix.factor(sense).ok().map(|factors| factors.determinant())
         };
         contour::missing(determinant, &known, contour)
@@ -167,16 +201,21 @@ impl<'m> Problem<'m> {
             parts[0].dot(&images[0]) + parts[1].dot(&images[1]),
             parts[0].dot(&images[1]) - parts[1].dot(&images[0]),
         );
-        let root = (rate * rate - 4.0 * stiffness).sqrt();
-        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
-            Complex64::new(f64::INFINITY, 0.0),
-            |best, one| {
-                if (one - value).norm() < (best - value).norm() { one } else { best }
-            },
-        );
-        let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
-        if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
+        corrected(value, rate, stiffness)
     }
+}
+
+/// The root of λ² + λ·`rate` + `stiffness` next to `value`.
+pub(super) fn corrected(value: Complex64, rate: Complex64, stiffness: Complex64) -> Complex64 {
+    let root = (rate * rate - 4.0 * stiffness).sqrt();
+    let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
+        Complex64::new(f64::INFINITY, 0.0),
+        |best, one| {
+            if (one - value).norm() < (best - value).norm() { one } else { best }
+        },
+    );
+    let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
+    if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
 }
 
 /// T of the first-order form.

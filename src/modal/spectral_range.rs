@@ -167,6 +167,18 @@ impl<'m> ShiftInverse<'m> {
         let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
         Ok(Self { model, factors, shift })
     }
+
+    /// (K + s²M)⁻¹ f for a complex f, n entries.
+    pub fn solve_complex(&self, force: &DVector<Complex64>) -> Result<DVector<Complex64>, DecompositionError> {
+        let mut x = self.model.to_circular(force.as_slice());
+        self.factors.solve(&mut x)?;
+        Ok(DVector::from_vec(self.model.from_circular(&x)))
+    }
+
+    /// (K + s²M)⁻¹ f, n entries.
+    pub fn solve(&self, force: &[f64]) -> Result<Vec<f64>, DecompositionError> {
+        Ok(self.model.solve_real(&self.factors, force)?)
+    }
 }
 
 impl Operator for ShiftInverse<'_> {
@@ -178,7 +190,7 @@ impl Operator for ShiftInverse<'_> {
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        Ok(self.model.solve_real(&self.factors, &mass_times(self.model, x))?)
+        self.solve(&mass_times(self.model, x))
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {

@@ -1,0 +1,220 @@
+//! Galerkin projection of the eigenvalue problem with modal damping on a growing space.
+//!
+//! The space has undamped modes Φ of low frequency, on which modal damping is known, and further directions W. The basis is
+//! orthonormal in M.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::eigenvectors::damped;
+use super::first_order::FirstOrder;
+use super::real::{RealModes, times};
+use super::shift_invert::{Problem, corrected};
+use super::spectral_range::{ShiftInverse, mass_times};
+use super::square_root::SquareRoot;
+use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
+use crate::model::Weights;
+
+/// A direction that loses more than this factor in orthogonalization lies in the space.
+const DEPENDENT: f64 = 1e-10;
+/// A damper is effective at a rate s if its force for the displacement x is between 1/8 of the elastic and inertia force
+/// and 8 times this force.
+const EFFECTIVE: f64 = 8.0;
+/// Eigenvalue of the scaled flexibility of the dampers, relative to the largest one, below which dampers share a direction.
+const SHARED: f64 = 1e-10;
+/// The frequencies of the square root reach so much farther than those of the other directions.
+const RANGE: f64 = 1.01;
+
+/// The space.
+pub(super) struct Galerkin<'p, 'm> {
+    problem: &'p Problem<'m>,
+    /// K − K_symmetric.
+    skew_part: Sparse,
+    /// √(M⁻¹K) above the frequencies of Φ.
+    root: SquareRoot<'m>,
+    /// V = [Φ, W], n × k; the first columns are rigid-body modes.
+    basis: DMatrix<f64>,
+    /// M V, n × k.
+    momenta: DMatrix<f64>,
+    /// M √(M⁻¹K) V, n × k.
+    images: DMatrix<f64>,
+    /// Number of rigid-body modes.
+    null: usize,
+}
+
+/// An approximation of an eigenpair.
+#[derive(Clone, Debug)]
+pub(super) struct Approximation {
+    /// λ with Im λ ≥ 0, rad/s.
+    pub value: Complex64,
+    /// Components of the mode shape in the basis, k entries of unit length.
+    pub components: DVector<Complex64>,
+}
+
+impl<'p, 'm> Galerkin<'p, 'm> {
+    /// The space of the undamped `modes`; `highest` is the highest undamped frequency, rad/s.
+    pub fn new(problem: &'p Problem<'m>, modes: RealModes, highest: f64) -> Result<Self, DecompositionError> {
+        let (model, mut images) = (problem.model, problem.model.mass_times(&modes.vectors));
+        let momenta = images.clone();
+        images.column_iter_mut().zip(&modes.frequencies).for_each(|(mut column, frequency)| column *= *frequency);
+        Ok(Self {
+            root: SquareRoot::new(model, problem.speed, [modes.highest() / RANGE, highest * RANGE])?,
+            skew_part: model.sparse_skew_part(),
+            basis: modes.vectors,
+            momenta,
+            images,
+            null: modes.null,
+            problem,
+        })
+    }
+
+    /// Adds directions, n entries each.
+    pub fn add(&mut self, directions: &[DVector<f64>]) -> Result<(), DecompositionError> {
+        let model = self.problem.model;
+        let first = self.basis.ncols();
+        for direction in directions {
+            let mut vector = direction.clone();
+            let mut momentum = DVector::from_vec(mass_times(model, vector.as_slice()));
+            let before = vector.dot(&momentum).max(0.0).sqrt();
+            for _ in 0..2 {
+                let parts = self.basis.tr_mul(&momentum);
+                vector.gemv(-1.0, &self.basis, &parts, 1.0);
+                momentum = DVector::from_vec(mass_times(model, vector.as_slice()));
+            }
+            let after = vector.dot(&momentum).max(0.0).sqrt();
+            if after > DEPENDENT * before && after.is_finite() {
+                let column = self.basis.ncols();
+                self.basis = std::mem::take(&mut self.basis).insert_column(column, 0.0);
+                self.basis.set_column(column, &vector.unscale(after));
+                self.momenta = std::mem::take(&mut self.momenta).insert_column(column, 0.0);
+                self.momenta.set_column(column, &momentum.unscale(after));
+            }
+        }
+        let images = self.root.times(&self.basis.columns(first, self.basis.ncols() - first).into_owned())?;
+        let count = self.images.ncols();
+        self.images = std::mem::take(&mut self.images).insert_columns(count, images.ncols(), 0.0);
+        self.images.columns_mut(count, images.ncols()).copy_from(&images);
+        Ok(())
+    }
+
+    /// Adds the responses to the forces of dampers: the static ones, and those at the rates (1/s) at which a damper is
+    /// effective. Without them no motion of the other directions moves a damper.
+    pub fn add_dampers(&mut self, rates: impl Iterator<Item = f64>) -> Result<(), DecompositionError> {
+        let Problem { model, speed, .. } = *self.problem;
+        let rows = self.problem.damper_rows();
+        let force = |row: &Vec<(usize, f64)>| {
+            let mut force = vec![0.0; model.len()];
+            row.iter().for_each(|(index, coefficient)| force[*index] += coefficient);
+            force
+        };
+        let forces: Vec<Vec<f64>> = rows.iter().map(force).collect();
+        let responses = |rate: f64| -> Result<Vec<DVector<f64>>, DecompositionError> {
+            let inverse = ShiftInverse::new(model, speed, rate)?;
+            forces.iter().map(|force| Ok(DVector::from_vec(inverse.solve(force)?))).collect()
+        };
+        let mut directions = responses(self.problem.shift)?;
+        for rate in rates {
+            directions.extend(self.effective(rate, &forces, &responses(rate)?));
+        }
+        self.add(&directions)
+    }
+
+    /// The combinations of responses at a rate s, 1/s, in which the dampers are effective.
+    fn effective(&self, rate: f64, forces: &[Vec<f64>], responses: &[DVector<f64>]) -> Vec<DVector<f64>> {
+        let count = forces.len();
+        if count == 0 {
+            return Vec::new();
+        }
+        let flexibility = |i: usize, j: usize| -> f64 { forces[i].iter().zip(&responses[j]).map(|(f, x)| f * x).sum() };
+        let scale: Vec<f64> = (0..count).map(|i| flexibility(i, i).max(f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(count, count, |i, j| flexibility(i, j) / (scale[i] * scale[j]));
+        let found = ((&scaled + scaled.transpose()) / 2.0).symmetric_eigen();
+        let largest = found.eigenvalues.max();
+        let kept: Vec<usize> = (0..count).filter(|i| found.eigenvalues[*i] > SHARED * largest).collect();
+        let combined = |components: DVector<f64>| {
+            let mut sum = DVector::zeros(self.basis.nrows());
+            responses.iter().zip(&components).for_each(|(response, part)| sum.axpy(*part, response, 1.0));
+            sum
+        };
+        // Orthonormal in K + s²M.
+        let normal = |index: &usize| {
+            let vector = found.eigenvectors.column(*index) / found.eigenvalues[*index].sqrt();
+            combined(DVector::from_fn(count, |i, _| vector[i] / scale[i]))
+        };
+        let normal = DMatrix::from_columns(&kept.iter().map(normal).collect::<Vec<_>>());
+        let ratio = normal.transpose() * times(&self.problem.rate, &normal) * rate;
+        let ratio = ((&ratio + ratio.transpose()) / 2.0).symmetric_eigen();
+        let is_effective = |index: &usize| (1.0 / EFFECTIVE..EFFECTIVE).contains(&ratio.eigenvalues[*index]);
+        (0..kept.len()).filter(is_effective).map(|index| &normal * ratio.eigenvectors.column(index)).collect()
+    }
+
+    /// Eigenpairs of the projected problem apart from rigid-body modes, with or without modal damping.
+    pub fn eigenpairs(&self, with_modal_damping: bool) -> Result<Vec<Approximation>, DecompositionError> {
+        let model = self.problem.model;
+        let (null, elastic) = (self.null, self.basis.ncols() - self.null);
+        let columns = self.basis.columns(null, elastic).into_owned();
+        let stiffness = columns.transpose() * times(&self.problem.stiffness, &columns);
+        let stiffness = (&stiffness + stiffness.transpose()) / 2.0;
+        let rotation =
+            symmetric_pencil(&stiffness, &DMatrix::identity(elastic, elastic), &DMatrix::zeros(elastic, 0))?.vectors;
+        let mut vectors = DMatrix::zeros(model.len(), null + elastic);
+        vectors.columns_mut(0, null).copy_from(&self.basis.columns(0, null));
+        vectors.columns_mut(null, elastic).copy_from(&(columns * rotation));
+        let modes = RealModes::of_shapes(model, self.problem.speed, vectors, null);
+        // Ψ = V R.
+        let rotation = self.momenta.transpose() * &modes.vectors;
+        let mut damping = modes.project_sparse(&self.problem.rate);
+        if with_modal_damping {
+            let images = self.basis.transpose() * &self.images;
+            let images = (&images + images.transpose()) * model.scene.modal_damping;
+            damping += rotation.transpose() * (images * &rotation);
+        }
+        let skew_part = modes.project_sparse(&self.skew_part);
+        let order = FirstOrder::projected(&modes, &damping, &skew_part, false);
+        let (values, coordinates) = damped(&modes, &order)?;
+        let rest = values.into_iter().zip(coordinates).filter(|(value, _)| *value != Complex64::ZERO);
+        let approximation = |(value, eta): (Complex64, DVector<Complex64>)| {
+            let rate = eta.dotc(&product(&damping, &eta));
+            let elastic: f64 =
+                eta.iter().zip(&modes.frequencies).map(|(x, frequency)| x.norm_sqr() * frequency.powi(2)).sum();
+            let stiffness = eta.dotc(&product(&skew_part, &eta)) + elastic;
+            Approximation { value: corrected(value, rate, stiffness), components: product(&rotation, &eta) }
+        };
+        Ok(rest.map(approximation).collect())
+    }
+
+    /// Mode shape, n entries.
+    pub fn shape(&self, of: &Approximation) -> DVector<Complex64> {
+        product(&self.basis, &of.components)
+    }
+
+    /// (K + λ²M + λD₀)⁻¹ r for the residual r of an approximation, with D₀ without modal damping: its error but for the
+    /// effect of modal damping on this error. Second: its part outside of the space, relative to the mode shape, in the
+    /// energy norm xᴴ(K_symmetric + |λ|²M)x.
+    pub fn error(&self, of: &Approximation) -> Result<(DVector<Complex64>, f64), DecompositionError> {
+        let Problem { model, speed, .. } = *self.problem;
+        let (value, shape) = (of.value, self.shape(of));
+        let modal = product(&self.images, &of.components) * (value * 2.0 * model.scene.modal_damping);
+        let mass = model.product(&shape, |x, out| model.multiply_mass(x, out)) * (value * value);
+        let rate = model.product(&shape, |x, out| self.problem.rate.multiply_add(1.0, x, out)) * value;
+        let elastic = model.product(&shape, |x, out| model.multiply_stiffness(speed, false, x, out));
+        let mut error = model.to_circular((elastic + mass + rate + modal).as_slice());
+        let matrix = model.dynamic_stiffness(&Weights::dynamic(value, speed), speed);
+        matrix.factor(if value.re < 0.0 { -1.0 } else { 1.0 })?.solve(&mut error)?;
+        let error = DVector::from_vec(model.from_circular(&error));
+        let inside = product(&self.momenta.transpose(), &error);
+        let outside = &error - product(&self.basis, &inside);
+        let energy = |x: &DVector<Complex64>| {
+            let elastic = model.product(x, |x, out| self.problem.stiffness.multiply_add(1.0, x, out));
+            x.dotc(&elastic).re.max(0.0) + value.norm_sqr() * model.complex_kinetic_form(x)
+        };
+        let size = (energy(&outside) / energy(&shape)).sqrt();
+        Ok((outside, size))
+    }
+}
+
+/// A x for a real matrix A.
+fn product(matrix: &DMatrix<f64>, x: &DVector<Complex64>) -> DVector<Complex64> {
+    let part = |of: fn(&Complex64) -> f64| matrix * x.map(|value| of(&value));
+    part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
+}
