@@ -9,7 +9,7 @@ use nalgebra::{Complex, DVector};
 use super::cached::CachedModel;
 use super::eigenvectors::{damped, physical, undamped};
 use super::lowest::lowest;
-use super::modal_damping::lowest_with_modal_damping;
+use super::lowest_damped::lowest_damped;
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::model::Model;
@@ -86,10 +86,10 @@ pub fn structured_modes(
     speed: f64,
     count: usize,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let found = if cached.model.scene.modal_damping > 0.0 {
-        lowest_with_modal_damping(cached, speed, count)?
-    } else {
-        lowest(cached, speed, count)?
+    let lightly_damped = if cached.model.scene.modal_damping > 0.0 { None } else { lowest(cached, speed, count)? };
+    let found = match lightly_damped {
+        Some(found) => Some(found),
+        None => lowest_damped(cached, speed, count)?,
     };
     let classifier = Classifier::new(&cached.model, speed);
     let mode = |(eigenvalue, shape)| {

@@ -30,8 +30,8 @@ pub(super) struct Galerkin<'p, 'm> {
     problem: &'p Problem<'m>,
     /// K − K_symmetric.
     skew_part: Sparse,
-    /// √(M⁻¹K) above the frequencies of Φ.
-    root: SquareRoot<'m>,
+    /// √(M⁻¹K) above the frequencies of Φ; `None` without modal damping.
+    root: Option<SquareRoot<'m>>,
     /// V = [Φ, W], n × k; the first columns are rigid-body modes.
     basis: DMatrix<f64>,
     /// M V, n × k.
@@ -58,7 +58,11 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         let momenta = images.clone();
         images.column_iter_mut().zip(&modes.frequencies).for_each(|(mut column, frequency)| column *= *frequency);
         Ok(Self {
-            root: SquareRoot::new(model, problem.speed, [modes.highest() / RANGE, highest * RANGE])?,
+            root: if model.scene.modal_damping > 0.0 {
+                Some(SquareRoot::new(model, problem.speed, [modes.highest() / RANGE, highest * RANGE])?)
+            } else {
+                None
+            },
             skew_part: model.sparse_skew_part(),
             basis: modes.vectors,
             momenta,
@@ -90,7 +94,11 @@ impl<'p, 'm> Galerkin<'p, 'm> {
                 self.momenta.set_column(column, &momentum.unscale(after));
             }
         }
-        let images = self.root.times(&self.basis.columns(first, self.basis.ncols() - first).into_owned())?;
+        let added = self.basis.columns(first, self.basis.ncols() - first).into_owned();
+        let images = match &self.root {
+            Some(root) => root.times(&added)?,
+            None => DMatrix::zeros(added.nrows(), added.ncols()),
+        };
         let count = self.images.ncols();
         self.images = std::mem::take(&mut self.images).insert_columns(count, images.ncols(), 0.0);
         self.images.columns_mut(count, images.ncols()).copy_from(&images);

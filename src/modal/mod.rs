@@ -24,7 +24,7 @@ mod galerkin;
 mod gyroscopic;
 mod intersection;
 mod lowest;
-mod modal_damping;
+mod lowest_damped;
 mod pairs;
 mod pins;
 mod projected;

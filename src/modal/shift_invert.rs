@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Annulus, Contour, Known};
+use super::contour::{self, Contour, Known};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
 use crate::connection::Row;
@@ -23,7 +23,7 @@ use crate::model::{Model, Support, Weights};
 const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
-/// Ratio of the radii of an annulus.
+/// Ratio of two successive rates.
 const RATIO: f64 = 4.0;
 
 /// Matrices of the problem and its rigid-body modes.
@@ -104,17 +104,6 @@ impl<'m> Problem<'m> {
         }
     }
 
-    /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
-    pub fn damper_states(&self) -> Vec<Vec<f64>> {
-        let n = self.model.len();
-        let state = |row: Row| {
-            let mut state = vec![0.0; 2 * n];
-            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
-            state
-        };
-        self.damper_rows().into_iter().map(state).collect()
-    }
-
     /// The deflections of dampers and of circulatory springs.
     pub fn damper_rows(&self) -> Vec<Row> {
         let acts = |local: &Support| {
@@ -165,14 +154,10 @@ impl<'m> Problem<'m> {
         Contour::of_disk_and_sectors([radius, self.bound.largest().max(2.0 * radius)], !stable)
     }
 
-    /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
-    pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
-        let radii = std::iter::successors(Some(radius), |radius| Some(radius * RATIO));
-        let radii = radii.take_while(|radius| *radius < self.bound.largest());
-        let sides = if self.bound.stable { &[true][..] } else { &[true, false] };
-        radii
-            .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
-            .collect()
+    /// Rates (1/s) from `lowest` to the bound of the eigenvalues, in a geometric series.
+    pub fn rates(&self, lowest: f64) -> impl Iterator<Item = f64> {
+        let highest = self.bound.largest();
+        std::iter::successors(Some(lowest), |rate| Some(rate * RATIO)).take_while(move |rate| *rate < highest)
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off

@@ -42,7 +42,7 @@ const MAX_REFINEMENTS: usize = 8;
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
-pub(super) fn lowest_with_modal_damping(
+pub(super) fn lowest_damped(
     cached: &CachedModel,
     speed: f64,
     count: usize,
@@ -52,6 +52,7 @@ pub(super) fn lowest_with_modal_damping(
     let undamped = problem.without_damping();
     let null = problem.null.ncols();
     let elastic = count.saturating_sub(null);
+    let t0 = std::time::Instant::now();
     let mut size = count + MODES_PER_MODE * elastic + FURTHER_MODES;
     for _ in 0..=MAX_EXTENSIONS {
         if size as f64 > FEW * model.len() as f64 {
@@ -60,16 +61,23 @@ pub(super) fn lowest_with_modal_damping(
         let Some(modes) = undamped_modes(&undamped, size)? else {
             return Ok(None);
         };
+        eprintln!("undamped {size} {:?}", t0.elapsed());
         let top = modes.highest();
         let mut space = Galerkin::new(&problem, modes, range.fastest)?;
-        let first = top / MARGIN;
-        space
-            .add_dampers(problem.annuli(first).iter().filter(|annulus| annulus.centre() < 0.0).map(|a| -a.centre()))?;
+        eprintln!("root {:?}", t0.elapsed());
+        space.add_dampers(problem.rates(top / 2.0))?;
+        eprintln!("dampers {:?}", t0.elapsed());
         let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
         let radius = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top);
+        eprintln!("pairs {:?} {radius:?} top {top} {}", t0.elapsed(), with.len());
         let contour = radius.map(|radius| problem.contour(radius));
         let values = without.iter().map(|pair| pair.value);
-        let complete = contour.is_some_and(|contour| problem.missing(values, &contour) == Some(0));
+        let complete = contour.is_some_and(|contour| {
+            let m = problem.missing(values, &contour);
+            eprintln!("missing {m:?}");
+            m == Some(0)
+        });
+        eprintln!("count {:?} {complete}", t0.elapsed());
         if complete {
             return refined(&mut space, with, count, &problem);
         }
@@ -114,6 +122,7 @@ fn refined(
         let mut directions = Vec::new();
         for mode in &found {
             let (error, size) = space.error(mode)?;
+            eprintln!("  {:?} {size:.2e}", mode.value);
             let unchanged = previous.iter().any(|value| (value - mode.value).norm() <= UNCHANGED * mode.value.norm());
             if size > ACCURATE && !unchanged {
                 directions.push(error.map(|value| value.re));
@@ -125,6 +134,7 @@ fn refined(
         if directions.is_empty() {
             return Ok(Some(eigenpairs(space, &found, count, problem)));
         }
+        eprintln!("refine {}", directions.len());
         previous = found.iter().map(|mode| mode.value).collect();
         space.add(&directions)?;
         found = space.eigenpairs(true)?;
@@ -143,7 +153,8 @@ fn eigenpairs(
     let elastic = found.iter().map(|mode| {
         let shape = space.shape(mode);
         let size = problem.model.complex_kinetic_form(&shape).sqrt();
-        (mode.value, shape.unscale(size))
+        // A real eigenvalue has no sign of zero, which would count in the order.
+        (Complex64::new(mode.value.re, mode.value.im.abs()), shape.unscale(size))
     });
     let mut all: Vec<Eigenpair> = rigid.chain(elastic).collect();
     all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
