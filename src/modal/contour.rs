@@ -55,14 +55,14 @@ pub(super) struct Known {
 pub(super) struct Contour(pub Vec<Complex64>);
 
 impl Contour {
-    /// The disk |λ| < `radius` and both sectors up to |λ| < `farthest` around the real axis: an eigenvalue between both
-    /// radii is inside if |Im λ| < |λ| sin [`SECTOR`]. Without `right` only the sector of negative Re λ belongs to it.
-    pub fn of_disk_and_sectors([radius, farthest]: [f64; 2], right: bool) -> Self {
+    /// The disk |λ| < `radius` and the sectors around the real axis up to |λ| < `left` for Re λ < 0 and |λ| < `right` for
+    /// Re λ > 0, if there is one: an eigenvalue outside of the disk is inside if |Im λ| < |λ| sin [`SECTOR`].
+    pub fn of_disk_and_sectors(radius: f64, left: f64, right: Option<f64>) -> Self {
         let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
-        let outside = if right { vec![at(farthest, 0.0), at(farthest, SECTOR)] } else { Vec::new() };
-        let begin = if right { SECTOR } else { 0.0 };
-        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(farthest, PI - SECTOR), at(farthest, PI)];
-        Self(outside.into_iter().chain(inside).collect())
+        let begin = if right.is_some() { SECTOR } else { 0.0 };
+        let outside = right.into_iter().flat_map(|right| [at(right, 0.0), at(right, SECTOR)]);
+        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(left, PI - SECTOR), at(left, PI)];
+        Self(outside.chain(inside).collect())
     }
 
     /// The disk |λ| < `radius`.
@@ -185,8 +185,8 @@ mod tests {
 
     #[test]
     fn every_missing_eigenvalue_is_counted() {
-        for right in [false, true] {
-            let contour = Contour::of_disk_and_sectors([5.0, 1000.0], right);
+        for right in [None, Some(20.0), Some(1000.0)] {
+            let contour = Contour::of_disk_and_sectors(5.0, 1000.0, right);
             let missing = |zeros: usize, values: &[Complex64]| {
                 super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &contour)
             };
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn whole_turns_of_the_phase_are_not_lost() {
         // The contour begins where the phase of a determinant of high degree changes most.
-        let contour = Contour::of_disk_and_sectors([5.0, 1e6], true);
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, Some(1e6));
         for others in [750, 1000, 1500, 3000] {
             let missing =
                 super::missing(determinant(others), &Known { zeros: 2, values: VALUES[1..].to_vec() }, &contour);
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn many_other_eigenvalues_do_not_disturb_the_count() {
-        let contour = Contour::of_disk_and_sectors([5.0, 1e6], false);
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, None);
         for others in [10, 100, 1000] {
             let calls = std::cell::Cell::new(0);
             let determinant = determinant(others);

@@ -12,16 +12,19 @@ use super::real::{RealModes, times};
 use super::shift_invert::{Problem, corrected};
 use super::spectral_range::{ShiftInverse, mass_times};
 use super::square_root::SquareRoot;
+use crate::connection::Row;
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::model::Weights;
 
 /// A direction that loses more than this factor in orthogonalization lies in the space.
 const DEPENDENT: f64 = 1e-10;
-/// A damper is effective at a rate s if its force for the displacement x is between 1/8 of the elastic and inertia force
-/// and 8 times this force.
+/// A damper is effective at a rate s if its force is between 1/8 of the force (K + s²M)x and 8 times this force, for some
+/// displacement x.
 const EFFECTIVE: f64 = 8.0;
 /// Eigenvalue of the scaled flexibility of the dampers, relative to the largest one, below which dampers share a direction.
 const SHARED: f64 = 1e-10;
+/// Ratio of the shift of a refinement to the eigenvalue: without modal damping, the matrix of an eigenvalue is singular.
+const OFFSET: f64 = 1.01;
 /// The frequencies of the square root reach so much farther than those of the other directions.
 const RANGE: f64 = 1.01;
 
@@ -105,54 +108,46 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         Ok(())
     }
 
-    /// Adds the responses to the forces of dampers: the static ones, and those at the rates (1/s) at which a damper is
-    /// effective. Without them no motion of the other directions moves a damper.
+    /// Adds the responses to the forces of dampers and circulatory springs at the rates s (1/s) at which these are effective.
     pub fn add_dampers(&mut self, rates: impl Iterator<Item = f64>) -> Result<(), DecompositionError> {
         let Problem { model, speed, .. } = *self.problem;
-        let rows = self.problem.damper_rows();
-        let force = |row: &Vec<(usize, f64)>| {
-            let mut force = vec![0.0; model.len()];
+        let force = |row: &Row| {
+            let mut force = DVector::zeros(model.len());
             row.iter().for_each(|(index, coefficient)| force[*index] += coefficient);
             force
         };
-        let forces: Vec<Vec<f64>> = rows.iter().map(force).collect();
-        let responses = |rate: f64| -> Result<Vec<DVector<f64>>, DecompositionError> {
-            let inverse = ShiftInverse::new(model, speed, rate)?;
-            forces.iter().map(|force| Ok(DVector::from_vec(inverse.solve(force)?))).collect()
-        };
-        let mut directions = responses(self.problem.shift)?;
+        let forces: Vec<DVector<f64>> = self.problem.damper_rows().iter().map(force).collect();
+        if forces.is_empty() {
+            return Ok(());
+        }
+        let forces = DMatrix::from_columns(&forces);
+        let mut directions = Vec::new();
         for rate in rates {
-            directions.extend(self.effective(rate, &forces, &responses(rate)?));
+            let responses = ShiftInverse::new(model, speed, rate)?.solve_columns(&forces)?;
+            directions.extend(self.effective(rate, &forces, &responses));
         }
         self.add(&directions)
     }
 
-    /// The combinations of responses at a rate s, 1/s, in which the dampers are effective.
-    fn effective(&self, rate: f64, forces: &[Vec<f64>], responses: &[DVector<f64>]) -> Vec<DVector<f64>> {
-        let count = forces.len();
-        if count == 0 {
-            return Vec::new();
-        }
-        let flexibility = |i: usize, j: usize| -> f64 { forces[i].iter().zip(&responses[j]).map(|(f, x)| f * x).sum() };
-        let scale: Vec<f64> = (0..count).map(|i| flexibility(i, i).max(f64::MIN_POSITIVE).sqrt()).collect();
-        let scaled = DMatrix::from_fn(count, count, |i, j| flexibility(i, j) / (scale[i] * scale[j]));
-        let found = ((&scaled + scaled.transpose()) / 2.0).symmetric_eigen();
+    /// The combinations of responses (K + s²M)⁻¹ f to forces at a rate s, 1/s, in which the forces of dampers and circulatory
+    /// springs are effective.
+    fn effective(&self, rate: f64, forces: &DMatrix<f64>, responses: &DMatrix<f64>) -> Vec<DVector<f64>> {
+        let flexibility = forces.transpose() * responses;
+        let scale = flexibility.diagonal().map(|value| 1.0 / value.max(f64::MIN_POSITIVE).sqrt());
+        let scale = DMatrix::from_diagonal(&scale);
+        let scaled = &scale * (&flexibility + flexibility.transpose()) * &scale / 2.0;
+        let found = scaled.symmetric_eigen();
         let largest = found.eigenvalues.max();
-        let kept: Vec<usize> = (0..count).filter(|i| found.eigenvalues[*i] > SHARED * largest).collect();
-        let combined = |components: DVector<f64>| {
-            let mut sum = DVector::zeros(self.basis.nrows());
-            responses.iter().zip(&components).for_each(|(response, part)| sum.axpy(*part, response, 1.0));
-            sum
-        };
+        let kept: Vec<usize> =
+            (0..forces.ncols()).filter(|index| found.eigenvalues[*index] > SHARED * largest).collect();
+        let unit = |index: &usize| found.eigenvectors.column(*index) / found.eigenvalues[*index].sqrt();
+        let unit = DMatrix::from_columns(&kept.iter().map(unit).collect::<Vec<_>>());
         // Orthonormal in K + s²M.
-        let normal = |index: &usize| {
-            let vector = found.eigenvectors.column(*index) / found.eigenvalues[*index].sqrt();
-            combined(DVector::from_fn(count, |i, _| vector[i] / scale[i]))
-        };
-        let normal = DMatrix::from_columns(&kept.iter().map(normal).collect::<Vec<_>>());
-        let ratio = normal.transpose() * times(&self.problem.rate, &normal) * rate;
-        let ratio = ((&ratio + ratio.transpose()) / 2.0).symmetric_eigen();
-        let is_effective = |index: &usize| (1.0 / EFFECTIVE..EFFECTIVE).contains(&ratio.eigenvalues[*index]);
+        let normal = responses * (scale * unit);
+        let damping = times(&self.problem.rate, &normal) * rate + times(&self.skew_part, &normal);
+        let ratio = normal.transpose() * damping;
+        let ratio = (ratio.transpose() * ratio).symmetric_eigen();
+        let is_effective = |index: &usize| (EFFECTIVE.powi(-2)..EFFECTIVE.powi(2)).contains(&ratio.eigenvalues[*index]);
         (0..kept.len()).filter(is_effective).map(|index| &normal * ratio.eigenvectors.column(index)).collect()
     }
 
@@ -196,9 +191,9 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         product(&self.basis, &of.components)
     }
 
-    /// (K + λ²M + λD₀)⁻¹ r for the residual r of an approximation, with D₀ without modal damping: its error but for the
-    /// effect of modal damping on this error. Second: its part outside of the space, relative to the mode shape, in the
-    /// energy norm xᴴ(K_symmetric + |λ|²M)x.
+    /// S₀(σ)⁻¹ r for the residual r of an approximation, with the dynamic stiffness S₀ without modal damping and a shift σ close
+    /// to the eigenvalue: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in
+    /// the energy norm xᴴ(K_symmetric + |λ|²M)x.
     pub fn error(&self, of: &Approximation) -> Result<(DVector<Complex64>, f64), DecompositionError> {
         let Problem { model, speed, .. } = *self.problem;
         let (value, shape) = (of.value, self.shape(of));
@@ -207,17 +202,17 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         let rate = model.product(&shape, |x, out| self.problem.rate.multiply_add(1.0, x, out)) * value;
         let elastic = model.product(&shape, |x, out| model.multiply_stiffness(speed, false, x, out));
         let mut error = model.to_circular((elastic + mass + rate + modal).as_slice());
-        let matrix = model.dynamic_stiffness(&Weights::dynamic(value, speed), speed);
-        matrix.factor(if value.re < 0.0 { -1.0 } else { 1.0 })?.solve(&mut error)?;
-        let error = DVector::from_vec(model.from_circular(&error));
-        let inside = product(&self.momenta.transpose(), &error);
-        let outside = &error - product(&self.basis, &inside);
+        let weights = Weights::dynamic(value * OFFSET, speed);
+        let factors = model.dynamic_stiffness(&weights, speed).factor(if value.re < 0.0 { -1.0 } else { 1.0 })?;
+        factors.solve(&mut error)?;
+        let mut error = DVector::from_vec(model.from_circular(&error));
+        error -= product(&self.basis, &product(&self.momenta.transpose(), &error));
         let energy = |x: &DVector<Complex64>| {
             let elastic = model.product(x, |x, out| self.problem.stiffness.multiply_add(1.0, x, out));
             x.dotc(&elastic).re.max(0.0) + value.norm_sqr() * model.complex_kinetic_form(x)
         };
-        let size = (energy(&outside) / energy(&shape)).sqrt();
-        Ok((outside, size))
+        let size = (energy(&error) / energy(&shape)).sqrt();
+        Ok((error, size))
     }
 }
 

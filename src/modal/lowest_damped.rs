@@ -21,9 +21,8 @@ use crate::linalg::DecompositionError;
 
 /// Part of all modes up to which undamped modes come from band matrices.
 const FEW: f64 = 0.3;
-/// Undamped modes of the space: this many times the number of wanted modes, and some more.
-const MODES_PER_MODE: usize = 2;
-const FURTHER_MODES: usize = 16;
+/// Undamped modes of the space beyond 3/2 of the wanted ones.
+const FURTHER_MODES: usize = 8;
 /// Number of times that the space is extended for missing modes.
 const MAX_EXTENSIONS: usize = 3;
 /// Smallest ratio of the highest frequency of the undamped modes to the radius of the count.
@@ -31,7 +30,7 @@ const MARGIN: f64 = 2.5;
 /// Smallest relative distance of two magnitudes between which the radius of the count lies.
 const GAP: f64 = 1e-3;
 /// Part of an accurate mode shape outside of the space.
-const ACCURATE: f64 = 1e-9;
+const ACCURATE: f64 = 1e-8;
 /// Relative change of an eigenvalue in a refinement, if round-off limits the accuracy.
 const UNCHANGED: f64 = 1e-11;
 /// Largest number of refinements.
@@ -53,7 +52,7 @@ pub(super) fn lowest_damped(
     let null = problem.null.ncols();
     let elastic = count.saturating_sub(null);
     let t0 = std::time::Instant::now();
-    let mut size = count + MODES_PER_MODE * elastic + FURTHER_MODES;
+    let mut size = count + elastic / 2 + FURTHER_MODES;
     for _ in 0..=MAX_EXTENSIONS {
         if size as f64 > FEW * model.len() as f64 {
             return Ok(None);
@@ -65,7 +64,7 @@ pub(super) fn lowest_damped(
         let top = modes.highest();
         let mut space = Galerkin::new(&problem, modes, range.fastest)?;
         eprintln!("root {:?}", t0.elapsed());
-        space.add_dampers(problem.rates(top / 2.0))?;
+        space.add_dampers(problem.rates(top / 8.0))?;
         eprintln!("dampers {:?}", t0.elapsed());
         let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
         let radius = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top);

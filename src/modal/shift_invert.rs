@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Contour, Known};
+use super::contour::{self, Contour, Known, SECTOR};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
 use crate::connection::Row;
@@ -100,7 +100,7 @@ impl<'m> Problem<'m> {
             undamped: true,
             null: self.null.clone(),
             free: (0..self.null.ncols()).collect(),
-            bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, stable: true, ..self.bound },
+            bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, dissipative: true, ..self.bound },
         }
     }
 
@@ -147,11 +147,12 @@ impl<'m> Problem<'m> {
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
     /// half.
     pub fn contour(&self, radius: f64) -> Contour {
-        let Bound { damping, circulatory, stable, .. } = self.bound;
-        if damping == 0.0 && circulatory == 0.0 {
+        if self.bound.damping == 0.0 && self.bound.circulatory == 0.0 {
             return Contour::of_disk(radius);
         }
-        Contour::of_disk_and_sectors([radius, self.bound.largest().max(2.0 * radius)], !stable)
+        let right = self.bound.largest_growing();
+        let right = (right > radius).then(|| right.max(2.0 * radius));
+        Contour::of_disk_and_sectors(radius, self.bound.largest().max(2.0 * radius), right)
     }
 
     /// Rates (1/s) from `lowest` to the bound of the eigenvalues, in a geometric series.
@@ -293,8 +294,8 @@ struct Bound {
     circulatory: f64,
     /// √k, rad/s.
     fastest: f64,
-    /// Whether every eigenvalue has Re λ ≤ 0.
-    stable: bool,
+    /// Whether the damping is positive semidefinite.
+    dissipative: bool,
 }
 
 impl Bound {
@@ -305,7 +306,7 @@ impl Bound {
             gyroscopic: 0.0,
             circulatory: 0.0,
             fastest,
-            stable: alpha >= 0.0 && beta >= 0.0,
+            dissipative: alpha >= 0.0 && beta >= 0.0,
         };
         // The trace of M⁻¹C bounds the largest eigenvalue.
         let mobility = |row: &[(usize, f64)]| {
@@ -321,20 +322,25 @@ impl Bound {
             let [[a, b], [c, d]] = support.damping;
             bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
             bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
-            bound.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
+            bound.dissipative &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
         }
         for connection in model.connections(speed) {
             let damping = connection.linear(speed).damping;
             let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
             bound.damping += mobility * damping.norm();
-            bound.stable &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
+            bound.dissipative &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
         }
-        bound.stable &= bound.circulatory == 0.0;
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
         let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
         let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
         bound.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
         bound
+    }
+
+    /// Bound of |λ| for eigenvalues with Re λ > |λ| cos [`contour::SECTOR`], rad/s. The real part of xᴴS(λ)x/λ contains
+    /// |λ| xᴴMx cos φ, and of the forces only those of circulatory springs, κ xᴴMx sin φ/|λ| at most, can be negative.
+    fn largest_growing(&self) -> f64 {
+        if self.dissipative { (self.circulatory * SECTOR.tan()).sqrt() } else { self.largest() }
     }
 
     /// Bound of |λ|, rad/s.

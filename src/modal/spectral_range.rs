@@ -168,11 +168,21 @@ impl<'m> ShiftInverse<'m> {
         Ok(Self { model, factors, shift })
     }
 
-    /// (K + s²M)⁻¹ f for a complex f, n entries.
-    pub fn solve_complex(&self, force: &DVector<Complex64>) -> Result<DVector<Complex64>, DecompositionError> {
-        let mut x = self.model.to_circular(force.as_slice());
-        self.factors.solve(&mut x)?;
-        Ok(DVector::from_vec(self.model.from_circular(&x)))
+    /// (K + s²M)⁻¹ F, n × m.
+    pub fn solve_columns(&self, forces: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
+        let mut solved = forces.clone();
+        // The matrix is real: real and imaginary part are two columns.
+        for first in (0..forces.ncols()).step_by(2) {
+            let second = (first + 1).min(forces.ncols() - 1);
+            let force = forces.column(first).zip_map(&forces.column(second), Complex64::new);
+            let mut x = self.model.to_circular(force.as_slice());
+            self.factors.solve(&mut x)?;
+            for (row, value) in self.model.from_circular(&x).iter().enumerate() {
+                (solved[(row, first)], solved[(row, second)]) =
+                    (value.re, if second > first { value.im } else { value.re });
+            }
+        }
+        Ok(solved)
     }
 
     /// (K + s²M)⁻¹ f, n entries.

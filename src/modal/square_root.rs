@@ -12,7 +12,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::DMatrix;
 
 use super::spectral_range::ShiftInverse;
 use crate::linalg::DecompositionError;
@@ -43,24 +43,10 @@ impl<'m> SquareRoot<'m> {
     pub fn times(&self, columns: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
         let momenta = self.model.mass_times(columns);
         let mut sum = DMatrix::zeros(columns.nrows(), columns.ncols());
-        for first in (0..columns.ncols()).step_by(2) {
-            // The matrices are real: real and imaginary part are two columns.
-            let second = (first + 1).min(columns.ncols() - 1);
-            let force = momenta.column(first).zip_map(&momenta.column(second), Complex::new);
-            for (weight, inverse) in &self.terms {
-                // A (A + s)⁻¹ x = x − s (K + sM)⁻¹ M x.
-                let solved = inverse.solve_complex(&force)?;
-                let shift = inverse.shift * inverse.shift;
-                let part = |column: usize, of: fn(&Complex<f64>) -> f64, sum: &mut DMatrix<f64>| {
-                    let values = columns.column(column).zip_map(&solved, |x, y| weight * (x - shift * of(&y)));
-                    let mut target = sum.column_mut(column);
-                    target += values;
-                };
-                part(first, |value| value.re, &mut sum);
-                if second > first {
-                    part(second, |value| value.im, &mut sum);
-                }
-            }
+        for (weight, inverse) in &self.terms {
+            // A (A + s)⁻¹ x = x − s (K + sM)⁻¹ M x.
+            let shift = inverse.shift * inverse.shift;
+            sum += (columns - inverse.solve_columns(&momenta)? * shift) * *weight;
         }
         Ok(self.model.mass_times(&sum))
     }
