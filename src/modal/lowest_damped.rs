@@ -1,12 +1,12 @@
-//! The lowest modes with modal damping, in time proportional to n: Galerkin projection, refinement, and a count.
+//! The lowest modes with strong or modal damping, in time proportional to n: Galerkin projection, a count, and refinement.
 //!
 //! The matrix of modal damping, 2ζ M √(M⁻¹K), is full, but diagonal in undamped modes. The space of [`super::galerkin`] has
-//! the undamped modes up to several times the highest wanted frequency ω, and the responses to forces of the dampers.
-//! The remaining motions move no damper, and their frequencies are above some ω_m: the dynamic stiffness is definite on them for
-//! |λ| < ω_m. Therefore every eigenvalue of low frequency has an approximation in the space, with a relative error of
-//! (ω/ω_m)⁴. [`super::contour`] counts the eigenvalues without modal damping, with the same space, as a check.
+//! the undamped modes up to a frequency ω_m, several times the highest wanted frequency ω, and the responses to forces of the
+//! dampers. On all other motions K + |λ|²M is larger than every other form, so that they have no eigenvalue of low frequency
+//! and change those of the space by about (ω/ω_m)⁴. [`super::contour`] counts the eigenvalues without modal damping to check
+//! that the space misses none.
 //!
-//! Refinement adds the error of each wanted mode to the space; each time the error falls by a factor of ζω/ω_m.
+//! Refinement adds the error of each wanted mode to the space, which falls each time by about ζω/ω_m.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
@@ -22,7 +22,7 @@ use crate::linalg::DecompositionError;
 /// Part of all modes up to which undamped modes come from band matrices.
 const FEW: f64 = 0.3;
 /// Undamped modes of the space beyond 3/2 of the wanted ones.
-const FURTHER_MODES: usize = 8;
+const FURTHER_MODES: usize = 24;
 /// Number of times that the space is extended for missing modes.
 const MAX_EXTENSIONS: usize = 3;
 /// Smallest ratio of the highest frequency of the undamped modes to the radius of the count.
@@ -33,6 +33,8 @@ const GAP: f64 = 1e-3;
 const ACCURATE: f64 = 1e-8;
 /// Relative change of an eigenvalue in a refinement, if round-off limits the accuracy.
 const UNCHANGED: f64 = 1e-11;
+/// Relative distance of an accurate eigenvalue from that of a larger space.
+const SAME: f64 = 1e-9;
 /// Largest number of refinements.
 const MAX_REFINEMENTS: usize = 8;
 
@@ -51,7 +53,6 @@ pub(super) fn lowest_damped(
     let undamped = problem.without_damping();
     let null = problem.null.ncols();
     let elastic = count.saturating_sub(null);
-    let t0 = std::time::Instant::now();
     let mut size = count + elastic / 2 + FURTHER_MODES;
     for _ in 0..=MAX_EXTENSIONS {
         if size as f64 > FEW * model.len() as f64 {
@@ -60,24 +61,13 @@ pub(super) fn lowest_damped(
         let Some(modes) = undamped_modes(&undamped, size)? else {
             return Ok(None);
         };
-        eprintln!("undamped {size} {:?}", t0.elapsed());
         let top = modes.highest();
         let mut space = Galerkin::new(&problem, modes, range.fastest)?;
-        eprintln!("root {:?}", t0.elapsed());
         space.add_dampers(problem.rates(top / 8.0))?;
-        eprintln!("dampers {:?}", t0.elapsed());
         let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
         let radius = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top);
-        eprintln!("pairs {:?} {radius:?} top {top} {}", t0.elapsed(), with.len());
-        let contour = radius.map(|radius| problem.contour(radius));
         let values = without.iter().map(|pair| pair.value);
-        let complete = contour.is_some_and(|contour| {
-            let m = problem.missing(values, &contour);
-            eprintln!("missing {m:?}");
-            m == Some(0)
-        });
-        eprintln!("count {:?} {complete}", t0.elapsed());
-        if complete {
+        if radius.is_some_and(|radius| problem.missing(values, &problem.contour(radius)) == Some(0)) {
             return refined(&mut space, with, count, &problem);
         }
         size += size / 2;
@@ -114,26 +104,31 @@ fn refined(
     problem: &Problem<'_>,
 ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let elastic = count.saturating_sub(problem.null.ncols());
-    let mut previous: Vec<Complex64> = Vec::new();
+    let (mut previous, mut accurate): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..MAX_REFINEMENTS {
         found.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
         found.truncate(elastic);
+        let mut known = std::mem::take(&mut accurate);
         let mut directions = Vec::new();
         for mode in &found {
+            let is_near = |value: &Complex64, part: f64| (value - mode.value).norm() <= part * mode.value.norm();
+            if let Some(index) = known.iter().position(|value| is_near(value, SAME)) {
+                accurate.push(known.swap_remove(index));
+                continue;
+            }
             let (error, size) = space.error(mode)?;
-            eprintln!("  {:?} {size:.2e}", mode.value);
-            let unchanged = previous.iter().any(|value| (value - mode.value).norm() <= UNCHANGED * mode.value.norm());
-            if size > ACCURATE && !unchanged {
-                directions.push(error.map(|value| value.re));
-                if mode.value.im != 0.0 {
-                    directions.push(error.map(|value| value.im));
-                }
+            if size <= ACCURATE || previous.iter().any(|value| is_near(value, UNCHANGED)) {
+                accurate.push(mode.value);
+                continue;
+            }
+            directions.push(error.map(|value| value.re));
+            if mode.value.im != 0.0 {
+                directions.push(error.map(|value| value.im));
             }
         }
         if directions.is_empty() {
             return Ok(Some(eigenpairs(space, &found, count, problem)));
         }
-        eprintln!("refine {}", directions.len());
         previous = found.iter().map(|mode| mode.value).collect();
         space.add(&directions)?;
         found = space.eigenpairs(true)?;

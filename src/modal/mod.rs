@@ -6,8 +6,9 @@
 //! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
 //!
-//! A few modes of a large model come from Krylov spaces (`lowest`), with a count of the eigenvalues (`contour`) and the
-//! lowest and highest undamped frequency (`spectral_range`).
+//! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
+//! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`) and the lowest and
+//! highest undamped frequency (`spectral_range`).
 
 mod balanced;
 mod cached;

@@ -69,8 +69,8 @@ FAULTS = (
     # the count of modes
     Fault(
         "modal/lowest.rs",
-        "if missing == Some(0) && chosen",
-        "if missing.is_some() && chosen",
+        "self.missing(&found, &self.problem.contour(radius)) == Some(0)",
+        "self.missing(&found, &self.problem.contour(radius)).is_some()",
         ("structured",),
     ),
     Fault(
