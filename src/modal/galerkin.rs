@@ -181,7 +181,10 @@ impl<'p, 'm> Galerkin<'p, 'm> {
             let elastic: f64 =
                 eta.iter().zip(&modes.frequencies).map(|(x, frequency)| x.norm_sqr() * frequency.powi(2)).sum();
             let stiffness = eta.dotc(&product(&skew_part, &eta)) + elastic;
-            Approximation { value: corrected(value, rate, stiffness), components: product(&rotation, &eta) }
+            let value = corrected(value, rate, stiffness);
+            // A real eigenvalue has no sign of zero, which would count in the order.
+            let value = Complex64::new(value.re, value.im.abs());
+            Approximation { value, components: product(&rotation, &eta) }
         };
         Ok(rest.map(approximation).collect())
     }

@@ -147,8 +147,7 @@ fn eigenpairs(
     let elastic = found.iter().map(|mode| {
         let shape = space.shape(mode);
         let size = problem.model.complex_kinetic_form(&shape).sqrt();
-        // A real eigenvalue has no sign of zero, which would count in the order.
-        (Complex64::new(mode.value.re, mode.value.im.abs()), shape.unscale(size))
+        (mode.value, shape.unscale(size))
     });
     let mut all: Vec<Eigenpair> = rigid.chain(elastic).collect();
     all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));

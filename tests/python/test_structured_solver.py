@@ -113,12 +113,10 @@ def test_published_rotors_with_more_elements_have_the_modes_of_dense_matrices(pa
         assert_lowest_modes(finer, speed, count=6)
 
 
-@scenes(6)
-@pytest.mark.parametrize("ratio", [0.001, 0.02, 0.3])
-def test_the_lowest_modes_with_modal_damping_are_those_of_dense_matrices(
-    scene: Drawn, ratio: float
-):
-    assert_lowest_modes(refined(scene).replace(modal_damping=ratio), scene.speed)
+@scenes(5)
+def test_the_lowest_modes_with_modal_damping_are_those_of_dense_matrices(scene: Drawn):
+    for ratio in (0.001, 0.02, 0.3):
+        assert_lowest_modes(refined(scene).replace(modal_damping=ratio), scene.speed)
 
 
 @scenes(3)
@@ -131,7 +129,9 @@ def test_strongly_damped_trains_with_modal_damping_have_the_modes_of_dense_matri
 
 def equal_shafts(**changes: object) -> gb.RotorSystem:
     """Return two shafts, the second one with a slightly or not at all other stiffness of bearings."""
-    shafts = [gb.Shaft(name, 1.0, outer_diameter=0.05, elements=25, degree=1) for name in "ab"]
+    shafts = [
+        gb.Shaft(name, length=1.0, outer_diameter=0.05, elements=25, degree=1) for name in "ab"
+    ]
     factor = float(changes.pop("factor", 1.0))  # type: ignore[arg-type]
     bearings = [
         gb.Bearing(name, x, stiffness=1e7 * scale, damping=100.0)
@@ -151,7 +151,7 @@ def test_equal_and_close_modes_are_all_found(factor: float, ratio: float):
 
 
 def test_undamped_modes_have_the_modal_damping_ratio():
-    shaft = gb.Shaft("s", 1.0, outer_diameter=0.05, elements=30, degree=1)
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=30, degree=1)
     bearings = [gb.Bearing("s", x, stiffness=1e7) for x in (0.0, 1.0)]
     system = gb.RotorSystem([shaft], bearings=bearings, modal_damping=0.05)
     found = system.modes(count=8)
@@ -164,7 +164,7 @@ def test_undamped_modes_have_the_modal_damping_ratio():
 
 def on_films(ratio: float, **film: object) -> gb.RotorSystem:
     """Return a shaft on two journal bearings, whose films damp strongly and have cross-coupling."""
-    shaft = gb.Shaft("s", 1.0, outer_diameter=0.06, elements=40, degree=1)
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.06, elements=40, degree=1)
     disk = gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)
     given = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.03, **film}
     bearings = [gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)]  # type: ignore[arg-type]
