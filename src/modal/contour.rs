@@ -71,6 +71,44 @@ impl Contour {
     }
 }
 
+/// The sector of an annulus around the real axis, |Im λ| < |λ| sin [`SECTOR`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Annulus {
+    /// Inner and outer radius, rad/s.
+    pub radii: [f64; 2],
+    /// Whether Re λ < 0.
+    pub left: bool,
+}
+
+impl Annulus {
+    /// The real number in its middle, rad/s.
+    pub fn centre(&self) -> f64 {
+        let size = (self.radii[0] * self.radii[1]).sqrt();
+        if self.left { -size } else { size }
+    }
+
+    pub fn contains(&self, value: Complex64) -> bool {
+        let size = value.norm();
+        let is_left = value.re < 0.0;
+        size > self.radii[0] && size <= self.radii[1] && is_left == self.left && value.re.abs() > size * SECTOR.cos()
+    }
+
+    /// The inner and the outer half.
+    pub fn halves(&self) -> [Self; 2] {
+        let ([inner, outer], middle) = (self.radii, self.centre().abs());
+        [Self { radii: [inner, middle], ..*self }, Self { radii: [middle, outer], ..*self }]
+    }
+
+    pub fn contour(&self) -> Contour {
+        let [inner, outer] = self.radii.map(f64::ln);
+        let corners = [(inner, 0.0), (inner, SECTOR), (outer, SECTOR), (outer, 0.0)];
+        if self.left {
+            return Contour(corners.map(|(radius, angle)| Complex64::new(radius, PI - angle)).to_vec());
+        }
+        Contour(corners.into_iter().rev().map(|(radius, angle)| Complex64::new(radius, angle)).collect())
+    }
+}
+
 /// Logarithm, up to multiples of 2πi, of the determinant at λ without the factors of the known eigenvalues.
 fn deflated(determinant: Determinant, known: &Known, at: Complex64) -> Complex64 {
     let factors = known.values.iter().flat_map(|value| {
@@ -201,6 +239,14 @@ mod tests {
         }
         let disk = super::missing(determinant(0), &Known { zeros: 2, values: vec![] }, &Contour::of_disk(5.0));
         assert_eq!(disk, Some(5));
+        // Of an annular sector: −90, and nothing on the right.
+        for (left, number) in [(true, 1), (false, 0)] {
+            let contour = Annulus { radii: [20.0, 300.0], left }.contour();
+            assert_eq!(
+                super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour),
+                Some(number)
+            );
+        }
     }
 
     #[test]

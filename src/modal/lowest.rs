@@ -1,18 +1,18 @@
 //! The damped modes of lowest frequency, in time proportional to n: shift-invert Arnoldi method with a count.
 //!
 //! A Krylov space of the inverse at a small shift ([`super::shift_invert`]) finds the eigenvalues of smallest magnitude.
-//! Rigid-body modes are known and left out of the space.
+//! Rigid-body modes are known and left out of the space. Strongly damped eigenvalues may be far from the origin and still
+//! have a low frequency; they are found at further shifts on the real axis.
 //!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
-//! radius R and those with a damping ratio above one half. As long as one with |λ| < R is missing, the space is extended. Every
-//! other eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower frequency are known. Strongly damped eigenvalues
-//! far from the origin are left to [`super::lowest_damped`].
+//! radius R and those with a damping ratio above one half. As long as one is missing, the spaces are extended. Every other
+//! eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower frequency are known.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::CachedModel;
-use super::contour::{Contour, SECTOR};
+use super::contour::{Annulus, Contour, SECTOR};
 use super::real::RealModes;
 use super::shift_invert::{FirstOrderInverse, Inverse, Problem};
 use super::spectral_range::ShiftInverse;
@@ -24,12 +24,19 @@ const ACCURATE: f64 = 1e-12;
 const RECOGNISED: f64 = 1e-7;
 /// Smallest relative distance of two magnitudes between which the radius of the count lies.
 const GAP: f64 = 1e-4;
+/// Relative distance of approximations of one eigenvalue from two spaces.
+const SAME: f64 = 1e-6;
 /// An imaginary part below this fraction of an eigenvalue is round-off.
 const REAL: f64 = 1e-11;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
 /// Number of times that the spaces are extended for missing eigenvalues.
 const MAX_RESTARTS: usize = 6;
+/// Largest number of steps at a further shift beyond the number of dampers, and steps between two checks.
+const FURTHER_STEPS: usize = 60;
+const CHECK_INTERVAL: usize = 12;
+/// Number of strongly damped eigenvalues up to which they are sought one by one.
+const MAX_MISSING: i64 = 120;
 
 /// Eigenvalue λ with Im λ ≥ 0, rad/s, and mode shape, n entries in the order of the core.
 pub(super) type Eigenpair = (Complex64, DVector<Complex64>);
@@ -50,8 +57,8 @@ pub(super) fn lowest(
     if problem.undamped {
         return lowest_undamped(&problem, count);
     }
-    let inverse = FirstOrderInverse::new(&problem, problem.shift)?;
-    Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(&inverse)
+    let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
+    Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
 }
 
 /// The same for an undamped problem.
@@ -63,24 +70,37 @@ pub(super) fn lowest_undamped(
     count: usize,
 ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let elastic = count.saturating_sub(problem.null.ncols());
-    let inverse = ShiftInverse::new(problem.model, problem.speed, problem.shift)?;
+    let operator = |shift: f64| ShiftInverse::new(problem.model, problem.speed, shift);
     let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-    Search { problem, count, elastic, locked: locked.collect() }.run(&inverse)
+    Search { problem, count, elastic, locked: locked.collect() }.run(operator)
 }
 
 /// An approximation of an eigenvalue.
+#[derive(Clone)]
 struct Found {
     /// λ with Im λ ≥ 0, rad/s.
     value: Complex64,
     /// Relative residual in its Krylov space.
     residual: f64,
-    /// Its vector in the space.
-    pair: RitzPair,
+    vector: Vector,
+}
+
+/// Where the vector of an approximation is.
+#[derive(Clone)]
+enum Vector {
+    /// In the space at the small shift.
+    Base(RitzPair),
+    /// The mode shape, n entries.
+    Shape(DVector<Complex64>),
 }
 
 impl Found {
     fn is_accurate(&self) -> bool {
         self.residual <= ACCURATE
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        (other.value - self.value).norm() <= SAME * self.value.norm()
     }
 }
 
@@ -96,9 +116,14 @@ struct Search<'p, 'm> {
 }
 
 impl Search<'_, '_> {
-    /// Extends a Krylov space until the lowest modes are accurate and none is missing.
-    fn run<T: Inverse>(&self, inverse: &T) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-        let mut space = Krylov::new(inverse, self.locked.iter().cloned());
+    /// Extends Krylov spaces until the lowest modes are accurate and none is missing; `inverse` gives the operator at a
+    /// shift, rad/s.
+    fn run<T: Inverse>(
+        &self,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+        let base = inverse(self.problem.shift)?;
+        let mut space = Krylov::new(&base, self.locked.iter().cloned());
         let per_mode = if self.problem.undamped { 1 } else { 2 };
         // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
         let mut target = 3 * per_mode * self.elastic + 28;
@@ -107,12 +132,13 @@ impl Search<'_, '_> {
         for _ in 0..if self.problem.undamped { 2 } else { 1 } {
             space.add_start()?;
         }
+        let (mut further, mut annuli): (Vec<Found>, Option<Vec<Annulus>>) = (Vec::new(), None);
         let mut restarts = 0;
         loop {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let found = self.recognised(&space)?;
+            let found = merged(self.recognised(&space)?, &further);
             let steps = space.steps();
             let Some(radius) = self.radius(&found) else {
                 if space.is_complete() || steps >= most {
@@ -121,25 +147,85 @@ impl Search<'_, '_> {
                 target = steps + (steps / 8).max(8);
                 continue;
             };
+            let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
             let chosen = self.chosen(&found, radius);
-            let is_accurate = chosen.iter().all(|found| found.is_accurate());
-            if is_accurate && self.missing(&found, &self.problem.contour(radius)) == Some(0) {
+            if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
                 return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
             }
-            if restarts == MAX_RESTARTS || self.missing(&found, &Contour::of_disk(radius)) == Some(0) {
+            if restarts == MAX_RESTARTS || missing.is_some_and(|missing| missing > MAX_MISSING) {
                 return Ok(None);
             }
             restarts += 1;
-            // Further start vectors find further vectors of equal eigenvalues.
-            space.add_start()?;
-            space.add_start()?;
-            target = steps + per_mode * self.elastic + 20;
+            if self.problem.missing(values(&found), &Contour::of_disk(radius)) != Some(0) {
+                // Further start vectors find further vectors of equal eigenvalues.
+                space.add_start()?;
+                space.add_start()?;
+                target = steps + per_mode * self.elastic + 20;
+                continue;
+            }
+            // Films of journal bearings have many strongly damped motions with cross-coupling.
+            if self.problem.circulates {
+                return Ok(None);
+            }
+            let narrower = match annuli.take() {
+                Some(known) => known.iter().flat_map(Annulus::halves).collect(),
+                None => self.problem.annuli(radius),
+            };
+            annuli = Some(self.search_annuli(narrower, (&found, &chosen), &mut further, &inverse)?);
         }
     }
 
-    /// Number of eigenvalues inside of a contour that are not found.
-    fn missing(&self, found: &[Found], contour: &Contour) -> Option<i64> {
-        self.problem.missing(found.iter().map(|found| found.value), contour)
+    /// Searches the annular sectors in which a found eigenvalue is missing or a chosen one is inaccurate, and adds what is
+    /// found to `further`. Returns these sectors.
+    fn search_annuli<T: Inverse>(
+        &self,
+        annuli: Vec<Annulus>,
+        (found, chosen): (&[Found], &[&Found]),
+        further: &mut Vec<Found>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Annulus>, DecompositionError> {
+        let mut searched = Vec::new();
+        for annulus in annuli {
+            let missing = self.problem.missing(values(found), &annulus.contour());
+            let is_accurate = !chosen.iter().any(|found| annulus.contains(found.value) && !found.is_accurate());
+            if missing != Some(0) || !is_accurate {
+                let known = weight(found.iter().filter(|found| annulus.contains(found.value)));
+                let total = missing.map(|missing| missing + known);
+                *further = merged(self.in_annulus(&annulus, total, &inverse)?, further);
+                searched.push(annulus);
+            }
+        }
+        Ok(searched)
+    }
+
+    /// Approximations of the `total` eigenvalues in an annular sector, from a space at a shift within it.
+    fn in_annulus<T: Inverse>(
+        &self,
+        annulus: &Annulus,
+        total: Option<i64>,
+        inverse: impl Fn(f64) -> Result<T, DecompositionError>,
+    ) -> Result<Vec<Found>, DecompositionError> {
+        let operator = inverse(annulus.centre())?;
+        let mut space = Krylov::new(&operator, self.locked.iter().cloned());
+        let dampers = self.problem.damper_states();
+        dampers.iter().try_for_each(|state| space.add_start_of(state))?;
+        loop {
+            for _ in 0..CHECK_INTERVAL {
+                space.step()?;
+            }
+            let mut found = self.recognised(&space)?;
+            found.retain(|found| annulus.contains(found.value));
+            let is_end = space.steps() >= FURTHER_STEPS + dampers.len() || space.is_complete();
+            let is_complete = total.is_some_and(|total| weight(found.iter()) >= total);
+            if is_end || is_complete && found.iter().all(Found::is_accurate) {
+                for found in &mut found {
+                    if let Vector::Base(pair) = &found.vector {
+                        found.vector = Vector::Shape(operator.shape(space.vector(pair)));
+                    }
+                }
+                return Ok(found);
+            }
+        }
     }
 
     /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|.
@@ -148,7 +234,7 @@ impl Search<'_, '_> {
         let found = |pair: RitzPair| Found {
             value: without_round_off(space.operator().eigenvalue(pair.value)),
             residual: pair.residual,
-            pair,
+            vector: Vector::Base(pair),
         };
         let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().map(found).collect();
         all.retain(|found| found.residual <= RECOGNISED && found.value.im >= 0.0 && is_elastic(&found.value));
@@ -189,7 +275,10 @@ impl Search<'_, '_> {
     /// Rigid-body modes, and the chosen ones of the found modes.
     fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
         let problem = self.problem;
-        let shape = |found: &Found| space.operator().shape(space.vector(&found.pair));
+        let shape = |found: &Found| match &found.vector {
+            Vector::Base(pair) => space.operator().shape(space.vector(pair)),
+            Vector::Shape(shape) => shape.clone(),
+        };
         let pairs: Vec<Eigenpair> = if problem.undamped {
             // All approximations of one frequency are rotated together.
             let highest = chosen.last().map_or(0.0, |last| (1.0 + GAP) * last.value.im);
@@ -223,4 +312,30 @@ impl Search<'_, '_> {
 /// of which both count.
 fn without_round_off(value: Complex64) -> Complex64 {
     if value.im.abs() <= REAL * value.norm() { Complex64::from(value.re) } else { value }
+}
+
+/// Number of eigenvalues: two of each conjugate pair.
+fn weight<'f>(found: impl Iterator<Item = &'f Found>) -> i64 {
+    found.map(|found| if found.value.im == 0.0 { 1 } else { 2 }).sum()
+}
+
+fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
+    found.iter().map(|found| found.value)
+}
+
+/// The approximations of two spaces in ascending order of |λ|: each eigenvalue as often as in the space that has more of it,
+/// and with the smaller residual.
+fn merged(first: Vec<Found>, second: &[Found]) -> Vec<Found> {
+    let mut all = first;
+    let earlier = all.len();
+    for (index, found) in second.iter().enumerate() {
+        let before = second[..index].iter().filter(|other| found.is_same(other)).count();
+        match (0..earlier).filter(|other| found.is_same(&all[*other])).nth(before) {
+            None => all.push(found.clone()),
+            Some(known) if all[known].residual > found.residual => all[known] = found.clone(),
+            Some(_) => {}
+        }
+    }
+    all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
+    all
 }

@@ -31,8 +31,8 @@ const MARGIN: f64 = 2.5;
 const GAP: f64 = 1e-3;
 /// Part of an accurate mode shape outside of the space.
 const ACCURATE: f64 = 1e-8;
-/// Relative change of an eigenvalue in a refinement, if round-off limits the accuracy.
-const UNCHANGED: f64 = 1e-11;
+/// Relative change of an eigenvalue in a refinement that ends its refinements, because round-off may limit the shape.
+const UNCHANGED: f64 = 1e-9;
 /// Relative distance of an accurate eigenvalue from that of a larger space.
 const SAME: f64 = 1e-9;
 /// Largest number of refinements.

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Contour, Known, SECTOR};
+use super::contour::{self, Annulus, Contour, Known, SECTOR};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
 use crate::connection::Row;
@@ -23,7 +23,7 @@ use crate::model::{Model, Support, Weights};
 const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
-/// Ratio of two successive rates.
+/// Ratio of two successive rates, and of the radii of an annulus.
 const RATIO: f64 = 4.0;
 
 /// Matrices of the problem and its rigid-body modes.
@@ -37,6 +37,8 @@ pub(super) struct Problem<'m> {
     pub rate: Sparse,
     /// Symmetric part of K.
     pub stiffness: Sparse,
+    /// Whether K has a skew part.
+    pub circulates: bool,
     /// Whether D and the skew part of K are zero.
     pub undamped: bool,
     /// Rigid-body modes, one per column, orthonormal in M.
@@ -67,6 +69,7 @@ impl<'m> Problem<'m> {
         Ok(Self {
             shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
             undamped: rate.is_zero() && !circulates,
+            circulates,
             free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
             bound: Bound::new(model, speed, range.fastest),
             stiffness: model.sparse_symmetric_stiffness(speed),
@@ -97,11 +100,23 @@ impl<'m> Problem<'m> {
             shift: self.shift,
             rate: Sparse::new(self.model.len(), Vec::new()),
             stiffness: self.stiffness.clone(),
+            circulates: false,
             undamped: true,
             null: self.null.clone(),
             free: (0..self.null.ncols()).collect(),
             bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, dissipative: true, ..self.bound },
         }
+    }
+
+    /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
+    pub fn damper_states(&self) -> Vec<Vec<f64>> {
+        let n = self.model.len();
+        let state = |row: Row| {
+            let mut state = vec![0.0; 2 * n];
+            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
+            state
+        };
+        self.damper_rows().into_iter().map(state).collect()
     }
 
     /// The deflections of dampers and of circulatory springs.
@@ -153,6 +168,15 @@ impl<'m> Problem<'m> {
         let right = self.bound.largest_growing();
         let right = (right > radius).then(|| right.max(2.0 * radius));
         Contour::of_disk_and_sectors(radius, self.bound.largest().max(2.0 * radius), right)
+    }
+
+    /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
+    pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
+        let radii = self.rates(radius);
+        let sides = if self.bound.largest_growing() == 0.0 { &[true][..] } else { &[true, false] };
+        radii
+            .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
+            .collect()
     }
 
     /// Rates (1/s) from `lowest` to the bound of the eigenvalues, in a geometric series.
