@@ -69,9 +69,16 @@ FAULTS = (
     # the count of modes
     Fault(
         "modal/lowest.rs",
-        "self.missing(&found, &self.problem.contour(radius)) == Some(0)",
-        "self.missing(&found, &self.problem.contour(radius)).is_some()",
+        "if missing == Some(0) && chosen",
+        "if missing.is_some() && chosen",
         ("structured",),
+    ),
+    # whole turns of the phase between two points of the contour
+    Fault(
+        "modal/contour.rs",
+        "const FIRST_STEP: f64 = 1e-5;",
+        "const FIRST_STEP: f64 = 0.1;",
+        ("contour",),
     ),
     Fault(
         "modal/contour.rs",
