@@ -55,12 +55,24 @@ pub(super) fn lowest(
     let problem = Problem::new(model, speed, cached.spectral_range(speed)?)?;
     let elastic = count.saturating_sub(problem.null.ncols());
     if problem.undamped {
-        let operator = |shift: f64| ShiftInverse::new(model, speed, shift);
-        let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-        return Search { problem: &problem, count, elastic, locked: locked.collect() }.run(operator);
+        return lowest_undamped(&problem, count);
     }
     let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
     Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
+}
+
+/// The same for an undamped problem.
+///
+/// # Errors
+/// As [`lowest`].
+pub(super) fn lowest_undamped(
+    problem: &Problem<'_>,
+    count: usize,
+) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+    let elastic = count.saturating_sub(problem.null.ncols());
+    let operator = |shift: f64| ShiftInverse::new(problem.model, problem.speed, shift);
+    let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
+    Search { problem, count, elastic, locked: locked.collect() }.run(operator)
 }
 
 /// An approximation of an eigenvalue.
@@ -150,6 +162,10 @@ impl Search<'_, '_> {
                 space.add_start()?;
                 target = steps + per_mode * self.elastic + 20;
                 continue;
+            }
+            // Films of journal bearings have many strongly damped motions with cross-coupling.
+            if self.problem.circulates {
+                return Ok(None);
             }
             let narrower = match annuli.take() {
                 Some(known) => known.iter().flat_map(Annulus::halves).collect(),
