@@ -6,6 +6,7 @@ equilibrium or a time history. All quantities are in SI units and radians.
 
 The layers, each of which depends only on those before it:
 
+- `gearbow.units`: units of all fields and arguments,
 - `gearbow.description`: parts of a system, and the geometry and kinematics that follow from them,
 - `gearbow.recording` and `gearbow.orders`: recorded runs, their files, spectra and orders,
 - `gearbow.accuracy`: accuracy levels, and the estimated error of a run,
@@ -76,6 +77,7 @@ from gearbow.sweeps.run import sweep
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Recommendation, Tradeoff
 from gearbow.tradeoff.trial import Trial
+from gearbow.units.values import degrees, mm, rpm
 
 __all__ = [
     "STEEL",
@@ -143,6 +145,9 @@ __all__ = [
     "Trial",
     "Waterfall",
     "__version__",
+    "degrees",
+    "mm",
+    "rpm",
     "sweep",
     "waterfall",
 ]

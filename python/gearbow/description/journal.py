@@ -146,13 +146,14 @@ class JournalBearing(Part):
         found = film_coefficients(self._describe("bearing"), (0.0, -weight), spin)
         y, z = found["displacement"]
         turns = spin / (2.0 * np.pi)
-        bearing_number = self.viscosity * turns * self.length * self.diameter / abs(weight)
+        plain = self._in_si("bearing")
+        bearing_number = plain.viscosity * turns * plain.length * plain.diameter / abs(weight)
         return FilmCoefficients(
             stiffness=found["stiffness"],
             damping=found["damping"],
-            eccentricity_ratio=float(np.hypot(y, z) / self.clearance),
+            eccentricity_ratio=float(np.hypot(y, z) / plain.clearance),
             attitude_angle=float(np.arctan2(y, -z)),
-            sommerfeld=float(bearing_number * (self.diameter / (2.0 * self.clearance)) ** 2),
+            sommerfeld=float(bearing_number * (plain.diameter / (2.0 * plain.clearance)) ** 2),
         )
 
     @classmethod

@@ -25,6 +25,12 @@ from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
+from gearbow.units.convert import without_texts
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -107,7 +113,8 @@ class SystemDescription:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces)
         for (key, kind), given in zip(_PARTS.items(), lists, strict=True):
-            setattr(self, key, parts(given, kind, key, *_OTHERS.get(key, ())))
+            listed = enumerate(parts(given, kind, key, *_OTHERS.get(key, ())))
+            setattr(self, key, tuple(part._in_si(f"{key}[{i}]") for i, part in listed))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -147,7 +154,7 @@ class SystemDescription:
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Self":
         """Make a system that was checked before, without warnings."""
-        return cls._from_model(Model(copied(description, "")))
+        return cls._from_model(Model(copied(without_texts(description), "")))
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
@@ -157,7 +164,7 @@ class SystemDescription:
         ----------
         description : mapping
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
-            pairs [re, im].
+            pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
         Returns
         -------
@@ -243,7 +250,8 @@ class SystemDescription:
         Parameters
         ----------
         path : str or path-like
-            A file whose keys are the names of the parameters, as `save` writes it.
+            A file whose keys are the names of the parameters, as `save` writes it. A value is a
+            number in SI units and radians, or a text with a unit, such as "500 mm".
 
         Returns
         -------
@@ -264,7 +272,7 @@ class SystemDescription:
                 f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
                 f"position {error.start}); save it as UTF-8"
             ) from None
-        model = Model.from_toml(document)
+        model = _read_toml(document)
         _warn(model)
         return cls._from_model(model)
 
@@ -381,6 +389,17 @@ class SystemDescription:
         counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
         dofs = len(self._model.dofs)
         return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
+
+
+def _read_toml(document: str) -> Model:
+    """Read a scene file, with or without units."""
+    try:
+        plain = tomllib.loads(document)
+    except tomllib.TOMLDecodeError:
+        return Model.from_toml(document)  # which describes the error
+    converted = without_texts(plain)
+    # Without units, the errors of the core name the line.
+    return Model.from_toml(document) if converted == plain else Model(copied(converted, ""))
 
 
 def _warn(model: Model) -> None:
