@@ -4,7 +4,6 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import copied, nested, number, shown, text
@@ -25,12 +24,8 @@ from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
+from gearbow.system.scene_file import read_scene
 from gearbow.units.convert import without_texts
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -265,14 +260,7 @@ class SystemDescription:
         OSError
             If the file cannot be opened.
         """
-        try:
-            document = Path(path).read_text(encoding="utf-8")
-        except UnicodeDecodeError as error:
-            raise SceneError(
-                f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
-                f"position {error.start}); save it as UTF-8"
-            ) from None
-        model = _read_toml(document)
+        model = read_scene(path)
         _warn(model)
         return cls._from_model(model)
 
@@ -389,17 +377,6 @@ class SystemDescription:
         counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
         dofs = len(self._model.dofs)
         return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
-
-
-def _read_toml(document: str) -> Model:
-    """Read a scene file, with or without units."""
-    try:
-        plain = tomllib.loads(document)
-    except tomllib.TOMLDecodeError:
-        return Model.from_toml(document)  # which describes the error
-    converted = without_texts(plain)
-    # Without units, the errors of the core name the line.
-    return Model.from_toml(document) if converted == plain else Model(copied(converted, ""))
 
 
 def _warn(model: Model) -> None:
