@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gearbow._lookup import nearest, nodal
+from gearbow._shown import Shown
 from gearbow._types import At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place
@@ -17,7 +18,7 @@ _SAME_POSITION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Coordinates:
+class Coordinates(Shown):
     """Degrees of freedom of a system, found by name or place.
 
     Parameters

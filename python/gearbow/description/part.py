@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
 from gearbow.units.convert import has_quantity, is_quantity, magnitude
@@ -21,7 +22,7 @@ from gearbow.units.convert import has_quantity, is_quantity, magnitude
 P = TypeVar("P", bound="Part")
 
 
-class Part:
+class Part(Shown):
     """Base of every dataclass that describes a piece of a system."""
 
     def _describe(self, path: str) -> dict[str, Plain]:

@@ -15,6 +15,7 @@ import numpy as np
 from gearbow._convert import number, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Table
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Order
 from gearbow.description.speed import SpeedProfile
@@ -133,6 +134,29 @@ class Orders(ReadOnly):
         chosen = np.sort(largest)
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
         return figures.orders(names, amplitudes[chosen], f"amplitude of {self.label} [{self.unit}]")
+
+    def _rows(self) -> Table:
+        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
+        head = ("order", "frequency [Hz]", f"amplitude [{self.unit}]", "excitation")
+        return (
+            head,
+            *(
+                (
+                    f"{self.orders[i].value:g}",
+                    f"{self.frequencies_hz[i]:.3f}",
+                    f"{abs(self.amplitudes[i]):.4g}",
+                    str(self.orders[i]),
+                )
+                for i in largest
+            ),
+        )
+
+    def __repr__(self) -> str:
+        largest = int(np.argmax(np.abs(self.amplitudes)))
+        return (
+            f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders, largest "
+            f"{abs(self.amplitudes[largest]):.4g} at {self.orders[largest]})"
+        )
 
     def __str__(self) -> str:
         return self.table()

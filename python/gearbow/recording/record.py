@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown, short, to_html
 from gearbow._types import Array, RunData
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
@@ -15,7 +16,7 @@ __all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
 
 
 @dataclass(frozen=True, eq=False)
-class RunRecord:
+class RunRecord(Shown):
     """All data of a run that a file contains.
 
     Parameters
@@ -67,6 +68,10 @@ class Event(NamedTuple):
     driven: str
     kind: str
 
+    def _repr_html_(self) -> str:
+        rows = zip(self._fields, map(short, self), strict=True)
+        return to_html(repr(self), (("", ""), *rows))
+
 
 @dataclass(frozen=True, eq=False)
 class MeshResponse(ReadOnly):
@@ -104,7 +109,7 @@ class MeshResponse(ReadOnly):
 
 
 @dataclass(frozen=True)
-class Statistics:
+class Statistics(Shown):
     """Counts and step lengths of a simulation.
 
     Parameters

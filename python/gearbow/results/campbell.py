@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown, Table, listed, span
 from gearbow._types import Array, CampbellData, ComplexArray
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ __all__ = ["Campbell", "ExcitationLine", "Intersection"]
 
 
 @dataclass(frozen=True)
-class ExcitationLine:
+class ExcitationLine(Shown):
     """An excitation whose frequency is proportional to the speed.
 
     Parameters
@@ -53,7 +54,7 @@ class ExcitationLine:
 
 
 @dataclass(frozen=True)
-class Intersection:
+class Intersection(Shown):
     """A speed at which the frequency of a mode equals that of an excitation.
 
     Parameters
@@ -222,6 +223,31 @@ class Campbell(ReadOnly):
             for intersection in self.intersections
         ]
         return "\n".join(lines)
+
+    def _rows(self) -> Table:
+        head = ("speed [rad/s]", "frequency [Hz]", "damping [%]", "whirl", "mode", "excited by")
+        return (
+            head,
+            *(
+                (
+                    f"{one.speed:.2f}",
+                    f"{one.frequency_hz:.3f}",
+                    f"{100.0 * one.damping_ratio:.3f}",
+                    one.whirl,
+                    f"{one.mode + 1}",
+                    one.line.name,
+                )
+                for one in self.intersections
+            ),
+        )
+
+    def __repr__(self) -> str:
+        speeds = [one.speed for one in self.criticals]
+        criticals = f"critical speeds {listed(speeds)} rad/s" if speeds else "no critical speeds"
+        return (
+            f"Campbell({self.eigenvalues.shape[1]} modes at {self.speeds.size} speeds, "
+            f"{span(self.speeds)} rad/s; {len(self.intersections)} intersections; {criticals})"
+        )
 
     def __str__(self) -> str:
         return self.table()

@@ -4,13 +4,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from gearbow._shown import Shown
 from gearbow._types import Plain
 
 __all__ = ["Discretisation", "ShaftElements"]
 
 
 @dataclass(frozen=True)
-class ShaftElements:
+class ShaftElements(Shown):
     """Elements of one shaft.
 
     Parameters
@@ -26,7 +27,7 @@ class ShaftElements:
 
 
 @dataclass(frozen=True)
-class Discretisation:
+class Discretisation(Shown):
     """Elements of a system.
 
     Parameters

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import NDArray
 
 from gearbow._lookup import nearest
+from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.sweeps import store, tables
@@ -23,7 +24,7 @@ __all__ = ["Sweep", "SweepPoint"]
 
 
 @dataclass(frozen=True, eq=False)
-class SweepPoint:
+class SweepPoint(Shown):
     """One point of a sweep.
 
     Parameters
@@ -45,7 +46,7 @@ class SweepPoint:
     details: str = field(default="", repr=False)
 
 
-class Sweep(Sequence[SweepPoint]):
+class Sweep(Shown, Sequence[SweepPoint]):
     """Measured values of many systems, made by `gearbow.sweep`.
 
     A sweep is the sequence of its points, in the order of the parameters: the last parameter of a

@@ -10,6 +10,7 @@ from gearbow._convert import copied, nested, number, shown, text
 from gearbow._core import Model
 from gearbow._files import replacing
 from gearbow._lookup import nearest
+from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force
@@ -60,7 +61,7 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
 _DEFAULTS = {"resolution": "engineering"}
 
 
-class SystemDescription:
+class SystemDescription(Shown):
     """Parts and options of a system, checked by the core.
 
     The parameters are those of `gearbow.RotorSystem`.
@@ -375,8 +376,19 @@ class SystemDescription:
 
     def __repr__(self) -> str:
         counts = [f"{len(getattr(self, key))} {key}" for key in _PARTS if getattr(self, key)]
-        dofs = len(self._model.dofs)
-        return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
+        dofs, ratios = len(self._model.dofs), listed(self.speed_ratios)
+        text = f"{', '.join(counts)}; speed ratios {ratios}; {dofs} degrees of freedom"
+        return f"{type(self).__name__}({text})"
+
+    def _rows(self) -> Table:
+        """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""
+        rows = []
+        for shaft, ratio in zip(self.shafts, self.speed_ratios, strict=True):
+            gears = [gear for gear in self.gears if gear.shaft == shaft.name]
+            teeth = ", ".join(f"{gear.name} ({gear.teeth})" for gear in gears)
+            orders = ", ".join(f"{abs(ratio) * gear.teeth:.6g}" for gear in gears)
+            rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
+        return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 
 
 def _warn(model: Model) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
@@ -20,7 +21,7 @@ __all__ = ["Recommendation", "Tradeoff"]
 
 
 @dataclass(frozen=True)
-class Recommendation(Generic[S]):
+class Recommendation(Shown, Generic[S]):
     """The cheapest setting with a given error: `system.simulate(duration, speed, **options)`.
 
     Parameters
@@ -57,7 +58,7 @@ class Recommendation(Generic[S]):
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff(Generic[S]):
+class Tradeoff(Shown, Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
+from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.tradeoff.models import GIVEN
 
@@ -26,7 +27,7 @@ _TITLES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Trial(Generic[S]):
+class Trial(Shown, Generic[S]):
     """Error and CPU time of one setting.
 
     Parameters
@@ -158,7 +159,7 @@ class Trial(Generic[S]):
 
 
 @dataclass(frozen=True)
-class Skipped:
+class Skipped(Shown):
     """A skipped setting.
 
     Parameters
