@@ -50,6 +50,9 @@ def objects() -> dict[str, object]:
     response = pair.simulate(0.1, 100.0, record=["gears", "meshes", "energy"], output_step=1e-4)
     campbell = pair.campbell([10.0, 20.0, 30.0], count=12)
     synchronous = pair.synchronous(MANY[1:])
+    bent = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=4, bow=gb.Bow.half_sine(1e-4))
+    soft = [gb.Bearing("s", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
+    rotor = gb.RotorSystem([bent], bearings=soft)
     journal = gb.JournalBearing("a", 0.0, diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1)
     rolling = gb.RollingBearing(
         "a", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
@@ -110,7 +113,7 @@ def objects() -> dict[str, object]:
             bearings=[gb.Bearing(b.shaft, b.position, stiffness=1e8) for b in bearings[:4]]
         ).critical_speed_map(np.linspace(1e7, 1e8, 12), count=4),
         synchronous,
-        *synchronous.peaks("gear 0")[:1],
+        rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
         pair.static(speed=100.0),
         response,
         response.mesh("gear 0", "gear 1"),
