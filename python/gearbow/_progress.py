@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from tqdm import tqdm
-
 from gearbow._parallel import check_stop
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning
@@ -41,6 +39,8 @@ def reported(
         report = progress or None
         yield _Estimate(report) if estimate else report
         return
+    from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
+
     with tqdm(
         total=total,
         bar_format=f"{{l_bar}}{{bar}}| {{n:{numbers}}}/{{total:{numbers}}} {unit} "

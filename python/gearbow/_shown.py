@@ -4,7 +4,6 @@ No representation contains an array: an array is its shape and its range. A clas
 overrides `_facts`, which both forms show, or `_rows`, the table in HTML.
 """
 
-import html
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -79,10 +78,12 @@ def _cut(text: str, longest: int = _LONGEST_VALUE) -> str:
 
 def to_html(title: str, rows: Table) -> str:
     """Format a title and the first rows of a table in HTML."""
+    from html import escape  # noqa: PLC0415  # only notebooks need it
+
     head, *rest = rows
-    lines = [f"<p><code>{html.escape(title)}</code></p>", "<table>"]
+    lines = [f"<p><code>{escape(title)}</code></p>", "<table>"]
     for tag, row in [("th", head), *(("td", row) for row in rest[:MOST_ROWS])]:
-        cells = "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row)
+        cells = "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row)
         lines.append(f"<tr>{cells}</tr>")
     if len(rest) > MOST_ROWS:
         lines.append(f'<tr><td colspan="{len(head)}">… {len(rest)} rows</td></tr>')

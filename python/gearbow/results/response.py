@@ -14,7 +14,7 @@ from gearbow.description.places import is_pair, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.orders.fit import Orders, orders
 from gearbow.orders.spectrum import Spectrum, amplitudes, spectrum
-from gearbow.recording import file, tables
+from gearbow.recording import tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.recording import Recording
@@ -296,6 +296,8 @@ class Response(Recording):
             If the file cannot be written, for example on a full disk. An existing file is
             unchanged.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         file.save(self.to_record(), path)
 
     @classmethod
@@ -320,6 +322,8 @@ class Response(Recording):
         OSError
             If the file cannot be opened.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         return cls.from_record(file.load(path))
 
     def _chosen(self, names: At | Sequence[At] | None) -> list[At]:

@@ -25,7 +25,6 @@ from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
-from gearbow.system.scene_file import read_scene
 from gearbow.units.convert import without_texts
 
 if TYPE_CHECKING:
@@ -261,6 +260,8 @@ class SystemDescription(Shown):
         OSError
             If the file cannot be opened.
         """
+        from gearbow.system.scene_file import read_scene  # noqa: PLC0415  # with a TOML parser
+
         model = read_scene(path)
         _warn(model)
         return cls._from_model(model)

@@ -4,7 +4,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +19,11 @@ from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
-from gearbow.system.checkpoint import Checkpoint
 from gearbow.system.linear import LinearAnalyses
 from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
+
+if TYPE_CHECKING:
+    from gearbow.system.checkpoint import Checkpoint
 
 __all__ = ["Simulation"]
 
@@ -239,10 +241,12 @@ class Simulation(LinearAnalyses):
 
     def _checkpoint(
         self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
-    ) -> AbstractContextManager[Checkpoint | None]:
+    ) -> "AbstractContextManager[Checkpoint | None]":
         """Open the checkpoint file of this run; None without a path."""
         if path is None:
             return nullcontext()
+        from gearbow.system.checkpoint import Checkpoint  # noqa: PLC0415  # with libraries for files
+
         return Checkpoint(path, interval, {"scene": self.description, **identity})
 
     def _times(
@@ -264,7 +268,7 @@ class Simulation(LinearAnalyses):
         speed: float | SpeedProfile,
         times: tuple[Array, NDArray[np.intp] | None],
         progress: bool | Progress | None,
-        file: Checkpoint | None,
+        file: "Checkpoint | None",
     ) -> Response:
         """Run with or without a checkpoint. An exception carries the response so far."""
         wanted, rows = times

@@ -9,7 +9,6 @@ from typing import Any
 
 from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
-from gearbow.units.parse import parsed
 
 __all__ = ["has_quantity", "is_quantity", "magnitude", "without_texts"]
 
@@ -115,5 +114,7 @@ def without_texts(plain: Any, path: str = "") -> Any:
     if isinstance(plain, list | tuple):
         return [without_texts(value, f"{path}[{i}]") for i, value in enumerate(plain)]
     if isinstance(plain, str) and unit_of(path) not in (None, "1"):
+        from gearbow.units.parse import parsed  # noqa: PLC0415  # most scenes have no texts
+
         return parsed(plain, path)
     return plain
