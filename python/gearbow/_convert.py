@@ -47,7 +47,7 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if not _is_real(value):
-        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}")
+        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}{_remedy(value)}")
     try:
         if hasattr(value, "__index__"):
             whole = index(value)
@@ -145,6 +145,22 @@ def truth(value: object, path: str) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise SceneError(f"{path}: must be True or False, got {shown(value)}")
     return bool(value)
+
+
+def _remedy(value: object) -> str:
+    """Say how to write a number that was given as a text or in a list."""
+    if isinstance(value, str):
+        number = value.strip().partition(" ")[0]
+        try:
+            float(number)
+        except ValueError:
+            return ""
+        if number == value.strip():
+            return f"; write {number} without quotes"
+        return f"; units: gb.mm({number}), gb.rpm({number}), gb.degrees({number}), or pint"
+    if isinstance(value, (list, tuple)) and len(value) == 1 and _is_real(value[0]):
+        return f"; write {shown(value[0])} without brackets"
+    return ""
 
 
 def _is_real(value: object) -> bool:

@@ -88,11 +88,11 @@ class _Estimate:
                 f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
                 'the run in a file by checkpoint="run.npz"',
                 RunTimeWarning,
-                stacklevel=_outside(),
+                stacklevel=outside(),
             )
 
 
-def _outside() -> int:
+def outside() -> int:
     """Count the stack frames up to the first one outside the package: the line of the user."""
     level = 0
     frame: FrameType | None = sys._getframe(1)

@@ -35,6 +35,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "elements": ["conditioning"],
     "frequency": [],
     "map": ["--output", "figure.png"],
+    "from_ross": [],
     "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],

@@ -175,4 +175,7 @@ class Coordinates(Shown):
         for x in positions:
             if abs(x - position) <= tolerance:
                 return shaft, x
-        raise SceneError(f'at: shaft "{shaft}" has no node at {position} m')
+        near = min(positions, key=lambda x: abs(x - position))
+        raise SceneError(
+            f'at: shaft "{shaft}" has no node at {position} m; the nearest is at {near} m'
+        )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._keywords import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
@@ -22,7 +23,7 @@ from gearbow.units.convert import has_quantity, is_quantity, magnitude
 P = TypeVar("P", bound="Part")
 
 
-class Part(Shown):
+class Part(CheckedKeywords, Shown):
     """Base of every dataclass that describes a piece of a system."""
 
     def _describe(self, path: str) -> dict[str, Plain]:
@@ -152,5 +153,8 @@ def expect(value: object, kind: type[P], path: str, *others: type[P]) -> P:
 def parts(given: object, kind: type[P], path: str, *others: type[P]) -> tuple[P, ...]:
     """Collect a list of parts of one class, or of some classes."""
     if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
-        raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}")
+        remedy = "; put it in brackets" if isinstance(given, Part) else ""
+        raise SceneError(
+            f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}{remedy}"
+        )
     return tuple(expect(part, kind, f"{path}[{i}]", *others) for i, part in enumerate(given))

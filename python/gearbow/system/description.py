@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from gearbow._convert import copied, nested, number, shown, text
 from gearbow._core import Model
 from gearbow._files import replacing
+from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
@@ -60,7 +61,7 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
 _DEFAULTS = {"resolution": "engineering"}
 
 
-class SystemDescription(Shown):
+class SystemDescription(CheckedKeywords, Shown):
     """Parts and options of a system, checked by the core.
 
     The parameters are those of `gearbow.RotorSystem`.
@@ -265,6 +266,37 @@ class SystemDescription(Shown):
         model = read_scene(path)
         _warn(model)
         return cls._from_model(model)
+
+    @classmethod
+    def from_ross(cls, path: str | os.PathLike[str]) -> "Self":
+        """Read a rotor that ROSS saved.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
+
+        Returns
+        -------
+        RotorSystem
+            The rotor, with one element of degree 1 for each element of ROSS. The shaft has the name
+            "rotor". A speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
+
+        Raises
+        ------
+        SceneError
+            If the file is not one of ROSS, or has an element that gearbow cannot represent, for
+            example a conical shaft element; the message names it.
+        OSError
+            If the file cannot be opened.
+
+        Notes
+        -----
+        The axes x, y, z of ROSS are y, z, x here. https://ross.readthedocs.io
+        """
+        from gearbow.exchange.ross import read_ross  # noqa: PLC0415  # with a TOML parser
+
+        return cls.from_dict(read_ross(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the description to a TOML file.

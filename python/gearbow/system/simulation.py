@@ -20,7 +20,14 @@ from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
 from gearbow.system.linear import LinearAnalyses
-from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
+from gearbow.system.run import (
+    SpeedLike,
+    beginning,
+    given_speed,
+    in_order,
+    requests,
+    warn_of_early_end,
+)
 
 if TYPE_CHECKING:
     from gearbow.system.checkpoint import Checkpoint
@@ -142,6 +149,8 @@ class Simulation(LinearAnalyses):
 
         Warns
         -----
+        SceneWarning
+            If the points (times, speeds) end before the run.
         AccuracyWarning
             If `accuracy` is given and the elements are too coarse for it, or if the error of a
             reduction to `modes` exceeds the accuracy level.
@@ -167,6 +176,7 @@ class Simulation(LinearAnalyses):
         duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         profile = given_speed(speed, begin, duration)
+        warn_of_early_end(speed, profile, begin + duration)
         system = self._over_time(begin, duration)
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
