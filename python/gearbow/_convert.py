@@ -16,6 +16,7 @@ import numpy as np
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 from gearbow.units.convert import is_quantity, magnitude
+from gearbow.units.fields import unit_of
 
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
@@ -47,7 +48,7 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if not _is_real(value):
-        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}{_remedy(value)}")
+        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}{_remedy(value, path)}")
     try:
         if hasattr(value, "__index__"):
             whole = index(value)
@@ -147,20 +148,23 @@ def truth(value: object, path: str) -> bool:
     return bool(value)
 
 
-def _remedy(value: object) -> str:
+def _remedy(value: object, path: str) -> str:
     """Say how to write a number that was given as a text or in a list."""
-    if isinstance(value, str):
-        number = value.strip().partition(" ")[0]
-        try:
-            float(number)
-        except ValueError:
-            return ""
-        if number == value.strip():
-            return f"; write {number} without quotes"
-        return f"; units: gb.mm({number}), gb.rpm({number}), gb.degrees({number}), or pint"
     if isinstance(value, (list, tuple)) and len(value) == 1 and _is_real(value[0]):
         return f"; write {shown(value[0])} without brackets"
-    return ""
+    if not isinstance(value, str):
+        return ""
+    from gearbow.units.parse import parsed  # noqa: PLC0415  # only for this message
+
+    try:
+        plain = f"{parsed(value, path, bare=True):.12g}"
+    except SceneError:
+        return ""
+    unit = unit_of(path)
+    text = f"; write {plain} without quotes{'' if unit in (None, '1') else f' [{unit}]'}"
+    number, _, given = value.strip().partition(" ")
+    function = {"mm": "mm", "rpm": "rpm", "deg": "degrees", "°": "degrees"}.get(given)
+    return text if function is None else f"{text}, or gb.{function}({number})"
 
 
 def _is_real(value: object) -> bool:

@@ -172,7 +172,7 @@ fn shaft(
     for (position, path) in stations {
         path.finite(*position)?;
         if *position < -tolerance || *position > length + tolerance {
-            let millimetres = *position > 0.0 && position / 1e3 <= length + tolerance;
+            let millimetres = *position > 10.0 * length && position / 1e3 <= length + tolerance;
             return Err(path.error(format!(
                 "{position} m is outside the shaft \"{}\", which is {length} m long; positions begin with 0 at its left end{}",
                 given.name,
