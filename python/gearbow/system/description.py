@@ -1,16 +1,14 @@
 """Description of a system: parts and options, variants, files and degrees of freedom."""
 
-import os
-import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import copied, nested, number, shown, text
 from gearbow._core import Model
-from gearbow._files import replacing
 from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
+from gearbow._progress import outside
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
@@ -31,7 +29,7 @@ from gearbow.units.convert import without_texts
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["SystemDescription"]
+__all__ = ["SystemDescription", "warn"]
 
 _PARTS: dict[str, type[Part]] = {
     "shafts": Shaft,
@@ -129,7 +127,7 @@ class SystemDescription(CheckedKeywords, Shown):
             if converted is not None and converted != _DEFAULTS.get(key):
                 description[key] = converted
         self._model = Model(description)
-        _warn(self._model)
+        warn(self._model)
 
     @classmethod
     def _from_model(cls, model: Model) -> "Self":
@@ -187,7 +185,7 @@ class SystemDescription(CheckedKeywords, Shown):
         if not isinstance(description, Mapping):
             raise SceneError(f"description: must be a mapping, got {shown(description)}")
         system = cls._from_description(description)
-        _warn(system._model)
+        warn(system._model)
         return system
 
     def replace(self, **changes: Any) -> "Self":
@@ -238,83 +236,6 @@ class SystemDescription(CheckedKeywords, Shown):
         system = type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
         system._model.share(self._model)
         return system
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Self":
-        """Read a system from a TOML file.
-
-        Parameters
-        ----------
-        path : str or path-like
-            A file whose keys are the names of the parameters, as `save` writes it. A value is a
-            number in SI units and radians, or a text with a unit, such as "500 mm".
-
-        Returns
-        -------
-        RotorSystem
-            The system.
-
-        Raises
-        ------
-        SceneError
-            If the description is invalid, or the file is not TOML.
-        OSError
-            If the file cannot be opened.
-        """
-        from gearbow.system.scene_file import read_scene  # noqa: PLC0415  # with a TOML parser
-
-        model = read_scene(path)
-        _warn(model)
-        return cls._from_model(model)
-
-    @classmethod
-    def from_ross(cls, path: str | os.PathLike[str]) -> "Self":
-        """Read a rotor that ROSS saved.
-
-        Parameters
-        ----------
-        path : str or path-like
-            A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
-
-        Returns
-        -------
-        RotorSystem
-            The rotor, with one element of degree 1 for each element of ROSS. The shaft has the name
-            "rotor". A speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
-
-        Raises
-        ------
-        SceneError
-            If the file is not one of ROSS, or has an element that gearbow cannot represent, for
-            example a conical shaft element; the message names it.
-        OSError
-            If the file cannot be opened.
-
-        Notes
-        -----
-        The axes x, y, z of ROSS are y, z, x here. https://ross.readthedocs.io
-        """
-        from gearbow.exchange.ross import read_ross  # noqa: PLC0415  # with a TOML parser
-
-        return cls.from_dict(read_ross(path))
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the description to a TOML file.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. It contains the sampled points of a bow that is given as a function.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written. An existing file is unchanged.
-        """
-        refuse_functions(torques=self.torques, forces=self.forces)
-        text = self._model.to_toml()
-        with replacing(path) as file:
-            file.write(text.encode())
 
     @property
     def description(self) -> dict[str, Plain]:
@@ -424,10 +345,7 @@ class SystemDescription(CheckedKeywords, Shown):
         return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 
 
-def _warn(model: Model) -> None:
-    """Warn about implausible entries, at the line outside this module that made the system."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__") == __name__:
-        level, frame = level + 1, frame.f_back
+def warn(model: Model) -> None:
+    """Warn about implausible entries, at the line outside the package that made the system."""
     for message in model.warnings:
-        warnings.warn(message, SceneWarning, stacklevel=level)
+        warnings.warn(message, SceneWarning, stacklevel=outside())
