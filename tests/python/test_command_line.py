@@ -84,6 +84,14 @@ def test_check_prints_warnings_on_stderr(scene: str, capsys):
     assert json.loads(out)["warnings"] == [line.removeprefix("warning: ") for line in lines]
 
 
+@pytest.mark.skipif(not hasattr(gb.RotorSystem, "plot"), reason="systems have no figure")
+def test_plot(scene: str, tmp_path: Path, capsys):
+    pytest.importorskip("matplotlib")
+    code, out, err = called(capsys, "plot", scene, "--out", tmp_path / "train.png")
+    assert (code, out, err) == (0, f"figure: {tmp_path / 'train.png'}\n", "")
+    assert (tmp_path / "train.png").stat().st_size > 1000
+
+
 def test_modes(scene: str, capsys):
     expected = gb.RotorSystem.load(scene).modes(gb.rpm(1500), count=4)
     found = answer(capsys, "modes", scene, "--speed", "1500 rpm", "--count", 4)
@@ -213,7 +221,7 @@ def test_every_command_has_examples_in_its_help(capsys):
     code, out, _ = called(capsys, "--help")
     assert code == 0
     commands = re.findall(r"^    (\w+) +", out, re.M)
-    assert commands == ["new", "check", "modes", "campbell", "run", "tradeoff", "study"]
+    assert commands == ["new", "check", "plot", "modes", "campbell", "run", "tradeoff", "study"]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")
         examples = out.split("examples:\n")[1].replace("\\\n", "").splitlines()

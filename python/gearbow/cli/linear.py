@@ -1,8 +1,9 @@
-"""``gearbow check``, ``modes`` and ``campbell``: commands without time integration."""
+"""``gearbow check``, ``plot``, ``modes`` and ``campbell``: commands without time integration."""
 
 import argparse
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,18 @@ def add(commands: Commands) -> None:
         "  gearbow check scene.toml\n  gearbow check scene.toml --json",
     )
     add_scene(parser)
+
+    parser = add_command(
+        commands,
+        "plot",
+        plot,
+        "draw the train to scale, from the side and from the end",
+        "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg",
+    )
+    add_scene(parser)
+    parser.add_argument(
+        "--out", type=Path, default=Path("train.png"), help="file of the figure; default: train.png"
+    )
 
     parser = add_command(
         commands,
@@ -104,6 +117,24 @@ _LISTS = (
     *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
     *("supports", "housings", "couplings", "drives", "forces"),
 )
+
+
+def plot(given: argparse.Namespace) -> Answer:
+    """Draw the train.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Name of the file.
+    """
+    system: Any = RotorSystem.load(given.scene)
+    system.plot().savefig(given.out)
+    return Answer(f"figure: {given.out}", {"file": str(given.out)})
 
 
 def modes(given: argparse.Namespace) -> Answer:

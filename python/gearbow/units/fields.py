@@ -115,6 +115,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "skip_time": "s",
     "checkpoint_interval": "s",
     "budget": "s",
+    "highest": "1/s",
     **dict.fromkeys(("at", "a", "b", "of", "name", "names", "record", "planes", "points"), _PLACE),
     **dict.fromkeys(("signals", "target"), _PLACE),
 }
