@@ -62,8 +62,11 @@ def test_the_description_of_the_package_fits_on_a_screen():
 
 
 @pytest.mark.parametrize("name", [name for name in gb.__all__ if callable(getattr(gb, name))])
-def test_a_docstring_begins_with_one_sentence(name: str):
-    first, *rest = inspect.getdoc(getattr(gb, name)).split("\n\n")
+def test_a_docstring_begins_with_one_sentence_and_has_an_example(name: str):
+    text = inspect.getdoc(getattr(gb, name))
+    first, *_ = text.split("\n\n")
     assert first.endswith(".")
     assert "\n" not in first
-    assert rest or issubclass(getattr(gb, name), Exception)
+    one = getattr(gb, name)
+    if not (inspect.isclass(one) and issubclass(one, Exception)):
+        assert ">>>" in text

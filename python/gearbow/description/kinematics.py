@@ -48,6 +48,13 @@ class Order(Shown):
         Frequency over that of the reference shaft.
     names : tuple of str
         Its excitations, the simplest first, e.g. "1× input" and "2× middle".
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> order = gb.Order(25.0, ("1× mesh g1–g2", "25× input"))
+    >>> print(order)
+    1× mesh g1–g2 = 25× input
     """
 
     value: float

@@ -61,6 +61,12 @@ class Event(NamedTuple):
         clearance" (the tip interference ends), "involute interference" (a tip reaches beyond the
         base circle of the other gear, which shortens the path of contact) or "involute clearance"
         (the involute interference ends).
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.Event(0.1, "pinion", "wheel", "separation").kind
+    'separation'
     """
 
     time: float
@@ -96,6 +102,21 @@ class MeshResponse(ReadOnly):
         Contact ratio at the moving centres, NaN where the base circles overlap.
     pairs_in_contact : ndarray, shape (k,)
         Number of tooth pairs that carry load.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shafts = [gb.Shaft(name, length=0.5, outer_diameter=0.05) for name in ("input", "output")]
+    >>> pinion = gb.Gear("pinion", "input", 0.25, teeth=25, module=3e-3, face_width=0.03)
+    >>> wheel = gb.Gear("wheel", "output", 0.25, teeth=50, module=3e-3, face_width=0.03)
+    >>> mesh = gb.Mesh("pinion", "wheel", stiffness=2e8)
+    >>> places = [(shaft.name, x) for shaft in shafts for x in (0.0, 0.5)]
+    >>> bearings = [gb.Bearing(name, x, stiffness=1e8) for name, x in places]
+    >>> torques = [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")]
+    >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
+    >>> mesh = system.simulate(1e-3, 100.0).mesh("pinion", "wheel")
+    >>> print(f"{mesh.force.mean():.0f} N")
+    7095 N
     """
 
     deflection: Array

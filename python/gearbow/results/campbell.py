@@ -32,6 +32,15 @@ class ExcitationLine(Shown):
         The harmonic of the tooth frequency; 1 for a shaft.
     order : float
         Frequency divided by the speed of the reference shaft, not negative.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> system.campbell([0.0, 1000.0], count=2).lines[0].name
+    '1× rotor'
     """
 
     kind: str
@@ -72,6 +81,16 @@ class Intersection(Shown):
         Damping ratio of the mode at this speed.
     whirl : str
         Whirl of the mode at this speed.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> first = system.campbell([0.0, 1000.0], count=2).criticals[0]
+    >>> print(f"{first.speed:.0f} rad/s {first.whirl}")
+    623 rad/s backward
     """
 
     mode: int

@@ -38,6 +38,15 @@ class SweepPoint(Shown):
         Type and message of the error; empty if the point did not fail.
     details : str
         The traceback of the error.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> def shaft(diameter):
+    ...     return gb.Shaft("rotor", length=1.0, outer_diameter=diameter)
+    >>> sweep = gb.sweep(shaft, {"diameter": [0.04, 0.05]}, lambda shaft, diameter: shaft.length)
+    >>> sweep[1].parameters
+    {'diameter': 0.05}
     """
 
     parameters: Mapping[str, Any]

@@ -32,6 +32,18 @@ class Recommendation(Shown, Generic[S]):
         System to run: the given system or the simplified model of this setting.
     trial : Trial
         Error and CPU time of the setting.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> tradeoff.recommend(error=1e-2).options["rtol"]
+    0.001
     """
 
     options: dict[str, Any]
@@ -83,6 +95,18 @@ class Tradeoff(Shown, Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> [trial.setting for trial in tradeoff.front()]
+    ['exponential, rtol 1e-03']
     """
 
     trials: tuple[Trial[S], ...]
