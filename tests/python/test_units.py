@@ -376,6 +376,9 @@ def test_quantities_of_pint_in_analyses():
     )
     profile = gb.SpeedProfile.ramp(quantity(0, "rpm"), given, duration=quantity(500, "ms"))
     assert profile([0.5]) == pytest.approx([speed])
+    assert system.default_output_step(quantity(1, "s"), given) == system.default_output_step(
+        1.0, speed
+    )
     assert system.critical_speed_map(quantity([10], "N/um")).stiffnesses == pytest.approx([1e7])
 
 

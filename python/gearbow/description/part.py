@@ -18,7 +18,7 @@ from gearbow._keywords import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
-from gearbow.units.convert import has_quantity, is_quantity, magnitude
+from gearbow.units.convert import has_quantity, is_quantity, magnitude, quantities_exist
 
 P = TypeVar("P", bound="Part")
 
@@ -46,6 +46,8 @@ class Part(CheckedKeywords, Shown):
 
     def _in_si(self: P, path: str) -> P:
         """Replace quantities of pint by numbers in SI units; a part without any is the same."""
+        if not quantities_exist():
+            return self
         fields = dataclasses.fields(self)  # type: ignore[arg-type]  # every Part is a dataclass
         given = {field.name: getattr(self, field.name) for field in fields}
         found = {name: _in_si(value, f"{path}.{name}") for name, value in given.items()}

@@ -228,6 +228,7 @@ class Simulation(LinearAnalyses):
         float
             Time [s]: a fraction of the shortest period of a shaft rotation or tooth passing.
         """
+        duration = number(duration, "duration", infinite=True)
         given = given_speed(speed, 0.0, duration)
         return self._model.default_output_step(duration, plain_speed(given), 0.0)
 

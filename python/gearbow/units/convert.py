@@ -10,7 +10,18 @@ from typing import Any
 from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
 
-__all__ = ["has_quantity", "is_quantity", "magnitude", "without_texts"]
+__all__ = ["has_quantity", "is_quantity", "magnitude", "quantities_exist", "without_texts"]
+
+
+def quantities_exist() -> bool:
+    """Return whether pint is imported, without which no value is a quantity.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    return "pint" in sys.modules
 
 
 def is_quantity(value: object) -> bool:
@@ -43,7 +54,7 @@ def has_quantity(value: object) -> bool:
     bool
         Whether it is or contains one.
     """
-    if "pint" not in sys.modules:
+    if not quantities_exist():
         return False
     if isinstance(value, list | tuple):
         return any(has_quantity(item) for item in value)

@@ -110,6 +110,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "begin": "s",
     "start": "s",
     "step": "s",
+    "steps": "s",
+    "breaks": "s",
     "output_step": "s",
     "times": "s",
     "skip_time": "s",
