@@ -346,6 +346,12 @@ class SystemDescription(CheckedKeywords, Shown):
 
 
 def warn(model: Model) -> None:
-    """Warn about implausible entries, at the line outside the package that made the system."""
+    """Warn about implausible entries, at the line outside the package that made the system.
+
+    Parameters
+    ----------
+    model : Model
+        The checked system.
+    """
     for message in model.warnings:
         warnings.warn(message, SceneWarning, stacklevel=outside())
