@@ -128,6 +128,8 @@ def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
     force = response.mesh("pinion", "wheel").force
     assert found["meshes"]["pinion/wheel"]["force"]["max"] == force.max()
     assert found["complete"]
+    force = np.hypot(*response.bearing_force("output", 0.0).T)
+    assert found["bearings"]["output at 0 m"]["force"]["max"] == pytest.approx(force.max())
     code, out, err = called(capsys, *given, "--end-speed", "3000 rpm")
     assert (code, err) == (0, "")
     assert f"signals: {tmp_path / 'r.npz'}" in out

@@ -144,12 +144,17 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
         mesh = response.mesh(driver, driven)
         sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
         meshes[f"{driver}/{driven}"] = sizes
+    bearings = {}
+    for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
+        force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
+        bearings[place_label((shaft, x))] = {"force": _size(force)}
     data = {
         "complete": complete,
         "time": [response.time[0], response.time[-1]],
         "samples": response.time.size,
         "points": points,
         "meshes": meshes,
+        "bearings": bearings,
         "events": len(response.events),
         "statistics": asdict(response.statistics),
         "file": None if given.out is None else str(given.out),
@@ -168,6 +173,9 @@ def _lines(response: Response, data: dict[str, Any]) -> list[str]:
             f"{name}: force {force['min']:.4g} to {force['max']:.4g} N, contact ratio "
             f"{ratio['min']:.3g} to {ratio['max']:.3g}"
         )
+    for name, bearing in data["bearings"].items():
+        force = bearing["force"]
+        lines.append(f"bearing {name}: force {force['min']:.4g} to {force['max']:.4g} N")
     lines.append(f"{data['statistics']['steps']} steps, {data['events']} events")
     if data["file"]:
         lines.append(f"signals: {data['file']}")
