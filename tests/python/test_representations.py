@@ -130,6 +130,11 @@ def objects() -> dict[str, object]:
         sweep[0],
         pair.balance("gear 0", 50.0, points="gear 0"),
     ]
+    found += [
+        getattr(gb, name)(*given)
+        for name, given in (("Accelerometer", ["foot"]), ("Probe", ["a", 0.1]), ("Tacho", ["a"]))
+        if hasattr(gb, name)
+    ]
     with contextlib.suppress(gb.MissingExtraError):
         found.append(pair.matrices(20.0, sparse=True))
     return {type(one).__name__: one for one in reversed(found) if one is not None}
