@@ -37,6 +37,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "figures": [],
     "frequency": [],
     "map": ["--output", "figure.png"],
+    "from_ross": [],
     "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],

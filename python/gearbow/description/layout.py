@@ -7,6 +7,7 @@ from itertools import chain
 import numpy as np
 
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -91,7 +92,7 @@ class ShaftOutline(ReadOnly):
 
 
 @dataclass(frozen=True)
-class BodyOutline:
+class BodyOutline(Shown):
     """Outline of one gear or disk.
 
     Parameters
@@ -113,7 +114,7 @@ class BodyOutline:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class Layout(Shown):
     """Geometry of a train at rest.
 
     Parameters

@@ -90,6 +90,8 @@ def tradeoff(
         If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
+    KeyboardInterrupt
+        At Ctrl-C. After the reference runs it has the attribute `.tradeoff`: the settings so far.
 
     Examples
     --------
