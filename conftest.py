@@ -18,6 +18,8 @@ from pathlib import Path
 import pytest
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+# They need the packages of the extra docs, and have no examples.
+collect_ignore_glob = ["docs/site/*.py"]
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
