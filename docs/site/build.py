@@ -26,7 +26,7 @@ DOCUMENTS = (
     "CITATION.cff",
     "docs/*.md",
     "docs/*.png",
-    "docs/figures/*.png",
+    "docs/figures/*",
     "docs/notebooks/*.ipynb",
     "examples/*.py",
     "examples/rotors/*.toml",
