@@ -202,7 +202,7 @@ class Campbell(ReadOnly):
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping ratios −Re λ/|λ|.
+        """Damping ratios: −Re λ divided by the magnitude of λ.
 
         Returns
         -------
