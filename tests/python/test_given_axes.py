@@ -90,6 +90,8 @@ def test_a_figure_goes_into_given_panels(name, results):
         assert panel.get_xlabel()
         assert panel.get_ylabel() or name == "orders"
         assert panel.xaxis.get_major_ticks()[0].label1.get_fontsize() == 7.0
+        # the texts have the size of the user's settings, not that of a new figure
+        assert all(text.get_fontsize() <= mpl.rcParams["font.size"] for text in panel.texts)
     figure.draw_without_rendering()
 
 
