@@ -52,5 +52,5 @@ for panel, tip_relief, title in zip(panels, (None, relief), ("no relief", "tip r
         panel.plot(times / cycle - 1.0, error, label=f"{torque:g} N m")
     panel.set(title=title, xlabel="mesh cycles")
 
-panels[0].set_ylabel("transmission error [µm]")
-panels[0].legend(title="torque")
+panels[0].set(ylabel="transmission error [µm]", ylim=(0.0, 90.0))
+panels[0].legend(title="torque", loc="upper center")
