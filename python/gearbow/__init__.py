@@ -18,6 +18,9 @@ Examples
 74.6 Hz
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from gearbow._core import __version__
 from gearbow.analysis.balance import Balance
 from gearbow.description.bow import Bow
@@ -64,8 +67,6 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.accelerometer import Accelerometer
 from gearbow.sensors.probe import Probe
 from gearbow.sensors.tacho import Tacho
-from gearbow.sweeps.result import Sweep, SweepPoint
-from gearbow.sweeps.run import sweep
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Recommendation, Tradeoff
 from gearbow.tradeoff.trial import Trial
@@ -146,6 +147,24 @@ __all__ = [
     "sweep",
     "waterfall",
 ]
+
+#: Modules of the names that are imported at their first use, with the libraries of a sweep.
+_LAZY = {
+    "Sweep": "gearbow.sweeps.result",
+    "SweepPoint": "gearbow.sweeps.result",
+    "sweep": "gearbow.sweeps.run",
+}
+
+if TYPE_CHECKING:
+    from gearbow.sweeps.result import Sweep, SweepPoint
+    from gearbow.sweeps.run import sweep
+else:  # a type checker would accept every name
+
+    def __getattr__(name: str) -> Any:
+        if name not in _LAZY:
+            raise AttributeError(f"module 'gearbow' has no attribute {name!r}")
+        globals()[name] = getattr(import_module(_LAZY[name]), name)
+        return globals()[name]
 
 
 def __dir__() -> list[str]:

@@ -43,6 +43,7 @@ def test_the_import_is_small():
         "study",
         "cli",
     } == set()
+    assert added & {"hashlib", "gearbow.sweeps.run", "gearbow.tradeoff.study"} == set()
     # of the standard library and of gearbow itself
     assert len(added) < 160
 
