@@ -73,13 +73,6 @@ FAULTS = (
         "if missing.is_some() && chosen",
         ("structured",),
     ),
-    # whole turns of the phase between two points of the contour
-    Fault(
-        "modal/contour.rs",
-        "const FIRST_STEP: f64 = 1e-5;",
-        "const FIRST_STEP: f64 = 0.1;",
-        ("contour",),
-    ),
     Fault(
         "modal/contour.rs",
         "let zeros = at.ln() * known.zeros as f64;",
