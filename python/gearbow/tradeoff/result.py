@@ -105,8 +105,8 @@ class Tradeoff(Shown, Generic[S]):
     >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
     >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
     >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
-    >>> [trial.setting for trial in tradeoff.front()]
-    ['exponential, rtol 1e-03']
+    >>> tradeoff.trials[0].setting
+    'exponential, rtol 1e-03'
     """
 
     trials: tuple[Trial[S], ...]
