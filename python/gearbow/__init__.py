@@ -56,6 +56,7 @@ from gearbow.orders.waterfall import Waterfall, waterfall
 from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse
 from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
+from gearbow.results.continuation import Continuation
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.discretisation import Discretisation
 from gearbow.results.matrices import Matrices, SparseMatrices
@@ -63,6 +64,7 @@ from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak
 from gearbow.results.response import Response
 from gearbow.results.static import Static
+from gearbow.results.steady import SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.accelerometer import Accelerometer
 from gearbow.sensors.probe import Probe
@@ -83,6 +85,7 @@ __all__ = [
     "ChannelError",
     "CheckpointWarning",
     "ContactError",
+    "Continuation",
     "ConvergenceError",
     "Coupling",
     "CriticalSpeedMap",
@@ -127,6 +130,7 @@ __all__ = [
     "SpeedTable",
     "StabilityError",
     "Static",
+    "SteadyState",
     "Stiffness",
     "Support",
     "Sweep",

@@ -9,6 +9,7 @@ from gearbow._types import (
     Array,
     At,
     CampbellData,
+    ComplexArray,
     CoreCheckpoint,
     Dof,
     FilmData,
@@ -29,9 +30,14 @@ __all__ = [
     "__version__",
     "check_final",
     "check_speed",
+    "common_period",
     "connection_channels",
     "film_coefficients",
+    "multipliers",
+    "period_map",
     "rolling_coefficients",
+    "steady_state",
+    "user_order",
 ]
 
 __version__: str
@@ -98,3 +104,33 @@ class Model:
         checkpoint: CoreCheckpoint | None,
         **options: Unpack[RunOptions],
     ) -> RunData: ...
+
+def common_period(model: Model, speed: float, given: float | None, longest: float) -> float: ...
+def steady_state(
+    model: Model,
+    *,
+    initial: str | dict[str, Any],
+    samples: int,
+    record: list[Record],
+    progress: Callable[[float], object] | None,
+    **options: Unpack[RunOptions],
+) -> tuple[RunData, dict[str, Any]]: ...
+def user_order(model: Model, state: Array) -> Array: ...
+def period_map(
+    model: Model,
+    *,
+    initial: str | dict[str, Any],
+    states: Array,
+    samples: int,
+    record: list[Record],
+    **options: Unpack[RunOptions],
+) -> tuple[Array, RunData | None]: ...
+def multipliers(
+    model: Model,
+    *,
+    initial: str | dict[str, Any],
+    smallest: float,
+    record: list[Record],
+    progress: Callable[[float], object] | None,
+    **options: Unpack[RunOptions],
+) -> ComplexArray: ...

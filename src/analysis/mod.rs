@@ -13,6 +13,7 @@ mod resolution;
 mod root;
 pub mod simulate;
 mod stability;
+pub mod steady;
 mod synchronous;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, campbell, lines};

@@ -164,6 +164,7 @@ impl Driver {
     ) -> Result<AcceptedStep, Halt> {
         let begin = self.level.max(self.control.level_for_frequency(&self.time_grid, stepper.frequency_at_begin()));
         let begin = begin.max(self.time_grid.level_of(stepper.longest_step(state.elapsed)));
+        let begin = begin.max(self.control.planned_level(&self.time_grid, state.count));
         let mut level = self.control.level_on_grid(&self.time_grid, state.count, begin);
         let mut rejected = false;
         loop {
@@ -174,7 +175,7 @@ impl Driver {
                     let size = stepper.size(&stepper.end_state, &stepper.end);
                     let tolerance = self.control.tolerance(self.size.max(size));
                     let error = match self.control {
-                        LevelControl::Fixed => 0.0,
+                        LevelControl::Fixed | LevelControl::Planned { .. } => 0.0,
                         LevelControl::Adaptive { .. } => stepper.error(level) / tolerance,
                     };
                     if !size.is_finite() {
@@ -192,7 +193,9 @@ impl Driver {
                     // The shortest step is accepted in any case: at a kink no step is short enough.
                     if error <= 1.0 || level == self.time_grid.finest {
                         self.size = size;
-                        if self.level == level && level > 0 && !rejected {
+                        stepper.record_level(&self.time_grid, state.count, level);
+                        let adapts = matches!(self.control, LevelControl::Adaptive { .. });
+                        if adapts && self.level == level && level > 0 && !rejected {
                             let predicted =
                                 stepper.estimator.error_of_doubled_step(&stepper.context, level) / tolerance;
                             self.level -= usize::from(predicted < DOUBLING_FRACTION);
@@ -204,7 +207,7 @@ impl Driver {
             };
             statistics.rejected += 1;
             rejected = true;
-            if !matches!(self.control, LevelControl::Fixed) {
+            if matches!(self.control, LevelControl::Adaptive { .. }) {
                 self.level = self.level.max(next_level);
             }
             level = self.control.level_on_grid(&self.time_grid, state.count, next_level);

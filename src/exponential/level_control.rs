@@ -1,14 +1,22 @@
 //! Choice of the step level, and the tolerances of a step.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::time_grid::TimeGrid;
 
 /// How the step level is chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LevelControl {
     /// The longest step throughout.
     Fixed,
+    /// A given level within each longest step, so that runs from close initial states take the same steps.
+    Planned {
+        /// Level within each longest step of the run.
+        levels: Arc<[u8]>,
+        /// Tolerance of the stage equations, relative to the energy norm of the motion.
+        solve_rtol: f64,
+    },
     /// The longest step that meets the tolerance.
     Adaptive {
         /// Error of a step, relative to the energy norm of the motion.
@@ -37,21 +45,22 @@ const STEPS_PER_PERIOD: f64 = 3.0;
 
 impl LevelControl {
     /// Tolerance of the error of a step, for a motion of this energy norm.
-    pub(super) fn tolerance(self, size: f64) -> f64 {
+    pub(super) fn tolerance(&self, size: f64) -> f64 {
         match self {
-            Self::Fixed => f64::INFINITY,
-            Self::Adaptive { rtol, floor } => rtol * size.max(floor),
+            Self::Fixed | Self::Planned { .. } => f64::INFINITY,
+            Self::Adaptive { rtol, floor } => rtol * size.max(*floor),
         }
     }
 
     /// Tolerance of the stage equations, for a motion of this energy norm; `is_meshed` tells whether the linear motion
     /// contains the mean mesh stiffness.
-    pub(super) fn solve_tolerance(self, size: f64, is_meshed: bool) -> f64 {
+    pub(super) fn solve_tolerance(&self, size: f64, is_meshed: bool) -> f64 {
         match self {
             Self::Fixed => FIXED_SOLVE_FRACTION * size,
+            Self::Planned { solve_rtol, .. } => solve_rtol * size,
             Self::Adaptive { rtol, floor } => {
                 let fraction = if is_meshed { SOLVE_FRACTION } else { SOLVE_FRACTION_UNMESHED };
-                fraction * rtol.min(MAX_SOLVE_RTOL) * size.max(floor)
+                fraction * rtol.min(MAX_SOLVE_RTOL) * size.max(*floor)
             }
         }
     }
@@ -59,18 +68,27 @@ impl LevelControl {
     /// Level of a step from the unit `count` on, no longer than one of `level`: a level on whose grid the unit lies, if
     /// its step is at least half as long. Otherwise, as after a contact change, `level` itself, of whose step the part up
     /// to the grid is kept. Fixed steps reach the grid by shorter steps.
-    pub(super) fn level_on_grid(self, time_grid: &TimeGrid, count: u64, level: usize) -> usize {
+    pub(super) fn level_on_grid(&self, time_grid: &TimeGrid, count: u64, level: usize) -> usize {
         let shortest = match self {
             Self::Fixed => time_grid.finest,
-            Self::Adaptive { .. } => (level + 1).min(time_grid.finest),
+            Self::Planned { .. } | Self::Adaptive { .. } => (level + 1).min(time_grid.finest),
         };
         (level..=shortest).find(|level| count.is_multiple_of(time_grid.units(*level))).unwrap_or(level)
     }
 
+    /// Planned level of a step from the unit `count` on; zero without a plan.
+    pub(super) fn planned_level(&self, time_grid: &TimeGrid, count: u64) -> usize {
+        let Self::Planned { levels, .. } = self else {
+            return 0;
+        };
+        let longest = usize::try_from(count / time_grid.units(0)).unwrap_or(usize::MAX);
+        levels.get(longest).map_or(0, |level| usize::from(*level))
+    }
+
     /// Level of the longest step that resolves an oscillation on the mesh stiffness with this frequency, rad/s.
-    pub(super) fn level_for_frequency(self, time_grid: &TimeGrid, frequency: f64) -> usize {
+    pub(super) fn level_for_frequency(&self, time_grid: &TimeGrid, frequency: f64) -> usize {
         match self {
-            Self::Fixed => 0,
+            Self::Fixed | Self::Planned { .. } => 0,
             Self::Adaptive { .. } => time_grid.level_of(TAU / (STEPS_PER_PERIOD * frequency)),
         }
     }

@@ -11,6 +11,7 @@ use super::quadrature::{MAX_STAGES, PointValues};
 use super::solve::LoadSolver;
 use super::stages::Stages;
 use super::step_point::StepPoint;
+use super::time_grid::TimeGrid;
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
@@ -30,6 +31,8 @@ pub struct Stepper<'m> {
     pub(super) end_state: Vec<f64>,
     /// Number of steps tried.
     pub(super) steps: u64,
+    /// Finest level that met the tolerance within each longest step; recorded if there is a list.
+    pub levels: Option<Vec<u8>>,
     /// Whether engagement is sharp: tooth pairs enter and leave contact at an instant.
     pub(super) sharp: bool,
     /// Whether the flanks of a mesh can separate.
@@ -52,6 +55,7 @@ impl<'m> Stepper<'m> {
             jumps: JumpSeries::new(&cache.linear, &cache.maps),
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
+            levels: None,
             sharp: motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
             separable: motion.flanks_can_separate(),
             phasors: SourcePhasors::new(&nonlinear_loads),
@@ -63,6 +67,26 @@ impl<'m> Stepper<'m> {
     /// The loads on the linear motion.
     pub fn nonlinear_loads(&self) -> &NonlinearLoads<'m> {
         &self.context.nonlinear_loads
+    }
+
+    /// Energy norm of the motion about the reference, for the state `z` at an elapsed time, s.
+    ///
+    /// # Errors
+    /// [`Halt`] where the loads are not defined.
+    pub fn energy_norm(&mut self, elapsed: f64, z: &[f64]) -> Result<f64, Halt> {
+        self.evaluate_begin(elapsed, z, &mut Statistics::new())?;
+        Ok(self.size(z, &self.begin))
+    }
+
+    /// Records the level of a step from the unit `count` on.
+    pub(super) fn record_level(&mut self, time_grid: &TimeGrid, count: u64, level: usize) {
+        let Some(levels) = &mut self.levels else {
+            return;
+        };
+        let longest = usize::try_from(count / time_grid.units(0)).unwrap_or(usize::MAX);
+        if let Some(finest) = levels.get_mut(longest) {
+            *finest = (*finest).max(u8::try_from(level).unwrap_or(u8::MAX));
+        }
     }
 
     /// Length of a step, s.

@@ -220,6 +220,15 @@ impl Numbering {
     pub fn to_user_order<T: Copy + std::ops::Mul<f64, Output = T>>(&self, internal: &[T]) -> Vec<T> {
         self.dofs.iter().map(|dof| internal[dof.index] * dof.sign).collect()
     }
+
+    /// Converts a vector from user order to the order of the core, n entries.
+    pub fn in_core_order(&self, outside: &[f64]) -> Vec<f64> {
+        let mut inside = vec![0.0; outside.len()];
+        for (dof, value) in self.dofs.iter().zip(outside) {
+            inside[dof.index] = value * dof.sign;
+        }
+        inside
+    }
 }
 
 /// Appends the coordinates of a node.

@@ -13,6 +13,7 @@ mod response;
 mod simulate;
 mod speed;
 mod state;
+mod steady;
 
 use pyo3::pymodule;
 
@@ -31,6 +32,16 @@ mod _core {
     use super::speed::check_speed;
     #[pymodule_export]
     use super::state::check_final;
+    #[pymodule_export]
+    use super::steady::common_period;
+    #[pymodule_export]
+    use super::steady::multipliers;
+    #[pymodule_export]
+    use super::steady::period_map;
+    #[pymodule_export]
+    use super::steady::steady_state;
+    #[pymodule_export]
+    use super::steady::user_order;
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -7,13 +7,12 @@ use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
 
 use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, table};
-use super::entries;
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use super::options::{RecordEntry, RunOptions, read_initial};
+use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{frequency, simulate, speed};
-use crate::analysis::simulate::{Method, Options, round_below, sample_step};
+use crate::analysis::simulate::{Options, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
@@ -338,21 +337,10 @@ impl PyModel {
         checkpoint: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
         let options = Options {
-            duration: given.duration,
-            speed: given.speed.try_into()?,
-            method: Method::named(&given.method)?,
-            step: given.step,
-            rtol: given.rtol,
-            stages: given.stages,
-            modes: given.modes,
-            reduction: given.reduction,
-            initial: read_initial(initial)?,
             times: times.as_array().to_vec(),
-            geometry: mesh_geometry(&given.geometry)?,
-            start: given.start,
             checkpoint: checkpoint.map(read_checkpoint).transpose()?,
+            ..run_options(py, initial, options)?
         };
         if let Some(text) = options.unattainable() {
             warn(py, text)?;

@@ -1,12 +1,13 @@
 //! Options of a run as plain Python data: method, steps, geometry, initial state and what to record.
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Deserialize;
 
-use super::entries::{any_number, optional_count, text};
+use super::entries::{self, any_number, optional_count, text};
 use super::speed::SpeedEntries;
-use super::state;
-use crate::analysis::simulate::{Initial, Request};
+use super::state::{self, mesh_geometry};
+use crate::analysis::simulate::{Initial, Method, Options, Request};
 use crate::scene::SceneError;
 
 /// Options that are numbers and texts; `RunOptions` in `gearbow._types` lists the same entries.
@@ -80,4 +81,28 @@ impl RecordEntry {
             }
         })
     }
+}
+
+/// Reads the options of a run without output times.
+pub fn run_options(
+    py: Python<'_>,
+    initial: &Bound<'_, PyAny>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Options> {
+    let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
+    Ok(Options {
+        duration: given.duration,
+        speed: given.speed.try_into()?,
+        method: Method::named(&given.method)?,
+        step: given.step,
+        rtol: given.rtol,
+        stages: given.stages,
+        modes: given.modes,
+        reduction: given.reduction,
+        initial: read_initial(initial)?,
+        times: Vec::new(),
+        geometry: mesh_geometry(&given.geometry)?,
+        start: given.start,
+        checkpoint: None,
+    })
 }

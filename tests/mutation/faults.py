@@ -637,4 +637,15 @@ FAULTS: list[Fault] = [
         "helical",
         ('axial = description.get("axial", 0.0)', "axial = 0.0"),
     ),
+    *_faults(
+        "results/steady.py",
+        "steady_state",
+        ("if np.pi - angle < _REAL", "if angle > _REAL"),
+        ("abs(largest) > 1.0 + _ERROR", "abs(largest) > 1.1"),
+    ),
+    *_faults(
+        "analysis/arclength.py",
+        "continuation",
+        ("return float(point.tangent[-1])", "return abs(float(point.tangent[-1]))"),
+    ),
 ]

@@ -2,14 +2,14 @@
 
 from gearbow.analysis.balance import balance
 from gearbow.sweeps.many import simulate_many
+from gearbow.system.continuation import ContinuationAnalyses
 from gearbow.system.drawing import plot
-from gearbow.system.simulation import Simulation
 from gearbow.tradeoff.ask import tradeoff
 
 __all__ = ["RotorSystem"]
 
 
-class RotorSystem(Simulation):
+class RotorSystem(ContinuationAnalyses):
     """A system of shafts with gears, disks, bearings and torques.
 
     Parameters

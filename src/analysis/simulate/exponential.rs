@@ -10,7 +10,7 @@ use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::run_cache::RunCache;
 use crate::exponential::{
-    LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
+    InterfaceMaps, LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
@@ -58,18 +58,7 @@ pub(super) fn run(
         return Err(SceneError::new("method", message).into());
     }
     let time_grid = countable_grid(cached, options, (&linear, &nonlinear_loads), end)?;
-    let rule = if options.is_explicit() {
-        QuadratureRule::explicit()
-    } else {
-        QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
-    };
-    let (known, spins) = (cached.run_results::<RunCache>(), nonlinear_loads.spins());
-    let serves = |_: &(), cache: &Arc<PropagatorCache>| cache.serves(&linear, &rule, &maps, &time_grid, &spins);
-    let propagators = known.propagators.find(serves).unwrap_or_else(|| {
-        let cache = Arc::new(PropagatorCache::new(Arc::clone(&linear), rule, maps, time_grid, spins));
-        known.propagators.insert((), Arc::clone(&cache));
-        cache
-    });
+    let propagators = propagators(cached, options, (&linear, maps), time_grid, nonlinear_loads.spins());
     let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
     let mut stepper = Stepper::new(nonlinear_loads, propagators);
     let control = match options.step {
@@ -78,6 +67,28 @@ pub(super) fn run(
     };
     let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
     Ok((in_physical_coordinates(state, &linear, stepper.nonlinear_loads()), outcome))
+}
+
+/// The propagators of a run, which the runs of a system share.
+pub(super) fn propagators(
+    cached: &CachedModel,
+    options: &Options,
+    (linear, maps): (&Arc<ModalStateSpace>, InterfaceMaps),
+    time_grid: TimeGrid,
+    spins: Vec<f64>,
+) -> Arc<PropagatorCache> {
+    let rule = if options.is_explicit() {
+        QuadratureRule::explicit()
+    } else {
+        QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
+    };
+    let known = cached.run_results::<RunCache>();
+    let serves = |_: &(), cache: &Arc<PropagatorCache>| cache.serves(linear, &rule, &maps, &time_grid, &spins);
+    known.propagators.find(serves).unwrap_or_else(|| {
+        let cache = Arc::new(PropagatorCache::new(Arc::clone(linear), rule, maps, time_grid, spins));
+        known.propagators.insert((), Arc::clone(&cache));
+        cache
+    })
 }
 
 /// The time grid of a run that ends at `end` (elapsed time, s), if its units can be counted.

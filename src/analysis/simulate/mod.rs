@@ -9,6 +9,7 @@ mod known_reduction;
 mod longest_step;
 mod modal_setup;
 mod options;
+mod period_map;
 mod pilot;
 mod ports;
 mod ramp;
@@ -24,6 +25,7 @@ pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
+pub(in crate::analysis) use period_map::{PeriodMap, with_period_map};
 pub use record::Record;
 pub use record_plan::{Point, RecordPlan, Request};
 

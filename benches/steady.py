@@ -1,0 +1,119 @@
+"""Compare the cost of steady states with that of running in, as a table for docs/steady.md.
+
+Both begin at the same state and have the same tolerance. Running in ends at the first period whose
+signals differ from the steady state by at most the stated error (RMS of the difference / RMS of the
+signal about its mean, for the worst displacement of a gear or mesh force). The times are CPU times
+of one process. `python benches/steady.py` takes some minutes; --quick leaves out 0.2 % damping.
+"""
+
+import argparse
+import importlib.util
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import gearbow as gb
+from gearbow.study import Case, Settings
+from gearbow.study.case import system as study_system
+
+GEARS = ("g1", "g2", "g3", "g4")
+PAIRS = (("g1", "g2"), ("g3", "g4"))
+MAX_PERIODS = 700
+
+
+def demo() -> gb.RotorSystem:
+    """Return the train of examples/bowed_train.py."""
+    path = Path(__file__).parents[1] / "examples" / "bowed_train.py"
+    spec = importlib.util.spec_from_file_location("bowed_train", path)
+    assert spec is not None
+    assert spec.loader is not None
+    example: Any = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    found: gb.RotorSystem = example.train(0.05 * example.RADIUS)
+    return found
+
+
+def study() -> gb.RotorSystem:
+    """Return the train of the bow study."""
+    found: gb.RotorSystem = study_system(Settings.load(), Case("quarter", 250.0, 100.0, bow=0.05))
+    return found
+
+
+def signals(response: gb.Response) -> list[Any]:
+    """Return the compared signals."""
+    motion = [response.displacement(gear) for gear in GEARS]
+    return [*motion, *(response.mesh(*pair).force for pair in PAIRS)]
+
+
+def difference(found: gb.Response, exact: list[Any]) -> float:
+    """Return the error of the worst signal."""
+    pairs = zip(signals(found), exact, strict=True)
+    return max(
+        float(np.sqrt(np.mean((a - b) ** 2) / np.mean((b - b.mean(axis=0)) ** 2))) for a, b in pairs
+    )
+
+
+def row(
+    name: str, system: gb.RotorSystem, speed: float, error: float, options: dict[str, Any]
+) -> list[str]:
+    """Measure one case."""
+    system.simulate(1e-3, speed, **options)  # modes and propagators belong to both
+    begin = time.process_time()
+    steady = system.steady_state(speed, initial="static", **options)
+    cost = time.process_time() - begin
+    exact, count = signals(steady.response), steady.response.time.size
+    last: Any = "static"
+    begin = time.process_time()
+    for periods in range(1, MAX_PERIODS + 1):
+        start = (periods - 1) * steady.period
+        times = start + np.arange(count) * steady.period / count
+        if not isinstance(last, str):
+            times += last.final["time"] - start
+        last = system.simulate(steady.period, speed, initial=last, times=times, **options)
+        if difference(last, exact) <= error:
+            break
+    run_in = time.process_time() - begin
+    reached = periods < MAX_PERIODS
+    return [
+        name,
+        f"{speed:g}",
+        options["geometry"],
+        f"{error:.0e}",
+        str(steady.periods),
+        f"{periods}" if reached else f"> {periods}",
+        f"{cost:.2f}",
+        f"{run_in:.2f}",
+        f"{run_in / cost:.1f}",
+    ]
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--quick", action="store_true", help="leave out 0.2 % damping")
+    quick: bool = parser.parse_args().quick
+    cases: list[tuple[str, gb.RotorSystem, float, float, str, float]] = []
+    one = demo().replace(modal_damping=0.01)
+    cases += [("demo train, 1 %", one, 100.0, 1e-8, "frozen", 1e-10)]
+    cases += [("demo train, 1 %", one, 100.0, 1e-6, "live", 1e-10)]
+    for damping in (0.02,) if quick else (0.02, 0.002):
+        damped = study().replace(modal_damping=damping)
+        for speed in (100.0, 1000.0):
+            for geometry in ("frozen", "live"):
+                name = f"study train, {100 * damping:g} %"
+                cases.append((name, damped, speed, 1e-6, geometry, 1e-8))
+    head = ["train, damping", "speed [rad/s]", "geometry", "error"]
+    head += ["periods", "run-in", "CPU time [s]", "run-in [s]", "ratio"]
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    for name, system, speed, error, geometry, rtol in cases:
+        options = {"rtol": rtol, "geometry": geometry}
+        print("| " + " | ".join(row(name, system, speed, error, options)) + " |")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

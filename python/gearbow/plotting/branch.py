@@ -1,0 +1,72 @@
+"""Figure of a branch of steady states."""
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from gearbow._types import Array
+from gearbow.plotting.style import PALETTE, STYLE
+
+__all__ = ["branch"]
+
+#: Marker of each kind of special point.
+_MARKS = {"fold": "o", "flip": "s", "contact loss": "D"}
+
+
+def branch(
+    values: Array,
+    amplitudes: Array,
+    stable: NDArray[np.bool_],
+    kinds: Sequence[str],
+    *,
+    labels: tuple[str, str],
+) -> Figure:
+    """Draw a branch: stable parts solid, unstable ones dashed, special points with markers.
+
+    Parameters
+    ----------
+    values, amplitudes : ndarray, shape (p,)
+        Parameter and signal along the branch.
+    stable : ndarray of bool, shape (p,)
+        Stability of each point.
+    kinds : sequence of str
+        Kind of each special point, "" for others.
+    labels : tuple of str
+        Labels of both axes.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    with mpl.rc_context(STYLE):
+        drawing = Figure(figsize=(7.0, 4.5), layout="constrained")
+        axes = drawing.add_subplot()
+        named = set()
+        for is_stable, group in groupby(
+            range(values.size - 1), key=lambda i: stable[i : i + 2].all()
+        ):
+            part = list(group)
+            points = slice(part[0], part[-1] + 2)
+            name = "stable" if is_stable else "unstable"
+            axes.plot(
+                values[points],
+                amplitudes[points],
+                linestyle="-" if is_stable else "--",
+                color=PALETTE[0] if is_stable else PALETTE[1],
+                label=None if name in named else name,
+            )
+            named.add(name)
+        for kind, mark in _MARKS.items():
+            chosen = np.array(kinds) == kind
+            if chosen.any():
+                axes.plot(
+                    values[chosen], amplitudes[chosen], mark, color="0.2", markersize=5, label=kind
+                )
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        axes.legend()
+    return drawing

@@ -1,0 +1,288 @@
+"""A branch of steady states over a parameter: amplitudes, stability, special points, files."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._extras import extra
+from gearbow._read_only import read_only
+from gearbow._types import Array, ComplexArray, Record, RunData
+from gearbow.errors import GearbowError
+from gearbow.orders.channel import channel
+from gearbow.recording import file
+from gearbow.recording.schema import each, number, record, row, text, whole
+from gearbow.results.response import Response
+from gearbow.results.steady import instability
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+__all__ = ["UNITS", "BranchData", "Continuation", "summary"]
+
+#: Unit of each parameter; torque and bow are factors.
+UNITS = {"speed": "rad/s", "torque": "", "bow": "", "backlash": "m"}
+#: Statistics of a signal over a period, in the order of the rows of each point.
+STATISTICS = ("min", "max", "mean", "rms")
+
+#: Further entries of the metadata of a file.
+_BRANCH = record(
+    parameter=text,
+    speed=number,
+    unknowns=whole,
+    values=each(number),
+    kinds=each(text),
+    multipliers=each(each(row(number, number))),
+    message=text,
+)
+
+
+@dataclass
+class BranchData:
+    """Points of a branch as plain data.
+
+    Parameters
+    ----------
+    parameter : str
+        Name of the parameter.
+    speed : float
+        Speed of the reference shaft [rad/s]; the first one if it is the parameter.
+    unknowns : int
+        Number of unknowns.
+    values : list of float
+        Value of the parameter at each point.
+    kinds : list of str
+        "" or the kind of a located point.
+    multipliers : list of list of (float, float)
+        Real and imaginary parts of the multipliers of each point.
+    message : str
+        Why the branch ended before the end of the interval; "" if it did not.
+    """
+
+    parameter: str
+    speed: float
+    unknowns: int
+    values: list[float]
+    kinds: list[str]
+    multipliers: list[list[tuple[float, float]]]
+    message: str = ""
+
+
+class Continuation:
+    """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
+
+    Parameters
+    ----------
+    signals : Response
+        Minimum, maximum, mean and root mean square about the mean of each recorded signal over a
+        period: four rows for each point.
+    data : BranchData
+        The points.
+
+    Attributes
+    ----------
+    parameter : {"speed", "torque", "bow", "backlash"}
+        The parameter.
+    values : ndarray, shape (p,)
+        Its value at each point, in the order along the branch: it turns at folds.
+    multipliers : tuple of ndarray
+        Floquet multipliers of each point, the largest first.
+    stable : ndarray of bool, shape (p,)
+        Whether small disturbances of each motion decay.
+    kinds : tuple of str
+        "" for an ordinary point, or "fold", "flip", "contact loss" for a located one.
+    folds, flips, contact_loss : ndarray
+        Values at the located points of each kind.
+    message : str
+        Why the branch ended before the end of the interval; "" if it did not.
+    """
+
+    def __init__(self, signals: Response, data: BranchData) -> None:
+        self._signals, self._data = signals, data
+        self.parameter = data.parameter
+        self.message = data.message
+        self.values: Array = np.array(data.values)
+        self.kinds = tuple(data.kinds)
+        self.multipliers: tuple[ComplexArray, ...] = tuple(
+            np.array([complex(*z) for z in found]) for found in data.multipliers
+        )
+        self.stable: NDArray[np.bool_] = np.array(
+            [instability(found) is None for found in self.multipliers], dtype=bool
+        )
+        self.folds, self.flips, self.contact_loss = (
+            self.values[np.array(self.kinds) == kind] for kind in ("fold", "flip", "contact loss")
+        )
+        read_only(vars(self))
+
+    def amplitude(self, of: Record, quantity: str | None = None) -> Array:
+        """Give half of the peak-to-peak value of a signal over a period.
+
+        Parameters
+        ----------
+        of : str or tuple
+            Owner of the signal, as for `Response.spectrum`.
+        quantity : str, optional
+            Quantity, as for `Response.spectrum`.
+
+        Returns
+        -------
+        ndarray, shape (p,)
+            Amplitude at each point.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        """
+        return (self.statistic("max", of, quantity) - self.statistic("min", of, quantity)) / 2.0
+
+    def statistic(self, name: str, of: Record, quantity: str | None = None) -> Array:
+        """Give one number that describes a signal over a period.
+
+        Parameters
+        ----------
+        name : {"min", "max", "mean", "rms"}
+            The number; "rms" is the root mean square about the mean.
+        of : str or tuple
+            Owner of the signal, as for `Response.spectrum`.
+        quantity : str, optional
+            Quantity, as for `Response.spectrum`.
+
+        Returns
+        -------
+        ndarray, shape (p,)
+            The number at each point.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        GearbowError
+            If the name is unknown.
+        """
+        if name not in STATISTICS:
+            raise GearbowError(f"name: must be one of {', '.join(STATISTICS)}, got {name!r}")
+        found: Array = channel(self._signals, of, quantity).values
+        chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
+        return chosen
+
+    def plot(
+        self, of: Record, quantity: str | None = None, *, statistic: str | None = None
+    ) -> "Figure":
+        """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
+
+        Parameters
+        ----------
+        of : str or tuple
+            Owner of the signal, as for `Response.spectrum`.
+        quantity : str, optional
+            Quantity, as for `Response.spectrum`.
+        statistic : {"min", "max", "mean", "rms"}, optional
+            Number that describes the signal; None is the amplitude.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+        """
+        with extra("plot"):
+            from gearbow.plotting import branch as figures  # noqa: PLC0415
+
+        name = channel(self._signals, of, quantity)
+        values = (
+            self.amplitude(of, quantity)
+            if statistic is None
+            else self.statistic(statistic, of, quantity)
+        )
+        unit = UNITS[self.parameter]
+        return figures.branch(
+            self.values,
+            values,
+            self.stable,
+            self.kinds,
+            labels=(
+                f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
+                f"{statistic or 'amplitude'} of {name.label} [{name.unit}]",
+            ),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a file without rounding.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
+        """
+        file.save(self._signals.to_record(), path, branch=vars(self._data))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Continuation":
+        """Read a file that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" or ".nc".
+
+        Returns
+        -------
+        Continuation
+            The branch.
+
+        Raises
+        ------
+        GearbowError
+            If the file is damaged or has another content.
+        """
+        run, about = file.read(path)
+        if "branch" not in about:
+            raise GearbowError(f"{path}: is not a continuation")
+        _BRANCH(about["branch"], "branch")
+        return cls(Response.from_record(run), BranchData(**about["branch"]))
+
+    def __repr__(self) -> str:
+        span = f"{self.values[0]:g} to {self.values[-1]:g}" if self.values.size else "empty"
+        return (
+            f"Continuation({self.parameter} {span}, {self.values.size} points, "
+            f"{self.folds.size} folds, {self.flips.size} flips)"
+        )
+
+
+def summary(periods: Sequence[RunData]) -> RunData:
+    """Describe each signal of recorded periods by four numbers, as rows of one recording.
+
+    Parameters
+    ----------
+    periods : sequence of RunData
+        One recorded period for each point.
+
+    Returns
+    -------
+    RunData
+        Minimum, maximum, mean and root mean square about the mean, point after point.
+    """
+    data: dict[str, Any] = dict(periods[-1])
+
+    for name, value in data.items():
+        is_signal = isinstance(value, np.ndarray) and value.shape[:1] == data["time"].shape
+        if is_signal and name != "time":
+            data[name] = _numbers([period[name] for period in periods])  # type: ignore[literal-required]
+    data["mesh"] = {
+        name: _numbers([period["mesh"][name] for period in periods]) for name in data["mesh"]
+    }
+    data["time"] = np.arange(len(STATISTICS) * len(periods), dtype=float)
+    data["energy"] = data["energy_terms"] = None
+    data["events"] = []
+    return data  # type: ignore[return-value]
+
+
+def _numbers(signals: Sequence[Array]) -> Array:
+    """Give the numbers of one signal at all points."""
+    rows = [
+        np.stack([a.min(axis=0), a.max(axis=0), a.mean(axis=0), a.std(axis=0)]) for a in signals
+    ]
+    return np.concatenate(rows)

@@ -1,0 +1,249 @@
+"""Steady-state response: one period of the motion, its multipliers and its files."""
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._convert import number as number_of
+from gearbow._core import Model, multipliers
+from gearbow._types import At, ComplexArray
+from gearbow.errors import GearbowError
+from gearbow.recording import file
+from gearbow.recording.schema import each, number, optional, record, row, text, whole
+from gearbow.results.response import Response
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
+__all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
+
+#: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives.
+SMALLEST_MULTIPLIER = 0.9
+#: Error of a multiplier. A motion with undamped modes, whose multipliers have the magnitude 1,
+#: counts as stable.
+_ERROR = 1e-6
+#: Angle of a multiplier within which it counts as real [rad]: two real multipliers that meet have
+#: angles of the square root of their error.
+_REAL = 1e-3
+
+#: Further entries of the metadata of a file.
+_STEADY = record(
+    period=number,
+    residual=number,
+    periods=whole,
+    method=text,
+    multipliers=optional(each(row(number, number))),
+)
+
+
+def instability(values: ComplexArray) -> str | None:
+    """Name the instability of a periodic motion by its largest multiplier.
+
+    Parameters
+    ----------
+    values : ndarray
+        Floquet multipliers.
+
+    Returns
+    -------
+    str or None
+        "fold" (a multiplier beyond +1), "flip" (beyond −1), "Neimark-Sacker" (a complex pair beyond
+        the unit circle), or None for a stable motion.
+    """
+    if not values.size:
+        return None
+    largest = values[np.argmax(np.abs(values))]
+    if not abs(largest) > 1.0 + _ERROR:
+        return None
+    angle = abs(np.angle(largest))
+    if angle < _REAL:
+        return "fold"
+    return "flip" if np.pi - angle < _REAL else "Neimark-Sacker"
+
+
+class SteadyState:
+    """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
+
+    Parameters
+    ----------
+    response : Response
+        One period of the motion.
+    data : mapping
+        Period, residual, number of integrated periods and method.
+    model : Model, optional
+        The system; None builds it from the scene of the response when multipliers are needed.
+
+    Attributes
+    ----------
+    response : Response
+        One period of the motion, without the instant at its end.
+    period : float
+        Period [s].
+    residual : float
+        Difference of the state after one more period, relative to the motion, both in the energy
+        norm. It is measured by a run with the given tolerance.
+    periods : int
+        Number of periods that the solution integrated, with the recorded one.
+    method : {"linear", "nonlinear"}
+        Whether the state after a period is an affine function of the state before.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> steady = system.steady_state(100.0, record=[("rotor", 0.5)])
+    >>> print(f"{steady.period:.4f} s, stable: {steady.stable}")
+    0.0628 s, stable: True
+    """
+
+    def __init__(
+        self, response: Response, data: dict[str, Any], model: Model | None = None
+    ) -> None:
+        self.response = response
+        self.period: float = data["period"]
+        self.residual: float = data["residual"]
+        self.periods: int = data["periods"]
+        self.method: str = data["method"]
+        self._model = model
+        found = data.get("multipliers")
+        self._multipliers = None if found is None else np.array([complex(*z) for z in found])
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Floquet multipliers of magnitude 0.9 and more, the largest first.
+
+        They are the eigenvalues of the derivative of the state after a period with respect to the
+        state before. The rigid-body rotation of a train that nothing holds is left out. The first
+        access computes them; the result is kept, and saved with the motion.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Complex multipliers.
+        """
+        if self._multipliers is None:
+            self._multipliers = self.multipliers_above(SMALLEST_MULTIPLIER)
+        found: ComplexArray = self._multipliers.copy()
+        return found
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances decay.
+
+        Returns
+        -------
+        bool
+            Whether no multiplier lies outside the unit circle.
+        """
+        return self.instability is None
+
+    @property
+    def instability(self) -> str | None:
+        """Kind of the instability.
+
+        Returns
+        -------
+        str or None
+            "fold", "flip", "Neimark-Sacker", or None for a stable motion.
+        """
+        return instability(self.multipliers)
+
+    def plot(self, kind: str = "orbits", names: "At | Sequence[At] | None" = None) -> "Figure":
+        """Draw recorded signals over one period, as `Response.plot`.
+
+        Parameters
+        ----------
+        kind : {"orbits", "history", "twist", "mesh", "spectrum"}
+            Kind of the figure.
+        names : str, tuple or sequence of them, optional
+            Places or meshes; None is all.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+        """
+        return self.response.plot(kind, names)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a file without rounding, with the multipliers if they are known.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
+        """
+        found = self._multipliers
+        steady = {
+            "period": self.period,
+            "residual": self.residual,
+            "periods": self.periods,
+            "method": self.method,
+            "multipliers": None if found is None else [[z.real, z.imag] for z in found.tolist()],
+        }
+        file.save(self.response.to_record(), path, steady=steady)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "SteadyState":
+        """Read a file that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" or ".nc".
+
+        Returns
+        -------
+        SteadyState
+            The motion.
+
+        Raises
+        ------
+        GearbowError
+            If the file is damaged or has another content.
+        """
+        run, about = file.read(path)
+        if "steady" not in about:
+            raise GearbowError(f"{path}: is a response, not a steady state; use Response.load")
+        _STEADY(about["steady"], "steady")
+        return cls(Response.from_record(run), about["steady"])
+
+    def multipliers_above(self, magnitude: float) -> ComplexArray:
+        """Compute the Floquet multipliers from a magnitude on.
+
+        Parameters
+        ----------
+        magnitude : float
+            Smallest magnitude. The smaller it is, the more periods the computation takes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Complex multipliers, the largest first.
+
+        Raises
+        ------
+        GearbowError
+            If the motion does not know its system.
+        """
+        request = self.response.request
+        if request is None:
+            raise GearbowError(
+                "multipliers: this motion does not know its system; take that of steady_state"
+            )
+        model = self._model or Model(dict(request.description))
+        return multipliers(
+            model, **request.options, smallest=number_of(magnitude, "magnitude"), progress=None
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"SteadyState(period {self.period:g} s, residual {self.residual:.1e}, "
+            f"{self.response.time.size} times)"
+        )

@@ -1,0 +1,358 @@
+"""Branches of steady states of a system over a parameter."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gearbow._convert import number, text, whole
+from gearbow._core import common_period, period_map, user_order
+from gearbow._progress import reported
+from gearbow._types import Array, Progress, Record, RunData
+from gearbow.analysis.arclength import BranchPoint, Settings, branch
+from gearbow.analysis.protocol import variant
+from gearbow.description.bow import Bow
+from gearbow.description.kinematics import Kinematics
+from gearbow.errors import GearbowError, SceneError
+from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
+from gearbow.results.response import Response
+from gearbow.results.steady import SteadyState
+from gearbow.system.run import requests
+from gearbow.system.steady import SteadyAnalyses
+
+__all__ = ["ContinuationAnalyses"]
+
+#: Smallest number of recorded instants in a period.
+_SAMPLES = 128
+#: Refinement of the recorded instants in which the smallest deflection is sought.
+_FINER = 8
+#: Largest residual of a point, in multiples of the tolerance of the integration.
+_RESIDUAL = 10.0
+
+
+class ContinuationAnalyses(SteadyAnalyses):
+    """Branches of steady states over a parameter."""
+
+    def continuation(
+        self,
+        parameter: str,
+        start: float,
+        stop: float,
+        *,
+        speed: float | None = None,
+        periods: int = 1,
+        max_period: float = 10.0,
+        rtol: float = 1e-9,
+        step: float = 0.02,
+        max_points: int = 400,
+        initial: str | SteadyState = "static",
+        record: Iterable[Record] = ("gears", "meshes"),
+        geometry: str = "live",
+        progress: bool | Progress | None = None,
+    ) -> Continuation:
+        """Follow the steady motion over a parameter, through folds, with its stability.
+
+        Parameters
+        ----------
+        parameter : {"speed", "torque", "bow", "backlash"}
+            Speed of the reference shaft [rad/s], factor of all constant torques, factor of all
+            bows, or backlash of all meshes that have one [m].
+        start, stop : float
+            Interval of the parameter. The branch begins at `start`, and ends where it leaves the
+            interval.
+        speed : float, optional
+            Speed of the reference shaft [rad/s], if it is not the parameter.
+        periods : int
+            Period of the motion in common periods of the excitation.
+        max_period : float
+            Longest accepted common period [s].
+        rtol : float
+            Tolerance of the integration.
+        step : float
+            First step along the branch, over the interval.
+        max_points : int
+            Largest number of points.
+        initial : {"synchronous", "static", "rest"} or SteadyState
+            Motion from which the search of the first steady state starts; a steady state that
+            started at the time 0.
+        record : sequence of str or tuple
+            Recorded items, as for `simulate`.
+        geometry : {"live", "frozen"}
+            As for `simulate`.
+        progress : bool or callable, optional
+            True shows a progress bar; a callable receives the completed fraction of the points.
+
+        Returns
+        -------
+        Continuation
+            The branch. Where it cannot be followed further, `Continuation.message` says why.
+
+        Raises
+        ------
+        SceneError
+            If an argument is invalid.
+        ConvergenceError
+            If there is no steady state at the start.
+        KeyboardInterrupt
+            At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
+        """
+        _check(parameter, start, stop, speed)
+        start, stop = number(start, "start"), number(stop, "stop")
+        at = start if speed is None else number(speed, "speed")
+        geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
+        periods = whole(periods, "periods")
+        family = _Family(self, parameter, at)
+        first = family.system(start)
+        longest = number(max_period, "max_period")
+        common = periods * common_period(first._model, at, None, longest)
+        wanted = requests(record)
+        found = first.steady_state(
+            at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=wanted
+        )
+        motion = _Motion(
+            family,
+            wanted,
+            (rtol, geometry),
+            (periods, longest),
+            _samples(self, common, at),
+        )
+        settings = Settings(
+            start,
+            stop,
+            number(step, "step"),
+            whole(max_points, "max_points"),
+            tolerance=_RESIDUAL * rtol,
+        )
+        return _followed(motion, motion.unknowns(found), settings, progress)
+
+
+def _check(parameter: str, start: float, stop: float, speed: float | None) -> None:
+    """Check what is followed."""
+    if parameter not in UNITS:
+        known = ", ".join(f'"{name}"' for name in UNITS)
+        raise SceneError(f"parameter: must be one of {known}, got {parameter!r}")
+    begin, end = number(start, "start"), number(stop, "stop")
+    if begin == end:
+        raise SceneError(f"stop: must differ from start, got {end}")
+    if (parameter == "speed") == (speed is not None):
+        raise SceneError('speed: give it for every parameter except "speed"')
+
+
+def _followed(
+    motion: "_Motion", first: Array, settings: Settings, progress: bool | Progress | None
+) -> Continuation:
+    """Follow a branch, and keep what was computed where it ends early."""
+    points: list[BranchPoint] = []
+    message = ""
+    try:
+        with reported(progress, settings.max_points, "points", estimate=False) as report:
+            for point in branch(motion, first, settings):
+                points.append(point)
+                if report is not None:
+                    report(min(1.0, len(points) / settings.max_points))
+    except KeyboardInterrupt as error:
+        error.branch = motion.result(points, "interrupted") if points else None  # type: ignore[attr-defined]
+        raise
+    except GearbowError as error:
+        if not points:
+            raise
+        message = str(error)
+    low, high = sorted((settings.start, settings.stop))
+    if not message and low <= points[-1].value <= high:
+        message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
+    return motion.result(points, message)
+
+
+def _samples(system: SteadyAnalyses, period: float, speed: float) -> int:
+    """Give the number of recorded instants in a period."""
+    return max(_SAMPLES, system._samples(period, speed, None))
+
+
+class _Family:
+    """Systems over the parameter."""
+
+    def __init__(self, base: SteadyAnalyses, parameter: str, speed: float) -> None:
+        self.base, self.parameter, self.fixed = base, parameter, speed
+        self._last: tuple[float, SteadyAnalyses] = (math.nan, base)
+
+    def speed(self, value: float) -> float:
+        """Speed of the reference shaft [rad/s]."""
+        return value if self.parameter == "speed" else self.fixed
+
+    def system(self, value: float) -> SteadyAnalyses:
+        """Give the system at a value."""
+        if self.parameter == "speed":
+            return self.base
+        if self._last[0] != value:
+            self._last = (value, variant(self.base, **self._changes(value)))
+        return self._last[1]
+
+    def _changes(self, value: float) -> dict[str, Any]:
+        base = self.base
+        if self.parameter == "torque":
+            return {"torques": [_scaled_torque(torque, value) for torque in base.torques]}
+        if self.parameter == "bow":
+            if all(shaft.bow is None for shaft in base.shafts):
+                raise SceneError("bow: no shaft has a bow; give one to a shaft")
+            shafts = [replace(each, bow=_scaled_bow(each.bow, value)) for each in base.shafts]
+            return {"shafts": shafts}
+        if all(mesh.backlash is None for mesh in base.meshes):
+            raise SceneError("backlash: no mesh has a backlash; give one to a mesh")
+        return {
+            "meshes": [
+                mesh if mesh.backlash is None else replace(mesh, backlash=value)
+                for mesh in base.meshes
+            ]
+        }
+
+
+def _scaled_torque(torque: Any, factor: float) -> Any:
+    if not isinstance(torque.value, (int, float)):
+        return torque
+    return replace(torque, value=factor * torque.value)
+
+
+def _scaled_bow(bow: Bow | None, factor: float) -> Bow | None:
+    if bow is None:
+        return None
+    if bow.curve is not None:
+        raise SceneError("bow: a bow given by a function cannot be scaled; use Bow.points")
+    if bow.amplitudes is not None:
+        return replace(bow, amplitudes=[factor * each for each in bow.amplitudes])
+    return replace(bow, amplitude=factor * (bow.amplitude or 0.0))
+
+
+@dataclass(frozen=True)
+class _Modes:
+    """Undamped modes as a basis: elastic ones by ωη and η̇, rigid-body motions by η̇."""
+
+    shapes: Array
+    frequencies: Array
+    inverse: Array
+    #: Number of rigid-body modes, which come first.
+    rigid: int
+
+    @classmethod
+    def of(cls, system: SteadyAnalyses, speed: float) -> "_Modes":
+        matrices = system.matrices(speed)
+        factor = np.linalg.inv(np.linalg.cholesky(matrices.mass))
+        stiffness = (matrices.stiffness + matrices.stiffness.T) / 2.0
+        squares, vectors = np.linalg.eigh(factor @ stiffness @ factor.T)
+        shapes = factor.T @ vectors
+        frequencies = np.sqrt(np.maximum(squares, 0.0))
+        rigid = int(np.sum(frequencies < 1e-6 * frequencies[-1])) if frequencies.size else 0
+        return cls(shapes, frequencies, shapes.T @ matrices.mass, rigid)
+
+    def unknowns(self, states: Array) -> Array:
+        """Convert displacements and velocities, (k, 2n)."""
+        n = self.frequencies.size
+        q, v = states[:, :n] @ self.inverse.T, states[:, n:] @ self.inverse.T
+        return np.hstack([(q * self.frequencies)[:, self.rigid :], v])
+
+    def states(self, unknowns: Array) -> Array:
+        """Convert unknowns, (k, 2n − rigid), with rigid-body motions at their origin."""
+        n, rigid = self.frequencies.size, self.rigid
+        q = np.zeros((unknowns.shape[0], n))
+        q[:, rigid:] = unknowns[:, : n - rigid] / self.frequencies[rigid:]
+        return np.hstack([q @ self.shapes.T, unknowns[:, n - rigid :] @ self.shapes.T])
+
+
+class _Motion:
+    """The period map over the unknowns of the first system: a `gearbow.analysis.arclength.Map`."""
+
+    def __init__(
+        self,
+        family: _Family,
+        record: list[Any],
+        run: tuple[float, str],
+        period: tuple[int, float],
+        samples: int,
+    ) -> None:
+        self.family, self.record, self.samples = family, record, samples
+        self.rtol, self.geometry = run
+        self.periods, self.longest = period
+        self.modes = _Modes.of(family.base, family.fixed)
+
+    def unknowns(self, found: SteadyState) -> Array:
+        """Give the unknowns of the first steady state."""
+        final = found.response.final
+        state = user_order(self.family.base._model, final["state"])
+        unknowns: Array = self.modes.unknowns(state[None])[0]
+        return unknowns
+
+    def images(self, states: Array, value: float) -> Array:
+        """Give the unknowns after a period."""
+        return self._run(states, value, 0)[0]
+
+    def observed(self, state: Array, value: float) -> tuple[RunData, float]:
+        """Give the recorded period, and the smallest deflection of a mesh with backlash."""
+        data = self._run(state[None], value, self.samples)[1]
+        assert data is not None
+        meshes = {(mesh.driver, mesh.driven): mesh for mesh in self.family.base.meshes}
+        margin = math.inf
+        for column, pair in enumerate(data["meshes"]):
+            if meshes[tuple(pair)].backlash is not None:  # type: ignore[index]
+                margin = min(margin, _smallest(data["mesh"]["deflection"][:, column]))
+        return data, margin
+
+    def _run(self, unknowns: Array, value: float, samples: int) -> tuple[Array, RunData | None]:
+        system, speed = self.family.system(value), self.family.speed(value)
+        period = self.periods * common_period(system._model, speed, None, self.longest)
+        images, data = period_map(
+            system._model,
+            initial="static",
+            states=np.ascontiguousarray(self.modes.states(unknowns)),
+            samples=samples,
+            record=self.record,
+            duration=period,
+            speed=speed,
+            method="exponential",
+            step=None,
+            rtol=self.rtol,
+            stages=None,
+            modes=None,
+            reduction=None,
+            geometry=self.geometry,
+            start=0.0,
+        )
+        after = self.modes.unknowns(images)
+        if self.modes.rigid:
+            # A rigid-body position has returned if its velocity has this correction.
+            n, rigid = self.modes.frequencies.size, self.modes.rigid
+            drift = images[:, :n] @ self.modes.inverse[:rigid].T
+            place = slice(n - rigid, n)
+            after[:, place] = unknowns[:, place] - drift / period
+        return after, data
+
+    def result(self, points: list[BranchPoint], message: str) -> Continuation:
+        """Give the points as a result."""
+        speed = self.family.fixed
+        signals = Response(summary([point.kept for point in points]), speed)
+        signals.kinematics = Kinematics.of(self.family.base)
+        multipliers = [
+            [(float(z.real), float(z.imag)) for z in point.multipliers] for point in points
+        ]
+        data = BranchData(
+            parameter=self.family.parameter,
+            speed=speed,
+            unknowns=points[0].state.size,
+            values=[float(point.value) for point in points],
+            kinds=[point.kind for point in points],
+            multipliers=multipliers,
+            message=message,
+        )
+        return Continuation(signals, data)
+
+
+def _smallest(values: Array) -> float:
+    """Give the smallest value of a periodic signal, by a parabola through its finest samples."""
+    spectrum = np.fft.rfft(values)
+    fine = np.fft.irfft(spectrum, _FINER * values.size) * _FINER
+    at = int(np.argmin(fine))
+    before, lowest, after = fine[at - 1], fine[at], fine[(at + 1) % fine.size]
+    curvature = before - 2.0 * lowest + after
+    if curvature <= 0.0:
+        return float(lowest)
+    return float(lowest - (after - before) ** 2 / (8.0 * curvature))

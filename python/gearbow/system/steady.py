@@ -1,0 +1,169 @@
+"""Steady-state response of a system."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from gearbow._convert import number, text, whole
+from gearbow._core import common_period, steady_state
+from gearbow._progress import reported
+from gearbow._types import Progress, Record, RunData
+from gearbow.accuracy.levels import check_reduction
+from gearbow.description.kinematics import Kinematics
+from gearbow.description.speed import plain_speed
+from gearbow.errors import SceneError
+from gearbow.recording.request import RunRequest
+from gearbow.results.response import Response
+from gearbow.results.steady import SteadyState
+from gearbow.system.run import beginning, given_speed, in_order, requests
+from gearbow.system.simulation import Simulation
+
+__all__ = ["SteadyAnalyses"]
+
+
+class SteadyAnalyses(Simulation):
+    """Steady-state response of the equations of motion."""
+
+    def steady_state(
+        self,
+        speed: float,
+        *,
+        period: float | None = None,
+        max_period: float = 10.0,
+        accuracy: str | None = None,
+        step: float | None = None,
+        rtol: float | None = None,
+        stages: int | None = None,
+        modes: int | None = None,
+        initial: "str | Response | SteadyState | Mapping[str, Any]" = "synchronous",
+        output_step: float | None = None,
+        record: Iterable[Record] = ("gears", "meshes"),
+        geometry: str = "live",
+        start: float | None = None,
+        progress: bool | Progress | None = None,
+    ) -> SteadyState:
+        """Find the motion that remains after the transient, at a constant speed.
+
+        The motion is periodic with the common period of all excitations. The solution takes about
+        ten periods, where running in takes up to hundreds. A motion that is unstable is found too.
+
+        Parameters
+        ----------
+        speed : float
+            Speed Ω of the reference shaft [rad/s].
+        period : float, optional
+            Period of the motion [s]; a multiple of the common period gives motions that repeat
+            after several of them. None is the common period, which follows from the numbers of
+            teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
+        max_period : float
+            Longest accepted common period [s].
+        accuracy : {"draft", "engineering", "reference"}, optional
+            Total error, as for `simulate`.
+        step : float, optional
+            Fixed step [s]; the period is divided into steps of at most this length.
+        rtol : float, optional
+            Tolerance of the integration, as for `simulate`. The iteration ends where its error is
+            below it.
+        stages : int, optional
+            Number of Gauss nodes in a step, 1 to 4.
+        modes : int, optional
+            Number of modes, as for `simulate`.
+        initial : {"synchronous", "static", "rest"}, Response or SteadyState
+            Motion from which the iteration starts. Where several motions exist, it decides which
+            is found.
+        output_step : float, optional
+            Longest time between recorded instants [s], which divide the period evenly. None
+            resolves shaft rotation and tooth passing.
+        record : sequence of str or tuple
+            Recorded items, as for `simulate`.
+        geometry : {"live", "frozen"}
+            As for `simulate`.
+        start : float, optional
+            Time at the start [s]; 0 by default.
+        progress : bool or callable, optional
+            True shows a progress bar; a callable receives the completed fraction.
+
+        Returns
+        -------
+        SteadyState
+            One period of the motion.
+
+        Raises
+        ------
+        SceneError
+            If an argument is invalid, or the excitation has no common period up to `max_period`.
+        ConvergenceError
+            If the iteration does not converge. The message gives the residual.
+        StabilityError, ContactError
+            As for `simulate`.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> bow = gb.Bow.half_sine(1e-4)
+        >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
+        >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+        >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+        >>> steady = system.steady_state(100.0, record=[("rotor", 0.5)])
+        >>> steady.instability is None
+        True
+        """
+        if isinstance(initial, SteadyState):
+            initial = initial.response
+        state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
+        speed = number(speed, "speed")
+        if period is not None:
+            period = number(period, "period")
+            if not period > 0.0:
+                raise SceneError(f"period: must be positive, got {period}")
+        longest = number(max_period, "max_period", infinite=True)
+        period = common_period(self._model, speed, period, longest)
+        system = self._over_time(begin, period)
+        given = {"method": None, "step": step, "rtol": rtol}
+        if accuracy is not None:
+            given |= {"stages": stages}
+        level, coarse = system._level(accuracy, given)
+        arguments: dict[str, Any] = {
+            "duration": period,
+            "speed": plain_speed(given_speed(speed, begin, period)),
+            "method": "exponential",
+            "step": None if step is None else number(step, "step"),
+            "rtol": level.rtol
+            if level is not None
+            else None
+            if rtol is None
+            else number(rtol, "rtol"),
+            "stages": None if stages is None else whole(stages, "stages"),
+            "modes": None if modes is None else whole(modes, "modes"),
+            "initial": state,
+            "record": requests(record),
+            "geometry": text(geometry, "geometry"),
+            "start": begin,
+            "reduction": None if level is None else level.reduction,
+        }
+        samples = system._samples(period, speed, output_step)
+        with reported(progress, 1.0) as report:
+            data, about = steady_state(system._model, **arguments, samples=samples, progress=report)
+        response = system._steady_response(data, speed, arguments)
+        if level is not None and stages is None and modes is None:
+            response.accuracy = level.explanation(response.events, coarse)
+        if modes is not None or level is not None:
+            check_reduction(response.statistics, level, given=modes is not None)
+        return SteadyState(response, about, system._model)
+
+    def _steady_response(self, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
+        """Give the recorded period; its request continues from its end, with the same motion."""
+        response = Response(in_order(data, None), speed)
+        response.kinematics = Kinematics.of(self)
+        again = {**arguments, "initial": response.final, "start": response.final["time"]}
+        response.request = RunRequest(self.description, again)
+        return response
+
+    def _samples(self, period: float, speed: float, output_step: float | None) -> int:
+        """Give the number of recorded instants in a period."""
+        if output_step is None:
+            output_step = self._model.default_output_step(period, speed, 0.0)
+        output_step = number(output_step, "output_step")
+        if not output_step > 0.0:
+            raise SceneError(f"output_step: must be positive, got {output_step}")
+        return max(1, math.ceil(period / output_step * (1.0 - 1e-12)))

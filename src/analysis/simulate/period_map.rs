@@ -1,0 +1,316 @@
+//! The period map: the state at the end of one period of the excitation, as a function of the state at its beginning.
+//!
+//! The state is z of the modal coordinates in which a run integrates. The time grid divides the period into equal longest
+//! steps, so that the period ends with a step. [`PeriodMap::adapt`] chooses the step levels within each of them by the
+//! tolerance; [`PeriodMap::apply`] repeats these levels from other states, so that its result is a smooth function of the
+//! state as far as the loads are.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::exponential::{countable_grid, propagators};
+use super::initial::{Start, start};
+use super::known_reduction::Reduction;
+use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
+use super::record::Recorder;
+use super::{
+    HEARTBEAT, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, of_run,
+    reduction, tolerance,
+};
+use crate::analysis::{AnalysisError, Spectrum};
+use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
+use crate::integrate::{Halt, Observer, State, Statistics, Trajectory};
+use crate::modal::{CachedModel, ModalStateSpace};
+use crate::motion::EquationOfMotion;
+
+/// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
+const PERIODS: f64 = 10.0;
+/// The stage equations of planned steps are solved to this fraction of the motion: differences of two runs then have
+/// seven digits, where two states differ by 1e-6 of the motion.
+const SOLVE_RTOL: f64 = 1e-13;
+
+/// The period map of a system at a constant speed.
+pub struct PeriodMap<'a> {
+    cached: &'a CachedModel,
+    options: &'a Options,
+    plan: &'a RecordPlan,
+    setup: ModalSetup<'a>,
+    reduction: Option<Reduction>,
+    stepper: Stepper<'a>,
+    time_grid: TimeGrid,
+    /// Number of longest steps in a period.
+    steps: u64,
+    start: Start,
+    spectrum: Spectrum,
+    /// Step levels of [`Self::apply`].
+    levels: Arc<[u8]>,
+    heartbeat: PeriodHeartbeat<'a>,
+    /// Number of periods that have been integrated.
+    pub runs: usize,
+}
+
+/// Calls `solve` with the period map of a system; `options.duration` is the period, s.
+///
+/// # Errors
+/// [`AnalysisError`] of the set-up, or of `solve`.
+pub fn with_period_map<T>(
+    cached: &CachedModel,
+    options: &Options,
+    plan: &RecordPlan,
+    watch: &mut dyn FnMut(f64) -> bool,
+    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
+) -> Result<T, AnalysisError> {
+    options.check()?;
+    for speed in options.speed.magnitudes() {
+        cached.model.check_speed(speed)?;
+    }
+    let cached = &*of_run(cached, options)?;
+    let several = Options { duration: PERIODS * options.duration, ..options.clone() };
+    let spectrum = Spectrum::new(cached, options.fastest())?;
+    let start = start(cached, &several, &spectrum, watch)?;
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
+    if plan.energy {
+        motion = motion.with_modal_damping(cached)?;
+    }
+    motion.join_smooth_pieces();
+    if !motion.accepts_contact_modes(&start.state.contact_modes) {
+        return Err(foreign_contact_modes(&start).into());
+    }
+    let end = start.state.elapsed + several.duration;
+    let run = Run { cached, options: &several, spectrum: &spectrum, floor: start.floor, end };
+    let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
+    let (setup, reduction) = reduction::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
+    let setup = if setup.linear.includes_meshes {
+        setup
+    } else {
+        // Without the meshes every shaft rotates freely, and the modes say little about the period map.
+        let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
+        run.complete(motion, &start, plan, Some(&complete))?
+    };
+    let grid = countable_grid(cached, &several, (&setup.linear, &setup.nonlinear_loads), end)?;
+    let steps = (options.duration / grid.longest).ceil().max(1.0);
+    let time_grid = TimeGrid { longest: options.duration / steps, ..grid };
+    let spins = setup.nonlinear_loads.spins();
+    let cache = propagators(cached, options, (&setup.linear, setup.maps.clone()), time_grid, spins);
+    let stepper = Stepper::new(setup.nonlinear_loads.clone(), cache);
+    let levels = vec![0; steps as usize].into();
+    let mut map = PeriodMap {
+        cached,
+        options,
+        plan,
+        setup,
+        reduction,
+        stepper,
+        time_grid,
+        steps: steps as u64,
+        start,
+        spectrum,
+        levels,
+        heartbeat,
+        runs: 0,
+    };
+    solve(&mut map)
+}
+
+impl PeriodMap<'_> {
+    /// The linear motion ż = A z.
+    pub fn linear(&self) -> &ModalStateSpace {
+        &self.setup.linear
+    }
+
+    /// Period, s.
+    pub fn period(&self) -> f64 {
+        self.options.duration
+    }
+
+    /// Relative tolerance of the options.
+    pub fn tolerance(&self) -> f64 {
+        self.options.tolerance()
+    }
+
+    /// The initial state of the options.
+    pub fn initial(&self) -> Vec<f64> {
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &self.start).y
+    }
+
+    /// The state z of displacements and velocities at the beginning of a period.
+    pub fn modal(&self, y: &[f64]) -> Vec<f64> {
+        let state = State { y: y.to_vec(), elapsed: self.start.state.elapsed, ..State::new(Vec::new()) };
+        let start = Start { state, resumes: false, ..self.start.clone() };
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &start).y
+    }
+
+    /// Displacements and velocities of a state z at the beginning of a period.
+    pub fn physical(&self, z: Vec<f64>) -> Vec<f64> {
+        let state = State { elapsed: self.start.state.elapsed, ..State::new(z) };
+        in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads).y
+    }
+
+    /// Whether the map is affine in z: all loads are, and no flank changes its contact.
+    pub fn is_affine(&self) -> bool {
+        let loads = &self.setup.nonlinear_loads;
+        loads.is_affine() && !loads.motion.flanks_can_separate() && !loads.motion.motion_changes_contact_modes()
+    }
+
+    /// Energy norm of the motion of a state z about the equilibrium, at least the level of round-off.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where the loads are not defined.
+    pub fn size(&mut self, z: &[f64]) -> Result<f64, AnalysisError> {
+        let begin = self.start.state.elapsed;
+        let norm = self.stepper.clone().energy_norm(begin, z);
+        let norm = norm.map_err(|halt| self.explained(&crate::integrate::Halted { halt, elapsed: begin }))?;
+        Ok(norm.max(self.start.floor))
+    }
+
+    /// Announces the completed part of the solution, at which Ctrl-C is checked too.
+    pub fn report(&mut self, done: f64) {
+        self.heartbeat.done = done;
+    }
+
+    /// State after one period, with the step levels of the last [`Self::adapt`].
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn apply(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
+        let control = LevelControl::Planned { levels: Arc::clone(&self.levels), solve_rtol: SOLVE_RTOL };
+        let mut stepper = self.stepper.clone();
+        Ok(self.follow(&mut stepper, control, z)?.y)
+    }
+
+    /// State after one period with steps that meet the tolerance, whose levels are kept.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn adapt(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
+        self.adapt_to(z, self.tolerance())
+    }
+
+    /// The same for a relative tolerance `rtol` in place of that of the options.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn adapt_to(&mut self, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
+        let mut stepper = self.stepper.clone();
+        stepper.levels = Some(vec![0; self.steps as usize]);
+        let state = self.follow(&mut stepper, self.control(rtol), z)?;
+        self.levels = stepper.levels.unwrap_or_default().into();
+        Ok(state.y)
+    }
+
+    /// Makes the step levels of [`Self::apply`] fine enough for the motion from another state too.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn refine(&mut self, z: &[f64]) -> Result<(), AnalysisError> {
+        let before = Arc::clone(&self.levels);
+        self.adapt(z)?;
+        self.levels = self.levels.iter().zip(before.iter()).map(|(new, before)| *new.max(before)).collect();
+        Ok(())
+    }
+
+    /// The recorded motion of one period from a state z, with steps that meet the tolerance, whose levels are kept.
+    /// Returns the state at the end too.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn record(&mut self, z: &[f64], samples: usize) -> Result<(Response, Vec<f64>), AnalysisError> {
+        let (origin, begin, end) = (self.start.rotation.origin, self.start.state.elapsed, self.end());
+        let period = self.period();
+        let times: Vec<f64> =
+            (0..samples).map(|sample| origin + begin + period * sample as f64 / samples as f64).collect();
+        let motion = self.setup.nonlinear_loads.motion.clone();
+        let during = (begin, tolerance(self.options, &motion));
+        let mut stepper = self.stepper.clone();
+        stepper.levels = Some(vec![0; self.steps as usize]);
+        let mut output = self.setup.output.clone();
+        let (mut state, mut statistics) = (self.state(z), Statistics::new());
+        let control = self.control(self.tolerance());
+        let done = self.heartbeat.done;
+        let mut observer = RunObserver {
+            recorder: Recorder::new(motion, self.plan, &times, origin, during),
+            watch: &mut |_| (self.heartbeat.watch)(done),
+            span: (begin, end),
+            last_check: Instant::now(),
+        };
+        let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, &mut observer, &mut statistics);
+        let (record, recorder_state) = observer.recorder.finish();
+        outcome.map_err(|halted| explain(self.cached, &halted, origin))?;
+        self.runs += 1;
+        self.levels = stepper.levels.take().unwrap_or_default().into();
+        let last = state.y.clone();
+        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads);
+        let response = Response {
+            record,
+            recorder_state,
+            last: self.options.last(&self.start.rotation, origin + begin + period, state),
+            limited_by: limited_by(self.options, &statistics),
+            statistics,
+            spectrum: self.spectrum.clone(),
+            condition: Some(self.setup.linear.condition),
+            reduction: self.reduction,
+        };
+        Ok((response, last))
+    }
+
+    /// Integrates over one period.
+    fn follow(&mut self, stepper: &mut Stepper<'_>, control: LevelControl, z: &[f64]) -> Result<State, AnalysisError> {
+        let (mut state, end) = (self.state(z), self.end());
+        let mut output = self.setup.output.clone();
+        let outcome =
+            integrate((stepper, &mut output), control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
+        outcome.map_err(|halted| self.explained(&halted))?;
+        self.runs += 1;
+        Ok(state)
+    }
+
+    fn explained(&self, halted: &crate::integrate::Halted) -> AnalysisError {
+        explain(self.cached, halted, self.start.rotation.origin)
+    }
+
+    /// The state of an integration from z on.
+    fn state(&self, z: &[f64]) -> State {
+        State { elapsed: self.start.state.elapsed, ..State::new(z.to_vec()) }
+    }
+
+    /// Elapsed time up to which a period is integrated, s. A quarter of a unit after its last step, so that round-off does
+    /// not exclude this step.
+    fn end(&self) -> f64 {
+        let units = self.steps * self.time_grid.units(0);
+        self.start.state.elapsed + self.time_grid.time(units) + 0.25 * self.time_grid.unit()
+    }
+
+    /// Steps that meet the tolerance, or fixed ones if the options ask for them.
+    fn control(&self, rtol: f64) -> LevelControl {
+        match self.options.step {
+            Some(_) => LevelControl::Fixed,
+            None => LevelControl::Adaptive { rtol, floor: self.start.floor },
+        }
+    }
+}
+
+/// An observer that only asks whether to continue.
+struct PeriodHeartbeat<'a> {
+    watch: &'a mut dyn FnMut(f64) -> bool,
+    last_check: Instant,
+    /// Completed part of the solution.
+    done: f64,
+}
+
+impl Observer for PeriodHeartbeat<'_> {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn observe(&mut self, _motion: &mut impl Trajectory, _end: f64) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    fn continues(&mut self, _elapsed: f64) -> bool {
+        if self.last_check.elapsed() < HEARTBEAT {
+            return true;
+        }
+        self.last_check = Instant::now();
+        (self.watch)(self.done)
+    }
+}

@@ -1,0 +1,150 @@
+//! Floquet multipliers: eigenvalues of the derivative of the period map at a steady state.
+
+use std::cell::RefCell;
+
+use nalgebra::Complex;
+
+use super::norm;
+use super::preconditioner::Preconditioner;
+use crate::analysis::AnalysisError;
+use crate::analysis::simulate::PeriodMap;
+use crate::linalg::{DecompositionError, Krylov, Operator};
+
+/// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
+/// of about its square, and the round-off of the stage equations (1e-13) divided by it.
+const DIFFERENCE: f64 = 1e-5;
+/// Size of the disturbance that the steps resolve, relative to the motion.
+const DISTURBANCE: f64 = 0.1;
+/// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
+const REST: f64 = 1e-3;
+/// Energy norm below which there is no motion.
+const NO_MOTION: f64 = 1e-100;
+/// Largest residual of a multiplier, relative to it.
+const RESIDUAL: f64 = 1e-6;
+/// Largest number of products with the derivative.
+const MAX_PRODUCTS: usize = 400;
+/// Number of products between two checks of the residuals.
+const INTERVAL: usize = 8;
+
+/// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins.
+pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+    let z = map.initial();
+    let image = map.adapt(&z)?;
+    // Without a motion, the equations have no scale.
+    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST);
+    let unknown: Vec<usize> = unknowns(map, &preconditioner);
+    let is_affine = map.is_affine();
+    map.refine(&disturbed(map, &z, &unknown, size))?;
+    let base = if is_affine { map.apply(&z)? } else { image };
+    let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
+    let found = eigenvalues(&operator, smallest);
+    if let Some(error) = operator.failure.take() {
+        return Err(error);
+    }
+    let mut values = found?;
+    values.retain(|value| value.norm() >= smallest);
+    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    Ok(values)
+}
+
+/// A state whose difference to `z` is a tenth of the motion: its steps also resolve how a disturbance moves, which a steady
+/// motion need not contain. Slow modes have the largest part.
+fn disturbed(map: &PeriodMap<'_>, z: &[f64], unknown: &[usize], size: f64) -> Vec<f64> {
+    let linear = map.linear();
+    let rate =
+        |entry: usize| linear.blocks.iter().filter_map(|list| list.get(entry % linear.slots)).map(|x| x * x).sum();
+    let parts: Vec<f64> = unknown.iter().map(|entry| 1.0 / (1.0 + f64::sqrt(rate(*entry)) * map.period())).collect();
+    let factor = DISTURBANCE * size / norm(&parts).max(f64::MIN_POSITIVE);
+    let mut state = z.to_vec();
+    for (entry, part) in unknown.iter().zip(&parts) {
+        state[*entry] += factor * part;
+    }
+    state
+}
+
+/// Entries of z that are unknowns: neither padding nor rigid-body motion.
+fn unknowns(map: &PeriodMap<'_>, preconditioner: &Preconditioner) -> Vec<usize> {
+    let linear = map.linear();
+    let used = |slot: usize| slot < linear.modes || linear.parts.len() > 1;
+    (0..linear.len()).filter(|entry| used(entry % linear.slots) && !preconditioner.is_rigid(*entry)).collect()
+}
+
+/// The derivative of a period map over its unknowns.
+struct Monodromy<'s, 'a> {
+    map: RefCell<&'s mut PeriodMap<'a>>,
+    z: Vec<f64>,
+    /// P(z).
+    base: Vec<f64>,
+    size: f64,
+    unknown: Vec<usize>,
+    is_affine: bool,
+    /// The reason for which a run ended early.
+    failure: RefCell<Option<AnalysisError>>,
+}
+
+impl Monodromy<'_, '_> {
+    fn product(&self, direction: &[f64]) -> Result<Vec<f64>, AnalysisError> {
+        let length = norm(direction);
+        if length == 0.0 {
+            return Ok(direction.to_vec());
+        }
+        let factor = if self.is_affine { 1.0 } else { DIFFERENCE } * self.size / length;
+        let moved = |sign: f64| {
+            let mut z = self.z.clone();
+            for (entry, part) in self.unknown.iter().zip(direction) {
+                z[*entry] += sign * factor * part;
+            }
+            self.map.borrow_mut().apply(&z)
+        };
+        let ahead = moved(1.0)?;
+        let (behind, span) = if self.is_affine { (self.base.clone(), factor) } else { (moved(-1.0)?, 2.0 * factor) };
+        Ok(self.unknown.iter().map(|entry| (ahead[*entry] - behind[*entry]) / span).collect())
+    }
+}
+
+impl Operator for Monodromy<'_, '_> {
+    type Scalar = f64;
+    const SYMMETRIC: bool = false;
+
+    fn size(&self) -> usize {
+        self.unknown.len()
+    }
+
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
+        if self.failure.borrow().is_some() {
+            return Ok(vec![0.0; x.len()]);
+        }
+        Ok(self.product(x).unwrap_or_else(|error| {
+            *self.failure.borrow_mut() = Some(error);
+            vec![0.0; x.len()]
+        }))
+    }
+
+    fn weigh(&self, x: &[f64]) -> Vec<f64> {
+        x.to_vec()
+    }
+}
+
+/// Eigenvalues of magnitude `smallest` and more.
+fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let mut space = Krylov::new(operator, []);
+    let limit = operator.size().min(MAX_PRODUCTS);
+    let mut found = Vec::new();
+    for count in 1..=limit {
+        space.step()?;
+        if operator.failure.borrow().is_some() {
+            return Ok(Vec::new());
+        }
+        if count % INTERVAL != 0 && count < limit {
+            continue;
+        }
+        let pairs = space.ritz_pairs()?;
+        found = pairs.iter().map(|pair| pair.value).collect();
+        let above = pairs.iter().filter(|pair| pair.value.norm() >= smallest);
+        if above.clone().count() + 2 < count && above.clone().all(|pair| pair.residual <= RESIDUAL) {
+            break;
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,240 @@
+//! Common period of everything that a scene excites.
+//!
+//! Frequencies are exact ratios of tooth numbers to the speed of the reference shaft, so that the common period is
+//! 1/gcd of them. It is one revolution of a shaft, one mesh cycle, or the hunting-tooth period of a train.
+
+use std::f64::consts::TAU;
+
+use crate::analysis::AnalysisError;
+use crate::model::Model;
+use crate::scene::{LoadLaw, Scene, SceneError};
+
+/// Largest denominator of an order that is not a ratio of tooth numbers, for example that of a force.
+const LARGEST_DENOMINATOR: u64 = 1000;
+/// Relative difference between an order and a ratio of whole numbers below which both are equal.
+const SAME: f64 = 1e-12;
+
+/// A positive ratio of two whole numbers without a common divisor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Ratio {
+    numerator: u128,
+    denominator: u128,
+}
+
+impl Ratio {
+    const ONE: Self = Self { numerator: 1, denominator: 1 };
+
+    /// The ratio; none for zero.
+    fn new(numerator: u128, denominator: u128) -> Option<Self> {
+        let divisor = gcd(numerator, denominator);
+        (numerator > 0 && denominator > 0)
+            .then(|| Self { numerator: numerator / divisor, denominator: denominator / divisor })
+    }
+
+    /// The product with `numerator`/`denominator`; none on overflow.
+    fn times(self, numerator: u128, denominator: u128) -> Option<Self> {
+        Self::new(self.numerator.checked_mul(numerator)?, self.denominator.checked_mul(denominator)?)
+    }
+
+    /// The largest ratio of which both are multiples; none on overflow.
+    fn common(self, other: Self) -> Option<Self> {
+        let divisor = gcd(self.denominator, other.denominator);
+        let denominator = (self.denominator / divisor).checked_mul(other.denominator)?;
+        Self::new(gcd(self.numerator, other.numerator), denominator)
+    }
+
+    /// The ratio of whole numbers that a positive number is up to round-off, by its continued fraction; none if there is
+    /// none with a denominator up to [`LARGEST_DENOMINATOR`].
+    fn of(value: f64) -> Option<Self> {
+        if !(value.is_finite() && value > 0.0 && value < 1e9) {
+            return None;
+        }
+        let ([mut p, mut q], mut rest) = ([[0_u64, 1], [1, 0]], value);
+        loop {
+            let whole = rest.floor();
+            p = [p[1], (whole as u64).checked_mul(p[1])?.checked_add(p[0])?];
+            q = [q[1], (whole as u64).checked_mul(q[1])?.checked_add(q[0])?];
+            if q[1] > LARGEST_DENOMINATOR {
+                return None;
+            }
+            if (p[1] as f64 / q[1] as f64 - value).abs() <= SAME * value {
+                return Self::new(u128::from(p[1]), u128::from(q[1]));
+            }
+            rest = (rest - whole).recip();
+        }
+    }
+
+    fn value(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+}
+
+/// A frequency of the excitation.
+struct Source {
+    /// What excites.
+    name: String,
+    /// Frequency over that of the reference shaft; none if it is unknown.
+    order: Option<f64>,
+    /// The same as an exact ratio, if it is one.
+    exact: Option<Ratio>,
+}
+
+/// Finds the common period of the excitation at a speed of the reference shaft, rad/s: `given`, or that of the scene, which
+/// must not exceed `longest`, s.
+///
+/// # Errors
+/// [`SceneError`] that names the frequencies if there is no period, or if it is too long.
+pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64) -> Result<f64, AnalysisError> {
+    if let Some(period) = given {
+        return Ok(period);
+    }
+    let sources = sources(model);
+    let error = |reason: &str, action: &str| {
+        let listed: Vec<String> = sources.iter().map(|source| source.description(speed)).collect();
+        let listed = if listed.is_empty() { String::new() } else { format!(" ({})", listed.join(", ")) };
+        AnalysisError::from(SceneError::new("period", format!("{reason}{listed}; {action}")))
+    };
+    if sources.is_empty() {
+        return Err(error("nothing in the scene excites a periodic motion", "use static(), or give period="));
+    }
+    if speed == 0.0 {
+        return Err(error("nothing rotates at speed 0", "give a speed, or period= for loads over time"));
+    }
+    let action = "give period= if you know one, or run in with simulate()";
+    let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
+    let first = sources[0].order;
+    let order = if sources.iter().all(|source| source.order.zip(first).is_some_and(|(a, b)| same(a, b))) {
+        first
+    } else {
+        let mut exact = sources.iter().map(|source| source.exact);
+        let first = exact.next().flatten();
+        exact.fold(first, |common, next| common?.common(next?)).map(Ratio::value)
+    };
+    let Some(order) = order else {
+        return Err(error("the frequencies have no common period", action));
+    };
+    let period = TAU / (order * speed.abs());
+    if period > longest {
+        let reason =
+            format!("the common period of the excitation is {period:.4} s, longer than max_period = {longest} s");
+        return Err(error(&reason, "give a larger max_period, or run in with simulate()"));
+    }
+    Ok(period)
+}
+
+impl Source {
+    fn exact(name: String, ratio: Option<Ratio>, order: f64) -> Self {
+        Self { name, order: Some(order), exact: ratio }
+    }
+
+    fn description(&self, speed: f64) -> String {
+        match self.order {
+            Some(order) => format!("{:.6} Hz: {}", order * speed.abs() / TAU, self.name),
+            None => format!("unknown: {}", self.name),
+        }
+    }
+}
+
+/// All frequencies of the excitation.
+fn sources(model: &Model) -> Vec<Source> {
+    let scene = &model.scene;
+    let ratios = speed_ratios(scene);
+    let shaft = |index: usize, what: &str| {
+        let name = format!("{what} of shaft \"{}\"", scene.shafts[index].name);
+        Source::exact(name, ratios[index], scene.speed_ratios[index].abs())
+    };
+    let mut sources: Vec<Source> = (0..scene.shafts.len())
+        .filter(|index| !model.shafts[*index].excitations.is_empty())
+        .map(|index| shaft(index, "bow, unbalance or turning force"))
+        .collect();
+    for (index, mesh) in scene.meshes.iter().enumerate() {
+        let [driver, driven] = [mesh.driver, mesh.driven].map(|gear| &scene.gears[gear]);
+        let [first, second] = [driver, driven].map(|gear| gear.body.node.shaft);
+        let error = mesh.teeth.error.as_ref();
+        if !model.meshes[index].teeth.is_constant()
+            || error.is_some_and(|error| !error.tooth.is_empty() || !error.table.is_empty())
+        {
+            let name = format!("teeth of mesh \"{}\"-\"{}\"", driver.body.name, driven.body.name);
+            let order = f64::from(driver.teeth) * scene.speed_ratios[first].abs();
+            let exact = ratios[first].and_then(|ratio| ratio.times(u128::from(driver.teeth), 1));
+            sources.push(Source::exact(name, exact, order));
+        }
+        let harmonics = [(first, error.map(|e| &e.driver)), (second, error.map(|e| &e.driven))];
+        for (at, harmonics) in harmonics {
+            if harmonics.is_some_and(|harmonics| !harmonics.is_empty()) {
+                sources.push(shaft(at, "transmission error"));
+            }
+        }
+        let out = [driver, driven].into_iter().filter(|gear| gear.run_out.norm() > 0.0);
+        sources.extend(out.map(|gear| shaft(gear.body.node.shaft, "run-out on a gear")));
+    }
+    sources.extend(loads(model, &ratios));
+    sources.extend(model.nonlinear_bearings.iter().filter_map(|bearing| {
+        let order = bearing.rolling()?.count() as f64 * bearing.ratio.abs();
+        Some(Source::exact(format!("rolling elements of bearings[{}]", bearing.number), Ratio::of(order), order))
+    }));
+    sources
+}
+
+/// Frequencies of the varying loads.
+fn loads<'a>(model: &'a Model, ratios: &'a [Option<Ratio>]) -> impl Iterator<Item = Source> + 'a {
+    model.loads.iter().filter_map(|load| {
+        let name = load.path.clone();
+        match &load.law {
+            LoadLaw::Turning { order, .. } if *order != 0.0 => {
+                let exact = Ratio::of(order.abs()).zip(ratios[load.shaft]);
+                let exact = exact.and_then(|(order, ratio)| ratio.times(order.numerator, order.denominator));
+                Some(Source::exact(name, exact, (order * load.ratio).abs()))
+            }
+            LoadLaw::Turning { .. } | LoadLaw::SpeedTorque { .. } => None,
+            LoadLaw::Force(_) | LoadLaw::Torque(_) => {
+                Some(Source { name: format!("{name} over time"), order: None, exact: None })
+            }
+        }
+    })
+}
+
+/// Speed ratio of each shaft to the reference shaft, without its sign; none where the numbers are too large.
+fn speed_ratios(scene: &Scene) -> Vec<Option<Ratio>> {
+    let reference = scene.speed_ratios.iter().position(|ratio| *ratio == 1.0).unwrap_or(0);
+    let mut ratios: Vec<Option<Ratio>> = vec![None; scene.shafts.len()];
+    ratios[reference] = Some(Ratio::ONE);
+    let teeth = |gear: usize| (scene.gears[gear].body.node.shaft, u128::from(scene.gears[gear].teeth));
+    let meshes = scene.meshes.iter().map(|mesh| [teeth(mesh.driver), teeth(mesh.driven)]);
+    let couplings = scene.couplings.iter().map(|coupling| coupling.hubs.map(|hub| (hub.shaft, 1)));
+    let pairs: Vec<[(usize, u128); 2]> = meshes.chain(couplings).collect();
+    // Each pass reaches at least one more shaft.
+    for _ in 0..scene.shafts.len() {
+        for [a, b] in &pairs {
+            for ((from, here), (to, there)) in [(a, b), (b, a)] {
+                if let (Some(ratio), None) = (ratios[*from], ratios[*to]) {
+                    ratios[*to] = ratio.times(*here, *there);
+                }
+            }
+        }
+    }
+    ratios
+}
+
+fn gcd(mut a: u128, mut b: u128) -> u128 {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_exact_ratios() {
+        let third = Ratio::of(1.0 / 3.0);
+        assert_eq!(third, Ratio::new(1, 3));
+        assert_eq!(Ratio::of(2.5), Ratio::new(5, 2));
+        assert_eq!(Ratio::of(std::f64::consts::PI), None);
+        // A shaft at 25/50 and a mesh at 25 repeat after two revolutions; 23/47 after 47.
+        assert_eq!(Ratio::new(1, 2).and_then(|a| a.common(Ratio::ONE)), Ratio::new(1, 2));
+        assert_eq!(Ratio::new(23, 47).and_then(|a| a.common(Ratio::ONE)), Ratio::new(1, 47));
+    }
+}

@@ -1,0 +1,258 @@
+//! The fixed point of a period map: accelerated iteration, and Newton's method where that does not converge.
+
+use super::anderson::Anderson;
+use super::gmres::gmres;
+use super::preconditioner::Preconditioner;
+use super::{SteadyState, norm};
+use crate::analysis::AnalysisError;
+use crate::analysis::simulate::{PeriodMap, Response};
+use crate::scene::SceneError;
+
+/// Predicted error in multiples of the tolerance below which a period is recorded.
+const EXPECTED: f64 = 0.5;
+/// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
+/// the iteration, and each has an error of the tolerance.
+const REPEATED: f64 = 10.0;
+/// Largest error in multiples of the tolerance at which the iteration may stall, and the reduction of the error that is too
+/// little.
+const STALLED: f64 = 100.0;
+const SLOW: f64 = 0.3;
+/// Number of iterations in which the accelerated iteration must converge.
+const MAX_ITERATIONS: usize = 30;
+/// Tolerance of the first iteration. That of the next ones is a fraction of the error that is left, until it is the given one:
+/// a period of a large error need not be integrated accurately.
+const COARSEST: f64 = 1e-4;
+/// That fraction.
+const FRACTION: f64 = 1e-3;
+/// Error of a state in multiples of the tolerance of the integration.
+const AMPLIFICATION: f64 = 10.0;
+/// Number of periods of running in before each attempt of Newton's method.
+const RUN_IN: [usize; 3] = [0, 20, 100];
+/// Largest number of iterations of an attempt.
+const MAX_NEWTON: usize = 15;
+/// The linear systems of Newton's method are solved up to this fraction.
+const NEWTON_RTOL: f64 = 1e-3;
+/// Smallest fraction of a step of Newton's method.
+const SHORTEST_STEP: f64 = 1.0 / 32.0;
+/// Difference of the states from which a derivative is taken, relative to the motion: the stage equations are solved to
+/// 1e-13, so that a product has six digits.
+const DIFFERENCE: f64 = 1e-7;
+/// Change of the rigid-body velocity in a period, in multiples of the tolerance, that a mean torque causes.
+const DRIFT: f64 = 10.0;
+
+/// The iteration for the fixed point of a period map.
+pub struct Solver<'s, 'a> {
+    map: &'s mut PeriodMap<'a>,
+    preconditioner: Preconditioner,
+    tolerance: f64,
+    /// Number of recorded instants.
+    samples: usize,
+}
+
+/// A state with what a period does to it.
+struct Point {
+    z: Vec<f64>,
+    /// P(z) − z.
+    defect: Vec<f64>,
+    /// (I − e^{AT})⁻¹ (P(z) − z).
+    correction: Vec<f64>,
+    /// Energy norm of the motion.
+    size: f64,
+    /// Size of the correction in multiples of the tolerance.
+    error: f64,
+    /// The recorded period, if it was.
+    response: Option<Box<Response>>,
+}
+
+/// How a period is integrated.
+#[derive(Clone, Copy, PartialEq)]
+enum Steps {
+    /// With the levels of the period before.
+    Same,
+    /// With levels that meet a relative tolerance.
+    Adapted(f64),
+    /// With levels that meet the tolerance, and recorded.
+    Recorded,
+}
+
+impl<'s, 'a> Solver<'s, 'a> {
+    /// Creates the solver of a map that records a number of instants.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if a decomposition fails.
+    pub fn new(map: &'s mut PeriodMap<'a>, samples: usize) -> Result<Self, AnalysisError> {
+        let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+        let tolerance = map.tolerance();
+        Ok(Self { map, preconditioner, tolerance, samples })
+    }
+
+    /// Records the period that reproduces its state.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if no iteration converges.
+    pub fn solve(&mut self) -> Result<SteadyState, AnalysisError> {
+        let mut best = match self.accelerated()? {
+            Ok(found) => return self.found(found),
+            Err(best) => best,
+        };
+        for periods in RUN_IN {
+            for _ in 0..periods {
+                best.z = self.map.adapt(&best.z)?;
+            }
+            best = match self.newton(best.z)? {
+                Ok(found) => return self.found(found),
+                Err(best) => best,
+            };
+        }
+        Err(AnalysisError::Convergence(format!(
+            "the steady state did not converge in {} periods: the state after a period differs by {:.1e} of the motion; start from another initial motion, add damping, or run in with simulate()",
+            self.map.runs,
+            norm(&best.defect) / best.size
+        )))
+    }
+
+    /// Integrates a period from z.
+    fn point(&mut self, z: Vec<f64>, steps: Steps) -> Result<Point, AnalysisError> {
+        let size = self.map.size(&z)?;
+        let (response, image) = match steps {
+            Steps::Same => (None, self.map.apply(&z)?),
+            Steps::Adapted(rtol) => (None, self.map.adapt_to(&z, rtol)?),
+            Steps::Recorded => {
+                let (response, image) = self.map.record(&z, self.samples)?;
+                (Some(Box::new(response)), image)
+            }
+        };
+        let defect: Vec<f64> = image.iter().zip(&z).map(|(image, z)| image - z).collect();
+        let correction = self.preconditioner.correct(&defect);
+        let error = norm(&correction) / (self.tolerance * size);
+        Ok(Point { z, defect, correction, size, error, response })
+    }
+
+    /// The accelerated iteration: the recorded fixed point, or the best point.
+    fn accelerated(&mut self) -> Result<Result<Point, Point>, AnalysisError> {
+        let mut z = self.map.initial();
+        let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
+        let mut best: Option<Point> = None;
+        // Tolerance of the steps.
+        let mut rtol = COARSEST.max(self.tolerance);
+        for count in 0..MAX_ITERATIONS {
+            let (is_fine, stalls) = (rtol <= self.tolerance, stalls(&errors));
+            if count > 0 {
+                let expected = predicted(&errors).max(AMPLIFICATION * rtol / self.tolerance);
+                rtol = (FRACTION * expected * self.tolerance).clamp(self.tolerance, rtol);
+            }
+            // A period that is expected to be the last one is recorded.
+            let is_last = is_fine && (predicted(&errors) <= EXPECTED || stalls);
+            let point = self.point(z, if is_last { Steps::Recorded } else { Steps::Adapted(rtol) })?;
+            if is_last && (point.error <= 1.0 || stalls && self.repeats(&point)) {
+                return Ok(Ok(point));
+            }
+            self.map.report(progress(&errors, point.error));
+            errors.push(point.error);
+            z = iteration.next(&point.z, &point.correction);
+            if count == 0 {
+                // The first tolerance is no fraction of the error.
+                iteration.clear();
+            }
+            if best.as_ref().is_none_or(|best| point.error < best.error) {
+                best = Some(point);
+            } else if count > MAX_ITERATIONS / 2 && point.error > 1e3 * best.as_ref().map_or(0.0, |best| best.error) {
+                break;
+            }
+        }
+        best.map(Err).ok_or_else(|| AnalysisError::Convergence("the steady state has no iterations".to_owned()))
+    }
+
+    /// Whether the state after a period is the same up to the tolerance. Its error may be larger: lightly damped modes
+    /// amplify the error of the integration.
+    fn repeats(&self, point: &Point) -> bool {
+        let rigid = &self.preconditioner.positions;
+        let changes = point.defect.iter().enumerate().filter(|(entry, _)| !rigid.contains(entry));
+        changes.map(|(_, change)| change * change).sum::<f64>().sqrt() <= REPEATED * self.tolerance * point.size
+    }
+
+    /// Newton's method from z: the recorded fixed point, or the last point.
+    fn newton(&mut self, z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
+        let mut point = self.point(z, Steps::Adapted(self.tolerance))?;
+        for _ in 0..MAX_NEWTON {
+            // Derivatives need a base of the same steps.
+            let base = self.point(point.z, Steps::Same)?;
+            if base.error <= EXPECTED {
+                point = self.point(base.z, Steps::Recorded)?;
+                if point.error <= 1.0 || self.repeats(&point) {
+                    return Ok(Ok(point));
+                }
+                continue;
+            }
+            let step = gmres(&base.correction, NEWTON_RTOL, |direction| self.product(&base, direction))?;
+            point = self.line_search(&base, &step)?;
+        }
+        Ok(Err(point))
+    }
+
+    /// (I − e^{AT})⁻¹ (I − P′) times a direction.
+    fn product(&mut self, base: &Point, direction: &[f64]) -> Result<Vec<f64>, AnalysisError> {
+        let factor = DIFFERENCE * base.size / norm(direction);
+        let moved: Vec<f64> = base.z.iter().zip(direction).map(|(z, part)| z + factor * part).collect();
+        let image = self.map.apply(&moved)?;
+        let difference = image.iter().zip(&moved).zip(&base.defect);
+        let difference: Vec<f64> =
+            difference.map(|((image, moved), defect)| (defect - (image - moved)) / factor).collect();
+        Ok(self.preconditioner.correct(&difference))
+    }
+
+    /// The point after the longest part of a step that reduces the correction.
+    fn line_search(&mut self, base: &Point, step: &[f64]) -> Result<Point, AnalysisError> {
+        let mut part = 1.0;
+        loop {
+            let z = base.z.iter().zip(step).map(|(z, step)| z + part * step).collect();
+            let found = self.point(z, Steps::Adapted(self.tolerance));
+            let reduces = found.as_ref().is_ok_and(|point| point.error < base.error);
+            if reduces || part <= SHORTEST_STEP || matches!(found, Err(AnalysisError::Interrupted)) {
+                return found;
+            }
+            part /= 2.0;
+        }
+    }
+
+    /// The steady state of a recorded point.
+    fn found(&self, point: Point) -> Result<SteadyState, AnalysisError> {
+        let Point { mut defect, size, response, .. } = point;
+        let drift = self.preconditioner.velocities.iter().map(|entry| defect[*entry].abs()).fold(0.0, f64::max);
+        if drift > DRIFT * self.tolerance * size {
+            let message = "a mean torque accelerates the train, so that no motion is periodic; balance the torques, or hold the rotation with gb.Drive(at, stiffness=...)";
+            return Err(SceneError::new("torques", message).into());
+        }
+        for entry in &self.preconditioner.positions {
+            defect[*entry] = 0.0;
+        }
+        let response = response.ok_or_else(|| AnalysisError::Convergence("no period was recorded".to_owned()))?;
+        Ok(SteadyState {
+            response: *response,
+            period: self.map.period(),
+            residual: norm(&defect) / size,
+            periods: self.map.runs,
+            is_affine: self.map.is_affine(),
+        })
+    }
+}
+
+/// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.
+fn predicted(errors: &[f64]) -> f64 {
+    match errors {
+        [.., before, last] => last * (last / before).min(1.0),
+        [first] => *first,
+        [] => f64::INFINITY,
+    }
+}
+
+/// Whether the error is near the tolerance and decreases little: it is the error of the integration.
+fn stalls(errors: &[f64]) -> bool {
+    matches!(errors, [.., before, last] if *last <= STALLED && *last > SLOW * before)
+}
+
+/// Completed part of the solution: that of the decades between the first error and the tolerance.
+fn progress(errors: &[f64], last: f64) -> f64 {
+    let first = errors.first().copied().unwrap_or(last).max(10.0);
+    ((first / last).ln() / first.ln()).clamp(0.0, 0.95)
+}
