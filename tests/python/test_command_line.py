@@ -136,6 +136,21 @@ def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
     assert gb.Response.load(tmp_path / "r.npz").speeds[-1] == pytest.approx(gb.rpm(3000))
 
 
+def test_steady_prints_and_saves_the_periodic_motion(scene: str, tmp_path: Path, capsys):
+    given = ["steady", scene, "--speed", "1500 rpm", "--out", tmp_path / "steady.npz"]
+    found = answer(capsys, *given)
+    steady = gb.SteadyState.load(tmp_path / "steady.npz")
+    assert found["period"] == steady.period
+    assert found["residual"] == steady.residual < 1e-3
+    assert found["stable"] is steady.stable is True
+    force = steady.response.mesh("pinion", "wheel").force
+    assert found["meshes"]["pinion/wheel"]["force"]["max"] == force.max()
+    code, out, err = called(capsys, *given[:4])
+    assert (code, err) == (0, "")
+    assert f"SteadyState(period {steady.period:g} s" in out
+    assert "\nstable; magnitude of the largest multiplier " in out
+
+
 def test_run_shows_progress_on_stderr_only(scene: str, capsys):
     code, out, err = called(
         capsys, "run", scene, "--duration", 1e-3, "--speed", 100, "--json", "--progress"
@@ -223,7 +238,17 @@ def test_every_command_has_examples_in_its_help(capsys):
     code, out, _ = called(capsys, "--help")
     assert code == 0
     commands = re.findall(r"^    (\w+) +", out, re.M)
-    assert commands == ["new", "check", "plot", "modes", "campbell", "run", "tradeoff", "study"]
+    assert commands == [
+        "new",
+        "check",
+        "plot",
+        "modes",
+        "campbell",
+        "run",
+        "steady",
+        "tradeoff",
+        "study",
+    ]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")
         examples = out.split("examples:\n")[1].replace("\\\n", "").splitlines()

@@ -135,6 +135,10 @@ def objects() -> dict[str, object]:
         for name, given in (("Accelerometer", ["foot"]), ("Probe", ["a", 0.1]), ("Tacho", ["a"]))
         if hasattr(gb, name)
     ]
+    found += [
+        rotor.steady_state(100.0, record=[("s", 0.5)]),
+        rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], max_points=4),
+    ]
     with contextlib.suppress(gb.MissingExtraError):
         found.append(pair.matrices(20.0, sparse=True))
     return {type(one).__name__: one for one in reversed(found) if one is not None}

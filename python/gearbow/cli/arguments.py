@@ -80,6 +80,17 @@ def add_duration(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--duration", type=quantity("duration"), required=True, help='for example 0.5 or "500 ms"'
     )
+    add_speed(parser)
+
+
+def add_speed(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of a computation at a speed: speed and progress.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser of a command.
+    """
     parser.add_argument(
         "--speed",
         type=quantity("speed"),

@@ -1,4 +1,4 @@
-"""``gearbow run`` and ``tradeoff``: commands that integrate in time."""
+"""``gearbow run``, ``steady`` and ``tradeoff``: commands that integrate in time."""
 
 import argparse
 from dataclasses import asdict
@@ -14,6 +14,7 @@ from gearbow.cli.arguments import (
     add_command,
     add_duration,
     add_scene,
+    add_speed,
     item,
     quantity,
     shows,
@@ -49,24 +50,23 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--end-speed", type=quantity("speed"), help="change the speed linearly to this one"
     )
-    parser.add_argument(
-        "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
-    )
-    parser.add_argument(
-        "--record",
-        nargs="+",
-        default=["gears", "meshes"],
-        metavar="ITEM",
-        help="names and groups, shaft@position, driver/driven, bearing:shaft@position",
-    )
-    parser.add_argument(
-        "--out", type=_file, help="save the signals, also after Ctrl-C; .npz or .nc"
-    )
+    add_signals(parser)
     parser.add_argument(
         "--checkpoint",
         type=_file,
         help="save during the run; the same command continues after an interruption",
     )
+
+    parser = add_command(
+        commands,
+        "steady",
+        steady,
+        "find the motion that remains after the transient, and whether it is stable",
+        '  gearbow steady scene.toml --speed "1500 rpm" --record gears meshes --out steady.npz',
+    )
+    add_scene(parser)
+    add_speed(parser)
+    add_signals(parser)
 
     parser = add_command(
         commands,
@@ -85,6 +85,29 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--budget", type=quantity("budget"), default=60.0, help="limit of the time; default: 60 s"
+    )
+
+
+def add_signals(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a command that records signals.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The command.
+    """
+    parser.add_argument(
+        "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
+    )
+    parser.add_argument(
+        "--record",
+        nargs="+",
+        default=["gears", "meshes"],
+        metavar="ITEM",
+        help="names and groups, shaft@position, driver/driven, bearing:shaft@position",
+    )
+    parser.add_argument(
+        "--out", type=_file, help="save the signals, also after Ctrl-C; .npz or .nc"
     )
 
 
@@ -128,9 +151,64 @@ def run(given: argparse.Namespace) -> Answer:
 
 
 def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
-    """Save a response, and describe its signals."""
+    """Save a response, and describe it."""
     if given.out is not None:
         response.save(given.out)
+    data = {
+        "complete": complete,
+        "time": [response.time[0], response.time[-1]],
+        "samples": response.time.size,
+        **_signals(response),
+        "events": len(response.events),
+        "statistics": asdict(response.statistics),
+        "file": None if given.out is None else str(given.out),
+    }
+    lines = [str(response), *_lines(data)]
+    lines.append(f"{data['statistics']['steps']} steps, {data['events']} events")
+    return Answer("\n".join([*lines, *_file_line(data)]), data)
+
+
+def steady(given: argparse.Namespace) -> Answer:
+    """Find the steady state.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Period, stability and size of the signals.
+    """
+    system = RotorSystem.load(given.scene)
+    found = system.steady_state(
+        given.speed,
+        accuracy=given.accuracy,
+        record=[item(system, text) for text in given.record],
+        progress=shows(given),
+    )
+    largest = float(abs(found.multipliers[0])) if found.multipliers.size else None
+    if given.out is not None:
+        found.save(given.out)
+    data = {
+        "period": found.period,
+        "residual": found.residual,
+        "method": found.method,
+        "stable": found.stable,
+        "instability": found.instability,
+        "largest_multiplier": largest,
+        **_signals(found.response),
+        "file": None if given.out is None else str(given.out),
+    }
+    state = "stable" if found.stable else f"unstable: {found.instability}"
+    size = "below 0.9" if largest is None else f"{largest:.6g}"
+    lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
+    return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)
+
+
+def _signals(response: Response) -> dict[str, Any]:
+    """Describe the recorded signals."""
     points = {}
     recorded: list[Any] = response.recorded
     for name in [one for one in recorded if is_place(one) or _is_name(one)]:
@@ -148,22 +226,12 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
     for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
         force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
         bearings[place_label((shaft, x))] = {"force": _size(force)}
-    data = {
-        "complete": complete,
-        "time": [response.time[0], response.time[-1]],
-        "samples": response.time.size,
-        "points": points,
-        "meshes": meshes,
-        "bearings": bearings,
-        "events": len(response.events),
-        "statistics": asdict(response.statistics),
-        "file": None if given.out is None else str(given.out),
-    }
-    return Answer("\n".join(_lines(response, data)), data)
+    return {"points": points, "meshes": meshes, "bearings": bearings}
 
 
-def _lines(response: Response, data: dict[str, Any]) -> list[str]:
-    lines = [str(response)]
+def _lines(data: dict[str, Any]) -> list[str]:
+    """Print the size of each signal."""
+    lines = []
     for name, point in data["points"].items():
         y, z = 1e6 * point["peak_to_peak"]
         lines.append(f"{name}: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z")
@@ -176,10 +244,11 @@ def _lines(response: Response, data: dict[str, Any]) -> list[str]:
     for name, bearing in data["bearings"].items():
         force = bearing["force"]
         lines.append(f"bearing {name}: force {force['min']:.4g} to {force['max']:.4g} N")
-    lines.append(f"{data['statistics']['steps']} steps, {data['events']} events")
-    if data["file"]:
-        lines.append(f"signals: {data['file']}")
     return lines
+
+
+def _file_line(data: dict[str, Any]) -> list[str]:
+    return [f"signals: {data['file']}"] if data["file"] else []
 
 
 def _is_name(recorded: Any) -> bool:
