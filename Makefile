@@ -22,7 +22,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check random fuzz faults faults-core bench bench-check bench-accept compare fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check docs random fuzz faults faults-core bench bench-check bench-accept compare fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -34,6 +34,7 @@ help:
 	@echo "make faults        plant faults in a copy of the Python package: its tests must catch them"
 	@echo "make faults-core   plant faults in a copy of the band solver of the core: the Rust tests must catch them"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
+	@echo "make docs          build the documentation site into site/; open site/index.html"
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
 	@echo "make bench-accept  store the instructions as they are now"
@@ -78,7 +79,7 @@ faults: $(VENV)/.dev
 faults-core: $(VENV)/.dev
 	$(BIN)/python tests/mutation/core.py
 
-check: lint types documents test
+check: lint types documents docs test
 
 lint: lint-rust lint-python
 
@@ -100,6 +101,10 @@ types: $(VENV)/.dev
 documents: $(VENV)/.dev
 	$(BIN)/python docs/printed.py --check
 
+# Warnings and broken links are errors. Examples, notebooks and pages are kept in target/docs-site.
+docs: $(VENV)/.docs
+	$(BIN)/python docs/site/build.py
+
 readme: $(VENV)/.dev
 	$(BIN)/python docs/printed.py
 
@@ -108,6 +113,7 @@ figures: demo
 	$(BIN)/python examples/figures.py
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/gearbox.py
+	$(BIN)/python examples/signals.py
 	$(BIN)/python examples/mesh_models.py
 	$(BIN)/python examples/resonance_sweep.py
 	$(BIN)/python examples/map.py
@@ -160,7 +166,7 @@ licences:
 
 clean:
 	cargo clean
-	rm -rf $(VENV) dist examples/output .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf $(VENV) dist site examples/output .hypothesis .mypy_cache .pytest_cache .ruff_cache
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -178,7 +184,7 @@ $(VENV)/.compare: $(VENV)/.wheel
 	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo dist/gearbow-*.whl)[test]"; }
 	touch $@
 
-# The wheel with one of its extras, plot or dev.
+# The wheel with one of its extras: plot, docs or dev.
 $(VENV)/.%: $(VENV)/.wheel
 	$(PIP) install "$$(echo dist/gearbow-*.whl)[$*]"
 	touch $@

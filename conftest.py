@@ -2,12 +2,14 @@
 
 The Python blocks of a document run in order and share their names. A `text` block contains the
 expected output of the Python block before it. A `toml` block becomes the file `scene.toml` for the
-blocks after it. Each document runs in an empty folder.
+blocks after it. Each document runs in an empty folder. The cells of a notebook run in order; its
+outputs are not stored.
 """
 
 import contextlib
 import doctest
 import io
+import json
 import os
 import re
 import tempfile
@@ -16,6 +18,8 @@ from pathlib import Path
 import pytest
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+# They need the packages of the extra docs, and have no examples.
+collect_ignore_glob = ["docs/site/*.py"]
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
@@ -32,7 +36,8 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_collect_file(file_path, parent):
-    return Document.from_parent(parent, path=file_path) if file_path.suffix == ".md" else None
+    kind = {".md": Document, ".ipynb": Notebook}.get(file_path.suffix)
+    return kind.from_parent(parent, path=file_path) if kind else None
 
 
 class Document(pytest.File):
@@ -44,6 +49,26 @@ class Document(pytest.File):
         ]
         if any(language == "python" for language, _, _ in blocks):
             yield Examples.from_parent(self, name="examples", blocks=blocks)
+
+
+class Notebook(pytest.File):
+    def collect(self):
+        yield Cells.from_parent(self, name="cells")
+
+
+class Cells(pytest.Item):
+    def runtest(self):
+        names = {"__name__": self.path.stem}
+        cells = json.loads(self.path.read_text(encoding="utf-8"))["cells"]
+        with tempfile.TemporaryDirectory() as folder, inside(folder):
+            for cell in cells:
+                if cell["cell_type"] == "code":
+                    # A line of the notebook program, such as %matplotlib, is no Python.
+                    lines = [line for line in cell["source"] if not line.startswith("%")]
+                    exec(compile("".join(lines), self.path, "exec"), names)
+
+    def reportinfo(self):
+        return self.path, None, f"{self.path.name}: cells"
 
 
 class Examples(pytest.Item):

@@ -16,10 +16,10 @@ TURN = 2.0 * math.pi / (0.25 * SPEED)  # of the output shaft, s
 MESH = ("g1", "g2")
 
 
-def train() -> gb.RotorSystem:
+def train(amplitude: float = BOW) -> gb.RotorSystem:
     """Return a double-stage train with tooth pairs on the path of contact and two bent shafts."""
     teeth = gb.Stiffness.parabolic(2e8, engagement=0.2)
-    bow = gb.Bow.half_sine(BOW)
+    bow = gb.Bow.half_sine(amplitude)
     names = ("input", "middle", "output")
     return gb.RotorSystem(
         shafts=[

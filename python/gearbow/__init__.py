@@ -1,34 +1,25 @@
 """Dynamics of geared shaft trains with residual bow.
 
-Timoshenko shafts with residual bow, gears whose mesh geometry follows their moving centres,
-bearings and torques. Describe a `RotorSystem`, then compute matrices, modes, synchronous response,
-equilibrium or a time history. All quantities are in SI units and radians.
+Describe a `RotorSystem` of shafts, gears, meshes and bearings. Then ask for modes, critical speeds,
+the static equilibrium, the response to bow and unbalance, or a run in time.
 
-The layers, each of which depends only on those before it:
+Numbers are in SI units and radians. `mm`, `rpm` and `degrees` convert, and quantities of pint and
+texts in scene files have units. `help(gearbow.Gear)` describes a part, `help(gearbow.RotorSystem)`
+the system with its analyses. On the command line, ``gearbow --help`` lists the commands.
 
-- `gearbow.description`: parts of a system, and the geometry and kinematics that follow from them,
-- `gearbow.recording`, `gearbow.sensors` and `gearbow.orders`: recorded runs, their files, what
-  sensors measure of them, spectra and orders,
-- `gearbow.accuracy`: accuracy levels, and the estimated error of a run,
-- `gearbow.results`: results of the analyses,
-- `gearbow.analysis` and `gearbow.tradeoff`: analyses that run variants of a system,
-- `gearbow.sweeps`: sweeps over parameters, in parallel,
-- `gearbow.system`: the class `RotorSystem`.
-
-Methods named `plot` import `gearbow.plotting`, whose functions take arrays.
-
-The compiled core `gearbow._core` computes everything except the following:
-
-- sampling of functions into splines (`Bow.function`, `SpeedProfile.function`),
-- signals of sensors, times of pulses (`sensors`), filtering at a lower rate (`recording.resample`),
-- amplitude spectra (`orders.spectrum`) and least-squares amplitudes at orders (`orders.fit`),
-- least-squares balancing (`analysis.balance`),
-- amplification factors and separation margins of peaks (`results.peak`),
-- shares of kinetic energy in modes (`results.modes`), semi-axes and phases of orbits
-  (`results.synchronous`), totals and residuals of energies (`recording.energy`),
-- RMS differences of runs (`accuracy.estimate`, `tradeoff.signals`), CPU times (`tradeoff.clock`),
-- measures of the bow study (`study.measure`).
+Examples
+--------
+>>> import gearbow as gb
+>>> rotor = gb.Shaft("rotor", length=gb.mm(800), outer_diameter=gb.mm(50))
+>>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=500.0) for x in (0.0, 0.8)]
+>>> wheel = gb.Disk("wheel", "rotor", 0.4, mass=20.0, diametral_inertia=0.1, polar_inertia=0.2)
+>>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[wheel])
+>>> print(f"{system.modes(gb.rpm(3000), count=1).frequencies_hz[0]:.1f} Hz")
+74.6 Hz
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from gearbow._core import __version__
 from gearbow.analysis.balance import Balance
@@ -78,11 +69,10 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.accelerometer import Accelerometer
 from gearbow.sensors.probe import Probe
 from gearbow.sensors.tacho import Tacho
-from gearbow.sweeps.result import Sweep, SweepPoint
-from gearbow.sweeps.run import sweep
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Recommendation, Tradeoff
 from gearbow.tradeoff.trial import Trial
+from gearbow.units.values import degrees, mm, rpm
 
 __all__ = [
     "STEEL",
@@ -155,9 +145,30 @@ __all__ = [
     "Trial",
     "Waterfall",
     "__version__",
+    "degrees",
+    "mm",
+    "rpm",
     "sweep",
     "waterfall",
 ]
+
+#: Modules of the names that are imported at their first use, with the libraries of a sweep.
+_LAZY = {
+    "Sweep": "gearbow.sweeps.result",
+    "SweepPoint": "gearbow.sweeps.result",
+    "sweep": "gearbow.sweeps.run",
+}
+
+if TYPE_CHECKING:
+    from gearbow.sweeps.result import Sweep, SweepPoint
+    from gearbow.sweeps.run import sweep
+else:  # a type checker would accept every name
+
+    def __getattr__(name: str) -> Any:
+        if name not in _LAZY:
+            raise AttributeError(f"module 'gearbow' has no attribute {name!r}")
+        globals()[name] = getattr(import_module(_LAZY[name]), name)
+        return globals()[name]
 
 
 def __dir__() -> list[str]:

@@ -2,7 +2,7 @@
 
 Strings, booleans, complex numbers, dates and masked arrays are not real numbers, even if Python or
 NumPy can convert them: they are probably mistakes. Every error is a `SceneError` that begins with
-the path of the argument.
+the path of the argument. Quantities of pint are converted to the SI unit of the path.
 """
 
 import math
@@ -15,6 +15,8 @@ import numpy as np
 
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
+from gearbow.units.convert import is_quantity, magnitude
+from gearbow.units.fields import unit_of
 
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
@@ -41,10 +43,12 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
     """
     if type(value) is float:
         return value
+    if is_quantity(value):
+        value = magnitude(value, path)
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if not _is_real(value):
-        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}")
+        raise SceneError(f"{path}: must be {wanted}, got {shown(value)}{_remedy(value, path)}")
     try:
         if hasattr(value, "__index__"):
             whole = index(value)
@@ -78,6 +82,8 @@ def whole(value: object, path: str, least: int = 1) -> int:
 
 def complex_number(value: object, path: str) -> Plain:
     """Convert a real number, a complex number or a pair [re, im]; complex becomes a pair."""
+    if is_quantity(value):
+        value = magnitude(value, path)
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, (complex, np.complexfloating)):
@@ -89,6 +95,8 @@ def complex_number(value: object, path: str) -> Plain:
 
 def nested(value: object, path: str) -> Plain:
     """Convert a real number, or sequences of them in sequences, to numbers and lists."""
+    if is_quantity(value):
+        value = magnitude(value, path)
     if isinstance(value, np.ma.MaskedArray):
         raise SceneError(f"{path}: must not be a masked array; give its `.filled()` values")
     if hasattr(value, "__array__") and not isinstance(value, np.generic):
@@ -140,6 +148,25 @@ def truth(value: object, path: str) -> bool:
     return bool(value)
 
 
+def _remedy(value: object, path: str) -> str:
+    """Say how to write a number that was given as a text or in a list."""
+    if isinstance(value, (list, tuple)) and len(value) == 1 and _is_real(value[0]):
+        return f"; write {shown(value[0])} without brackets"
+    if not isinstance(value, str):
+        return ""
+    from gearbow.units.parse import parsed  # noqa: PLC0415  # only for this message
+
+    try:
+        plain = f"{parsed(value, path, bare=True):.12g}"
+    except SceneError:
+        return ""
+    unit = unit_of(path)
+    text = f"; write {plain} without quotes{'' if unit in (None, '1') else f' [{unit}]'}"
+    number, _, given = value.strip().partition(" ")
+    function = {"mm": "mm", "rpm": "rpm", "deg": "degrees", "°": "degrees"}.get(given)
+    return text if function is None else f"{text}, or gb.{function}({number})"
+
+
 def _is_real(value: object) -> bool:
     if isinstance(value, (bool, np.bool_, str, bytes, bytearray, np.ma.MaskedArray)):
         return False
@@ -158,6 +185,8 @@ def _is_sequence(value: object) -> bool:
 
 def copied(value: Any, path: str) -> Plain:
     """Convert nested mappings and sequences of numbers, strings and booleans to plain data."""
+    if is_quantity(value):
+        value = magnitude(value, path)
     if isinstance(value, Mapping):
         return {
             text(key, path): copied(item, f"{path}.{key}" if path else key)

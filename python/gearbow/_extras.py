@@ -13,6 +13,7 @@ _PACKAGES = {
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas"},
     "sparse": {"scipy"},
+    "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }
 

@@ -6,7 +6,6 @@ replaces the target when all data are on the disk. Only the store of a sweep app
 
 import errno
 import os
-import secrets
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -166,7 +165,7 @@ def _short(path: Path) -> str:
 def _create(path: Path) -> tuple[Path, BinaryIO]:
     """Create a temporary file for `path`, locked while its writer runs."""
     while True:
-        trial = path.with_name(f".{_short(path)}.{secrets.token_hex(8)}.part")
+        trial = path.with_name(f".{_short(path)}.{os.urandom(8).hex()}.part")
         file = trial.open("xb")
         if fcntl is None:
             return trial, file

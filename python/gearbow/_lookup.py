@@ -1,7 +1,6 @@
 """Look up names and places, and suggest similar names."""
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 
 from gearbow._convert import real
 from gearbow._types import Dof, NodalDof
@@ -9,6 +8,8 @@ from gearbow._types import Dof, NodalDof
 
 def nearest(given: str, names: Iterable[str]) -> str:
     """Give the end of a message that suggests the most similar name, or an empty string."""
+    from difflib import get_close_matches  # noqa: PLC0415  # only error messages need it
+
     found = get_close_matches(given, list(names), n=1)
     return f'; did you mean "{found[0]}"?' if found else ""
 

@@ -7,7 +7,6 @@ each report of its progress whether it must stop (`check_stop`).
 import os
 import queue
 import threading
-import uuid
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from itertools import islice
@@ -91,7 +90,7 @@ class ParallelCalls:
         self._waiting = enumerate(arguments)
         self._own = executor is None
         self._executor = ThreadPoolExecutor(cores(), "gearbow") if executor is None else executor
-        self._group = uuid.uuid4().hex
+        self._group = os.urandom(16).hex()
         self._pending: dict[Future[Any], int] = {}
         self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 

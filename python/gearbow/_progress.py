@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from tqdm import tqdm
-
 from gearbow._parallel import check_stop
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning
@@ -41,6 +39,8 @@ def reported(
         report = progress or None
         yield _Estimate(report) if estimate else report
         return
+    from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
+
     with tqdm(
         total=total,
         bar_format=f"{{l_bar}}{{bar}}| {{n:{numbers}}}/{{total:{numbers}}} {unit} "
@@ -88,11 +88,11 @@ class _Estimate:
                 f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
                 'the run in a file by checkpoint="run.npz"',
                 RunTimeWarning,
-                stacklevel=_outside(),
+                stacklevel=outside(),
             )
 
 
-def _outside() -> int:
+def outside() -> int:
     """Count the stack frames up to the first one outside the package: the line of the user."""
     level = 0
     frame: FrameType | None = sys._getframe(1)

@@ -5,6 +5,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from gearbow._shown import Shown
+
 T = TypeVar("T")
 
 
@@ -25,7 +27,7 @@ def read_only(data: T) -> T:
     return data
 
 
-class ReadOnly:
+class ReadOnly(Shown):
     """Base of every result that holds arrays: they are read-only, also in copies and pickles."""
 
     def __post_init__(self) -> None:

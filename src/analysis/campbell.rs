@@ -152,7 +152,7 @@ struct Tracker<'a> {
     interrupt: &'a Interrupt,
     /// The model whose stiffness is that of the inner product.
     basis: AtSpeed<'a>,
-    /// The eigenvalue problem in undamped modes, with modal damping.
+    /// The eigenvalue problem in undamped modes, with modal damping of a small model.
     quadratic: Option<Quadratic>,
     /// Number of modes that are computed at each speed.
     wanted: usize,
@@ -180,12 +180,14 @@ impl<'a> Tracker<'a> {
     ) -> Result<Self, AnalysisError> {
         // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
         let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
+        let wanted = count.saturating_add(FURTHER_MODES);
+        let is_dense = cached.model.scene.modal_damping > 0.0 && !uses_bands(&cached.model, wanted);
         let mut tracker = Self {
             cached,
             interrupt,
-            quadratic: (cached.model.scene.modal_damping > 0.0).then(|| Quadratic::new(&basis, 1.0)).transpose()?,
+            quadratic: is_dense.then(|| Quadratic::new(&basis, 1.0)).transpose()?,
             basis,
-            wanted: count.saturating_add(FURTHER_MODES),
+            wanted,
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
@@ -306,7 +308,7 @@ impl<'a> Tracker<'a> {
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let (speed, eigenvalue, whirl) = if !self.cached.model.depends_on_speed() {
+                let (speed, eigenvalue, whirl) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
                     let whirl = modal::whirl(&self.cached.model, met.speed, met.eigenvalue, &met.shape);
                     (met.speed, met.eigenvalue, whirl)
@@ -318,6 +320,13 @@ impl<'a> Tracker<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether Newton's method finds intersections: the matrices do not depend on the speed, and band matrices contain the
+    /// damping, or dense ones.
+    fn has_newton(&self) -> bool {
+        let model = &self.cached.model;
+        !model.depends_on_speed() && (model.scene.modal_damping == 0.0 || self.quadratic.is_some())
     }
 
     /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
@@ -361,7 +370,7 @@ impl<'a> Tracker<'a> {
         self.intersection(order, halves, halved + 1)
     }
 
-    /// The same where the matrices depend on the speed: the followed mode by the method of Illinois on Im λ − `order`·Ω.
+    /// The same without Newton's method: the followed mode by the method of Illinois on Im λ − `order`·Ω.
     fn intersection_by_speed(&self, order: f64, ends: [(f64, &State); 2]) -> Result<(f64, State), AnalysisError> {
         let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
         let ends = ends.map(|(speed, state)| (speed, state.clone()));

@@ -16,7 +16,7 @@ pub(super) fn has_structure(model: &Model, count: usize) -> bool {
 
 /// Whether band matrices give these modes, if `count` of them are wanted.
 pub(super) fn uses_bands(model: &Model, count: usize) -> bool {
-    has_structure(model, count) && model.scene.modal_damping == 0.0
+    has_structure(model, count)
 }
 
 /// Memory that [`lowest_modes`] needs at first.
@@ -26,8 +26,8 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
 ///
-/// Modal damping needs all modes. Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told
-/// apart from the others. Both come from dense matrices.
+/// Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told apart from the others; they come
+/// from dense matrices.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or dense matrices are needed and

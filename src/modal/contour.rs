@@ -7,7 +7,8 @@
 //!
 //! The logarithm of the determinant is a smooth function of ln λ apart from the zeros. Its phase is known up to multiples
 //! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
-//! is halved where the prediction fails. The number of determinants hardly depends on the number of eigenvalues outside.
+//! is halved where the prediction is uncertain or fails. The number of determinants hardly depends on the number of
+//! eigenvalues outside.
 
 use std::f64::consts::PI;
 
@@ -22,10 +23,14 @@ pub(super) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
 const MAX_ERROR: f64 = 0.5;
 /// Difference of the complex logarithm from its prediction below which the next step on the contour is longer.
 const SMALL_ERROR: f64 = 0.05;
+/// Largest difference of the predictions from all previous points and from one less. It bounds the error of the prediction
+/// by half a turn: a larger error could differ from its value between −π and π by whole turns.
+const MAX_UNCERTAINTY: f64 = 1.0;
 /// Ratio of the lengths of successive steps.
-const GROWTH: f64 = 1.5;
-/// First and largest step in ln λ.
-const FIRST_STEP: f64 = 0.1;
+const GROWTH: f64 = 4.0;
+/// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
+const FIRST_STEP: f64 = 1e-5;
+/// Largest step in ln λ.
 const MAX_STEP: f64 = 0.35;
 /// Smallest step in ln λ: an eigenvalue lies on the contour.
 const MIN_STEP: f64 = 1e-9;
@@ -50,14 +55,14 @@ pub(super) struct Known {
 pub(super) struct Contour(pub Vec<Complex64>);
 
 impl Contour {
-    /// The disk |λ| < `radius` and both sectors up to |λ| < `farthest` around the real axis: an eigenvalue between both
-    /// radii is inside if |Im λ| < |λ| sin [`SECTOR`]. Without `right` only the sector of negative Re λ belongs to it.
-    pub fn of_disk_and_sectors([radius, farthest]: [f64; 2], right: bool) -> Self {
+    /// The disk |λ| < `radius` and the sectors around the real axis up to |λ| < `left` for Re λ < 0 and |λ| < `right` for
+    /// Re λ > 0, if there is one: an eigenvalue outside of the disk is inside if |Im λ| < |λ| sin [`SECTOR`].
+    pub fn of_disk_and_sectors(radius: f64, left: f64, right: Option<f64>) -> Self {
         let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
-        let outside = if right { vec![at(farthest, 0.0), at(farthest, SECTOR)] } else { Vec::new() };
-        let begin = if right { SECTOR } else { 0.0 };
-        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(farthest, PI - SECTOR), at(farthest, PI)];
-        Self(outside.into_iter().chain(inside).collect())
+        let begin = if right.is_some() { SECTOR } else { 0.0 };
+        let outside = right.into_iter().flat_map(|right| [at(right, 0.0), at(right, SECTOR)]);
+        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(left, PI - SECTOR), at(left, PI)];
+        Self(outside.chain(inside).collect())
     }
 
     /// The disk |λ| < `radius`.
@@ -154,6 +159,14 @@ pub(super) fn missing(
             let next = if distance + step > (1.0 - MIN_STEP) * length { length } else { distance + step };
             let z = side[0] + (side[1] - side[0]) * (next / length);
             let predicted = extrapolated(&points, z);
+            let uncertainty = points
+                .get(1..)
+                .filter(|rest| !rest.is_empty())
+                .map_or(0.0, |rest| (predicted - extrapolated(rest, z)).norm());
+            if uncertainty > MAX_UNCERTAINTY {
+                step = (next - distance) / 2.0;
+                continue;
+            }
             let error = reduced(value(z)? - predicted);
             count += 1;
             if count > MAX_DETERMINANTS || !error.is_finite() {
@@ -210,8 +223,8 @@ mod tests {
 
     #[test]
     fn every_missing_eigenvalue_is_counted() {
-        for right in [false, true] {
-            let contour = Contour::of_disk_and_sectors([5.0, 1000.0], right);
+        for right in [None, Some(20.0), Some(1000.0)] {
+            let contour = Contour::of_disk_and_sectors(5.0, 1000.0, right);
             let missing = |zeros: usize, values: &[Complex64]| {
                 super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &contour)
             };
@@ -237,8 +250,19 @@ mod tests {
     }
 
     #[test]
+    fn whole_turns_of_the_phase_are_not_lost() {
+        // The contour begins where the phase of a determinant of high degree changes most.
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, Some(1e6));
+        for others in [750, 1000, 1500, 3000] {
+            let missing =
+                super::missing(determinant(others), &Known { zeros: 2, values: VALUES[1..].to_vec() }, &contour);
+            assert_eq!(missing, Some(2), "{others}");
+        }
+    }
+
+    #[test]
     fn many_other_eigenvalues_do_not_disturb_the_count() {
-        let contour = Contour::of_disk_and_sectors([5.0, 1e6], false);
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, None);
         for others in [10, 100, 1000] {
             let calls = std::cell::Cell::new(0);
             let determinant = determinant(others);

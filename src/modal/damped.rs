@@ -7,11 +7,11 @@
 use nalgebra::{Complex, DVector};
 
 use super::cached::CachedModel;
-use super::first_order::FirstOrder;
+use super::eigenvectors::{damped, physical, undamped};
 use super::lowest::lowest;
-use super::real::RealModes;
+use super::lowest_damped::lowest_damped;
 use super::whirl::{Classifier, Whirl};
-use crate::linalg::{DecompositionError, eigen};
+use crate::linalg::DecompositionError;
 use crate::model::Model;
 
 /// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
@@ -77,8 +77,7 @@ pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, Decompositio
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
 /// matrices of the shafts. Time and memory are proportional to n.
 ///
-/// `None` for modal damping, whose matrix is full, and where the lowest modes cannot be told apart from the others, as with
-/// many overdamped ones.
+/// `None` where the lowest modes cannot be told apart from the others, as with many overdamped ones.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
@@ -87,70 +86,23 @@ pub fn structured_modes(
     speed: f64,
     count: usize,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    if cached.model.scene.modal_damping > 0.0 {
-        return Ok(None);
-    }
+    let lightly_damped = if cached.model.scene.modal_damping > 0.0 { None } else { lowest(cached, speed, count)? };
+    let found = match lightly_damped {
+        Some(found) => Some(found),
+        None => lowest_damped(cached, speed, count)?,
+    };
     let classifier = Classifier::new(&cached.model, speed);
     let mode = |(eigenvalue, shape)| {
         let shape = normalized(shape);
         let whirl = classifier.classify(eigenvalue, &shape);
         Mode { eigenvalue, shape, whirl }
     };
-    Ok(lowest(cached, speed, count)?.map(|pairs| pairs.into_iter().map(mode).collect()))
+    Ok(found.map(|pairs| pairs.into_iter().map(mode).collect()))
 }
 
 /// Type of motion of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core.
 pub fn whirl(model: &Model, speed: f64, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
     Classifier::new(model, speed).classify(eigenvalue, shape)
-}
-
-/// φ = Φη.
-fn physical(real: &RealModes, coordinates: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let part = |part: fn(&Complex<f64>) -> f64| &real.vectors * coordinates.map(|value| part(&value));
-    let (re, im) = (part(|value| value.re), part(|value| value.im));
-    DVector::from_fn(re.len(), |i, _| Complex::new(re[i], im[i]))
-}
-
-/// Eigenvalues λ with Im λ ≥ 0, rad/s, and modal coordinates η of unit length, one vector per eigenvalue.
-type Eigenvectors = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
-
-/// Unit vector of modal coordinate `index`.
-fn unit_vector(len: usize, index: usize) -> DVector<Complex<f64>> {
-    DVector::from_fn(len, |i, _| Complex::new(if i == index { 1.0 } else { 0.0 }, 0.0))
-}
-
-fn undamped(real: &RealModes) -> Eigenvectors {
-    let n = real.frequencies.len();
-    let eigenvalues = real.frequencies.iter().map(|frequency| Complex::new(0.0, *frequency)).collect();
-    (eigenvalues, (0..n).map(|i| unit_vector(n, i)).collect())
-}
-
-fn damped(real: &RealModes, order: &FirstOrder) -> Result<Eigenvectors, DecompositionError> {
-    let n = real.frequencies.len();
-    let FirstOrder { elastic, moving, matrix, .. } = order;
-    let (e, m) = (elastic.len(), moving.len());
-    let eigen = eigen(matrix)?;
-
-    // λ = 0 for the position of each rigid-body mode. Where its velocity is coupled, it is part of `matrix`.
-    let mut eigenvalues = vec![Complex::new(0.0, 0.0); n - e];
-    let mut coordinates: Vec<_> = (0..n).filter(|i| real.frequencies[*i] == 0.0).map(|i| unit_vector(n, i)).collect();
-    let round_off = f64::EPSILON * matrix.amax() * (e + m) as f64;
-    for (value, vector) in eigen.values.iter().zip(eigen.vectors.column_iter()) {
-        if value.im < 0.0 || (e < n && value.norm() <= round_off) {
-            continue;
-        }
-        let mut eta = DVector::zeros(n);
-        for (row, i) in moving.iter().enumerate() {
-            eta[*i] = vector[e + row] / value;
-        }
-        for (row, i) in elastic.iter().enumerate() {
-            eta[*i] = vector[row] / real.frequencies[*i];
-        }
-        let norm = eta.norm();
-        eigenvalues.push(*value);
-        coordinates.push(eta.unscale(norm));
-    }
-    Ok((eigenvalues, coordinates))
 }
 
 /// Multiplies a shape by a phase factor that makes its largest entry real and positive.

@@ -2,7 +2,8 @@
 //!
 //! A Krylov space of the inverse at a small shift ([`super::shift_invert`]) finds the eigenvalues of smallest magnitude.
 //! Rigid-body modes are known and left out of the space. Strongly damped eigenvalues may be far from the origin and still
-//! have a low frequency; they are found at further shifts on the real axis.
+//! have a low frequency; they are found at further shifts on the real axis, or by [`super::lowest_damped`] with
+//! cross-coupled stiffness.
 //!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
 //! radius R and those with a damping ratio above one half. As long as one is missing, the spaces are extended. Every other
@@ -55,12 +56,24 @@ pub(super) fn lowest(
     let problem = Problem::new(model, speed, cached.spectral_range(speed)?)?;
     let elastic = count.saturating_sub(problem.null.ncols());
     if problem.undamped {
-        let operator = |shift: f64| ShiftInverse::new(model, speed, shift);
-        let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-        return Search { problem: &problem, count, elastic, locked: locked.collect() }.run(operator);
+        return lowest_undamped(&problem, count);
     }
     let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
     Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
+}
+
+/// The same for an undamped problem.
+///
+/// # Errors
+/// As [`lowest`].
+pub(super) fn lowest_undamped(
+    problem: &Problem<'_>,
+    count: usize,
+) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+    let elastic = count.saturating_sub(problem.null.ncols());
+    let operator = |shift: f64| ShiftInverse::new(problem.model, problem.speed, shift);
+    let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
+    Search { problem, count, elastic, locked: locked.collect() }.run(operator)
 }
 
 /// An approximation of an eigenvalue.
@@ -150,6 +163,10 @@ impl Search<'_, '_> {
                 space.add_start()?;
                 target = steps + per_mode * self.elastic + 20;
                 continue;
+            }
+            // Films of journal bearings have many strongly damped motions with cross-coupling.
+            if self.problem.circulates {
+                return Ok(None);
             }
             let narrower = match annuli.take() {
                 Some(known) => known.iter().flat_map(Annulus::halves).collect(),

@@ -6,8 +6,9 @@
 //! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
 //!
-//! A few modes of a large model come from Krylov spaces (`lowest`), with a count of the eigenvalues (`contour`) and the
-//! lowest and highest undamped frequency (`spectral_range`).
+//! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
+//! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`) and the lowest and
+//! highest undamped frequency (`spectral_range`).
 
 mod balanced;
 mod cached;
@@ -17,11 +18,14 @@ mod contour;
 mod critical;
 mod damped;
 mod eigenpairs;
+mod eigenvectors;
 mod equilibrium;
 mod first_order;
+mod galerkin;
 mod gyroscopic;
 mod intersection;
 mod lowest;
+mod lowest_damped;
 mod pairs;
 mod pins;
 mod projected;
@@ -31,6 +35,7 @@ mod recent;
 mod rigid_body;
 mod shift_invert;
 mod spectral_range;
+mod square_root;
 mod state_space;
 mod whirl;
 

@@ -12,17 +12,18 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Annulus, Contour, Known};
+use super::contour::{self, Annulus, Contour, Known, SECTOR};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
+use crate::connection::Row;
 use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
-use crate::model::{Model, Weights};
+use crate::model::{Model, Support, Weights};
 
 /// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
 const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
-/// Ratio of the radii of an annulus.
+/// Ratio of two successive rates, and of the radii of an annulus.
 const RATIO: f64 = 4.0;
 
 /// Matrices of the problem and its rigid-body modes.
@@ -33,9 +34,11 @@ pub(super) struct Problem<'m> {
     /// s, rad/s.
     pub shift: f64,
     /// D = C + ΩG.
-    rate: Sparse,
+    pub rate: Sparse,
     /// Symmetric part of K.
-    stiffness: Sparse,
+    pub stiffness: Sparse,
+    /// Whether K has a skew part.
+    pub circulates: bool,
     /// Whether D and the skew part of K are zero.
     pub undamped: bool,
     /// Rigid-body modes, one per column, orthonormal in M.
@@ -66,6 +69,7 @@ impl<'m> Problem<'m> {
         Ok(Self {
             shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
             undamped: rate.is_zero() && !circulates,
+            circulates,
             free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
             bound: Bound::new(model, speed, range.fastest),
             stiffness: model.sparse_symmetric_stiffness(speed),
@@ -88,25 +92,59 @@ impl<'m> Problem<'m> {
         positions.chain(self.free.iter().map(move |column| state(*column, n)))
     }
 
+    /// The same problem with K_symmetric and without D: that of the undamped modes.
+    pub fn without_damping(&self) -> Self {
+        Self {
+            model: self.model,
+            speed: self.speed,
+            shift: self.shift,
+            rate: Sparse::new(self.model.len(), Vec::new()),
+            stiffness: self.stiffness.clone(),
+            circulates: false,
+            undamped: true,
+            null: self.null.clone(),
+            free: (0..self.null.ncols()).collect(),
+            bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, dissipative: true, ..self.bound },
+        }
+    }
+
     /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
     pub fn damper_states(&self) -> Vec<Vec<f64>> {
-        let (n, mut rows) = (self.model.len(), Vec::new());
-        for support in self.model.supports.iter().filter(|support| support.damping != [[0.0; 2]; 2]) {
+        let n = self.model.len();
+        let state = |row: Row| {
+            let mut state = vec![0.0; 2 * n];
+            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
+            state
+        };
+        self.damper_rows().into_iter().map(state).collect()
+    }
+
+    /// The deflections of dampers and of circulatory springs.
+    pub fn damper_rows(&self) -> Vec<Row> {
+        let acts = |local: &Support| {
+            local.damping != [[0.0; 2]; 2] || local.skew_part().as_flattened().iter().any(|value| *value != 0.0)
+        };
+        let mut rows = Vec::new();
+        for support in self.model.supports.iter().filter(|support| acts(support)) {
             rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
         }
-        let links = self.model.links.iter().filter(|link| link.local.damping != [[0.0; 2]; 2]);
+        let links = self.model.links.iter().filter(|link| acts(&link.local));
         rows.extend(links.flat_map(|link| link.rows.iter().cloned()));
         for connection in self.model.connections(self.speed) {
             if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
                 rows.extend(connection.rows());
             }
         }
-        let state = |row: Vec<(usize, f64)>| {
-            let mut state = vec![0.0; 2 * n];
-            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
-            state
-        };
-        rows.into_iter().map(state).collect()
+        rows
+    }
+
+    /// Weights of S(λ).
+    pub fn weights(&self, at: Complex64) -> Weights {
+        let weights = Weights::dynamic(at, self.speed);
+        if self.undamped {
+            return Weights { damping: Complex64::ZERO, gyroscopic: Complex64::ZERO, symmetric: true, ..weights };
+        }
+        weights
     }
 
     /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
@@ -115,7 +153,7 @@ impl<'m> Problem<'m> {
         let known = Known { zeros, values: found.collect() };
         let determinant = |at: Complex64| {
             let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
-            let matrix = self.model.dynamic_stiffness(&Weights::dynamic(at, self.speed), self.speed);
+            let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
             matrix.factor(sense).ok().map(|factors| factors.determinant())
         };
         contour::missing(determinant, &known, contour)
@@ -124,21 +162,27 @@ impl<'m> Problem<'m> {
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
     /// half.
     pub fn contour(&self, radius: f64) -> Contour {
-        let Bound { damping, circulatory, stable, .. } = self.bound;
-        if damping == 0.0 && circulatory == 0.0 {
+        if self.bound.damping == 0.0 && self.bound.circulatory == 0.0 {
             return Contour::of_disk(radius);
         }
-        Contour::of_disk_and_sectors([radius, self.bound.largest().max(2.0 * radius)], !stable)
+        let right = self.bound.largest_growing();
+        let right = (right > radius).then(|| right.max(2.0 * radius));
+        Contour::of_disk_and_sectors(radius, self.bound.largest().max(2.0 * radius), right)
     }
 
     /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
     pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
-        let radii = std::iter::successors(Some(radius), |radius| Some(radius * RATIO));
-        let radii = radii.take_while(|radius| *radius < self.bound.largest());
-        let sides = if self.bound.stable { &[true][..] } else { &[true, false] };
+        let radii = self.rates(radius);
+        let sides = if self.bound.largest_growing() == 0.0 { &[true][..] } else { &[true, false] };
         radii
             .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
             .collect()
+    }
+
+    /// Rates (1/s) from `lowest` to the bound of the eigenvalues, in a geometric series.
+    pub fn rates(&self, lowest: f64) -> impl Iterator<Item = f64> {
+        let highest = self.bound.largest();
+        std::iter::successors(Some(lowest), |rate| Some(rate * RATIO)).take_while(move |rate| *rate < highest)
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
@@ -167,16 +211,21 @@ impl<'m> Problem<'m> {
             parts[0].dot(&images[0]) + parts[1].dot(&images[1]),
             parts[0].dot(&images[1]) - parts[1].dot(&images[0]),
         );
-        let root = (rate * rate - 4.0 * stiffness).sqrt();
-        let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
-            Complex64::new(f64::INFINITY, 0.0),
-            |best, one| {
-                if (one - value).norm() < (best - value).norm() { one } else { best }
-            },
-        );
-        let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
-        if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
+        corrected(value, rate, stiffness)
     }
+}
+
+/// The root of λ² + λ·`rate` + `stiffness` next to `value`.
+pub(super) fn corrected(value: Complex64, rate: Complex64, stiffness: Complex64) -> Complex64 {
+    let root = (rate * rate - 4.0 * stiffness).sqrt();
+    let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
+        Complex64::new(f64::INFINITY, 0.0),
+        |best, one| {
+            if (one - value).norm() < (best - value).norm() { one } else { best }
+        },
+    );
+    let near = (corrected - value).norm() <= MAX_CORRECTION * value.norm();
+    if near && (value.im != 0.0) == (corrected.im > 0.0) { corrected } else { value }
 }
 
 /// T of the first-order form.
@@ -269,8 +318,8 @@ struct Bound {
     circulatory: f64,
     /// √k, rad/s.
     fastest: f64,
-    /// Whether every eigenvalue has Re λ ≤ 0.
-    stable: bool,
+    /// Whether the damping is positive semidefinite.
+    dissipative: bool,
 }
 
 impl Bound {
@@ -281,7 +330,7 @@ impl Bound {
             gyroscopic: 0.0,
             circulatory: 0.0,
             fastest,
-            stable: alpha >= 0.0 && beta >= 0.0,
+            dissipative: alpha >= 0.0 && beta >= 0.0,
         };
         // The trace of M⁻¹C bounds the largest eigenvalue.
         let mobility = |row: &[(usize, f64)]| {
@@ -297,20 +346,25 @@ impl Bound {
             let [[a, b], [c, d]] = support.damping;
             bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
             bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
-            bound.stable &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
+            bound.dissipative &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
         }
         for connection in model.connections(speed) {
             let damping = connection.linear(speed).damping;
             let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
             bound.damping += mobility * damping.norm();
-            bound.stable &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
+            bound.dissipative &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
         }
-        bound.stable &= bound.circulatory == 0.0;
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
         let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
         let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
         bound.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
         bound
+    }
+
+    /// Bound of |λ| for eigenvalues with Re λ > |λ| cos [`contour::SECTOR`], rad/s. The real part of xᴴS(λ)x/λ contains
+    /// |λ| xᴴMx cos φ, and of the forces only those of circulatory springs, κ xᴴMx sin φ/|λ| at most, can be negative.
+    fn largest_growing(&self) -> f64 {
+        if self.dissipative { (self.circulatory * SECTOR.tan()).sqrt() } else { self.largest() }
     }
 
     /// Bound of |λ|, rad/s.

@@ -167,6 +167,28 @@ impl<'m> ShiftInverse<'m> {
         let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
         Ok(Self { model, factors, shift })
     }
+
+    /// (K + s²M)⁻¹ F, n × m.
+    pub fn solve_columns(&self, forces: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
+        let mut solved = forces.clone();
+        // The matrix is real: real and imaginary part are two columns.
+        for first in (0..forces.ncols()).step_by(2) {
+            let second = (first + 1).min(forces.ncols() - 1);
+            let force = forces.column(first).zip_map(&forces.column(second), Complex64::new);
+            let mut x = self.model.to_circular(force.as_slice());
+            self.factors.solve(&mut x)?;
+            for (row, value) in self.model.from_circular(&x).iter().enumerate() {
+                (solved[(row, first)], solved[(row, second)]) =
+                    (value.re, if second > first { value.im } else { value.re });
+            }
+        }
+        Ok(solved)
+    }
+
+    /// (K + s²M)⁻¹ f, n entries.
+    pub fn solve(&self, force: &[f64]) -> Result<Vec<f64>, DecompositionError> {
+        Ok(self.model.solve_real(&self.factors, force)?)
+    }
 }
 
 impl Operator for ShiftInverse<'_> {
@@ -178,7 +200,7 @@ impl Operator for ShiftInverse<'_> {
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        Ok(self.model.solve_real(&self.factors, &mass_times(self.model, x))?)
+        self.solve(&mass_times(self.model, x))
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {

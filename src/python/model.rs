@@ -153,9 +153,7 @@ impl PyModel {
             }
             At::Position(shaft, position) => {
                 let index = model.scene.known_shaft(shaft, &place)?;
-                let node = model.scene.shafts[index].node_at(*position);
-                let none = || place.error(format!("shaft \"{shaft}\" has no node at {position} m"));
-                Node { shaft: index, node: node.ok_or_else(none)? }
+                Node { shaft: index, node: model.scene.shafts[index].require_node(*position, &place)? }
             }
         };
         let (translation, twist) = (model.numbering.translation(node), model.numbering.twist(node));

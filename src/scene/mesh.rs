@@ -76,7 +76,11 @@ fn mesh(
     let (driver, driven) = (find("driver", &given.driver)?, find("driven", &given.driven)?);
     let (a, b) = (&gears[driver], &gears[driven]);
     if a.body.node.shaft == b.body.node.shaft {
-        return Err(at.error(format!("\"{}\" and \"{}\" sit on the same shaft", given.driver, given.driven)));
+        let shaft = &shafts[a.body.node.shaft].name;
+        return Err(at.error(format!(
+            "\"{}\" and \"{}\" sit on the same shaft, \"{shaft}\"; gears in mesh need two shafts: change the shaft of one gear, or the gears of the mesh",
+            given.driver, given.driven
+        )));
     }
     check_racks(a, b, at, warnings)?;
 
@@ -111,13 +115,14 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
     if let (Some((module_a, angle_a)), Some((module_b, angle_b))) = (a.rack, b.rack) {
         let (first, second) = names();
         if differ(module_a, module_b) {
-            let message = format!("cannot mesh: \"{first}\" has module {module_a} m, \"{second}\" {module_b} m");
-            return Err(at.error(message));
+            return Err(at.error(format!(
+                "cannot mesh: \"{first}\" has module {module_a} m, \"{second}\" {module_b} m; give both the same module"
+            )));
         }
         if differ(angle_a, angle_b) {
-            let message =
-                format!("cannot mesh: \"{first}\" has pressure angle {angle_a} rad, \"{second}\" {angle_b} rad");
-            return Err(at.error(message));
+            return Err(at.error(format!(
+                "cannot mesh: \"{first}\" has pressure angle {angle_a} rad, \"{second}\" {angle_b} rad; give both the same"
+            )));
         }
     }
     check_hands(a, b, at)?;

@@ -56,6 +56,19 @@ impl Shaft {
         let tolerance = SAME_POSITION * self.length();
         self.nodes.iter().position(|x| (x - position).abs() <= tolerance)
     }
+
+    /// Finds the node at a position, m; the error names the nearest one.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `at` if no node is there.
+    pub(crate) fn require_node(&self, position: f64, at: &EntryPath) -> Result<usize, SceneError> {
+        self.node_at(position).ok_or_else(|| {
+            let distance = |x: &&f64| (**x - position).abs();
+            let nearest = self.nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = nearest.map(|x| format!("; the nearest is at {x} m")).unwrap_or_default();
+            at.error(format!("shaft \"{}\" has no node at {position} m{nearest}", self.name))
+        })
+    }
 }
 
 /// Builds all shafts with a node at every station.
@@ -159,9 +172,12 @@ fn shaft(
     for (position, path) in stations {
         path.finite(*position)?;
         if *position < -tolerance || *position > length + tolerance {
-            return Err(
-                path.error(format!("{position} m is outside the shaft \"{}\", which is {length} m long", given.name))
-            );
+            let millimetres = *position > 10.0 * length && position / 1e3 <= length + tolerance;
+            return Err(path.error(format!(
+                "{position} m is outside the shaft \"{}\", which is {length} m long; positions begin with 0 at its left end{}",
+                given.name,
+                if millimetres { "; is it in millimetres?" } else { "" }
+            )));
         }
         let next = nodes.partition_point(|x| *x < position - tolerance);
         if (nodes[next.min(nodes.len() - 1)] - position).abs() > tolerance {

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the examples are 
 #: The systems of each example, made as in its `main`. Examples without an entry are short and run completely.
 SYSTEMS: dict[str, Callable[[Any], list[Any]]] = {
     "bowed_train": lambda m: [m.train(ratio * m.RADIUS) for ratio in m.BOWS],
-    "figures": lambda m: [m.train()],
+    "figures": lambda m: [m.train(), m.train(m.BOW / 2.0)],
     "frequency": lambda m: [m.train(), m.rotor()],
     "map": lambda m: [m.train(bow) for bow in m.BOWS[:2]],
     "gearbox": lambda m: [m.gearbox(), m.straight(m.gearbox())],
@@ -37,10 +37,12 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "figures": [],
     "frequency": [],
     "map": ["--output", "figure.png"],
+    "from_ross": [],
     "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],
     "resonance_sweep": ["--output", "figure.png"],
+    "signals": [],
     "tradeoff": None,
 }
 

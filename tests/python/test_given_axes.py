@@ -45,6 +45,10 @@ def results() -> dict:
         "waterfall": gb.waterfall(runs, "g1", "w"),
         "energy": run.energy_balance(),
         "tradeoff": STUDY,
+        "steady": system.steady_state(100.0, geometry="frozen"),
+        "branch": jeffcott(damping=4e3).continuation(
+            "bow", 0.5, 1.0, speed=100.0, record=["disk"], max_points=4
+        ),
     }
 
 
@@ -69,6 +73,8 @@ FIGURES = {
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),
     "energy": (3, lambda r, ax: r["energy"].plot(ax)),
     "tradeoff": (1, lambda r, ax: r["tradeoff"].plot(ax=ax)),
+    "branch": (1, lambda r, ax: r["branch"].plot(ax=ax)),
+    "steady state": (1, lambda r, ax: r["steady"].plot("orbits", "g1", ax=ax)),
 }
 
 
@@ -90,6 +96,8 @@ def test_a_figure_goes_into_given_panels(name, results):
         assert panel.get_xlabel()
         assert panel.get_ylabel() or name == "orders"
         assert panel.xaxis.get_major_ticks()[0].label1.get_fontsize() == 7.0
+        # the texts have the size of the user's settings, not that of a new figure
+        assert all(text.get_fontsize() <= mpl.rcParams["font.size"] for text in panel.texts)
     figure.draw_without_rendering()
 
 

@@ -294,7 +294,7 @@ def test_opposite_helices_on_one_shaft_cancel_the_thrust():
 def reference(system: gb.RotorSystem) -> HelicalTrain:
     """State the system of `pair` independently."""
     steel = {"youngs_modulus": 207e9, "shear_modulus": 207e9 / 2.6, "density": 7850.0}
-    mesh, (a, _) = system.meshes[0], system.gears
+    mesh, (a, _), torque = system.meshes[0], system.gears, system.torques[0].value
     radii = np.array([25, 50]) * 3e-3 / np.cos(a.helix_angle) / 2
     masses = 7850.0 * np.pi * radii**2 * 0.03
     sections = [elements.Section(diameter, **steel) for diameter in (0.05, 0.06)]
@@ -327,7 +327,7 @@ def reference(system: gb.RotorSystem) -> HelicalTrain:
             for shaft in ("input", "output")
             for x in (0.0, 0.4)
         ],
-        torques=[("g1", 200.0), ("g2", 400.0)],
+        torques=[("g1", torque), ("g2", 2 * torque)],
     )
     whole = HelicalTrain(train)
     for bearing in system.bearings:
@@ -340,7 +340,8 @@ def reference(system: gb.RotorSystem) -> HelicalTrain:
     # c = 2ζ√(k m_e) of the transverse section, where k is cos² of the base helix angle smaller
     reduced = 1.0 / sum(r**2 / (m * p**2 / 2) for r, m, p in zip(base, masses, radii, strict=True))
     damping = 2 * mesh.damping_ratio * np.sqrt(2e8 * reduced) / np.cos(law.base)
-    whole.join("g1", "g2", HelicalMesh((25, 50), 3e-3, a.helix_angle, 2e8, damping, angle=0.4))
+    options = {"angle": 0.4, "film": mesh.damping_in_separation}
+    whole.join("g1", "g2", HelicalMesh((25, 50), 3e-3, a.helix_angle, 2e8, damping, **options))
     return whole
 
 
@@ -372,6 +373,27 @@ def test_a_helical_pair_moves_as_an_independent_program_says(live: bool):
             assert ranged(run.displacement(name), q[:, v : v + 2]) < 1e-6
             assert ranged(run.twist(name), q[:, v + 4]) < 1e-6
             assert ranged(run.axial(name), q[:, whole.axial(*place)]) < 1e-6
+
+
+@pytest.mark.parametrize("live", [True, False], ids=["live", "frozen"])
+def test_a_helical_pair_is_damped_in_separation(live: bool):
+    # a light torque, and a backlash that the back flanks do not reach
+    mesh = {"backlash": 1e-3, "damping_in_separation": True}
+    torques = [gb.Torque("g1", 20.0), gb.Torque.balance("g2")]
+    system = pair(bearing={"tilting_stiffness": 1e5}, mesh=mesh, torques=torques)
+    times = np.linspace(0.0, 1.5e-3, 31)
+    whole = reference(system)
+    _, forces = whole.from_rest(300.0, times, live)
+    geometry = "live" if live else "frozen"
+    for how in ({"method": "rk45", "rtol": 1e-9}, {"method": "exponential", "rtol": 1e-9}):
+        run = system.simulate(
+            1.6e-3, 300.0, initial="rest", times=times, geometry=geometry, record=["meshes"], **how
+        )
+        found = run.mesh("g1", "g2")
+        assert (found.stiffness == 0.0).any()
+        assert (found.stiffness > 0.0).any()
+        # the independent solution does not end a step at a contact change
+        assert ranged(found.force, forces[:, 0]) < 1e-5
 
 
 def test_live_and_frozen_geometry_differ():

@@ -9,6 +9,7 @@ import warnings
 from contextlib import redirect_stderr
 
 import pytest
+from tqdm import tqdm
 
 import gearbow as gb
 from gearbow import _progress
@@ -211,7 +212,7 @@ class TestEstimate:
 
     def test_the_bar_shows_the_remaining_time_at_the_first_report(self):
         with redirect_stderr(io.StringIO()) as text, _progress.reported(True, 1e6) as report:
-            for bar in _progress.tqdm._instances:
+            for bar in tqdm._instances:
                 # as if the first report came half a second after the start
                 bar.start_t -= 0.5
                 bar.last_print_t -= 0.5

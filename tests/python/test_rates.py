@@ -178,6 +178,39 @@ def test_rates_of_other_systems(changes: dict[str, Any], method: str):
     assert_rates(run, PLACES, 2e-3 if method == "rk45" else 1e-5, changes=3)
 
 
+FILM = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.02}
+
+
+@pytest.mark.parametrize("method", ["exponential", "rk45"])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"bearings": [gb.JournalBearing("rotor", x, **FILM) for x in (0.0, 1.0)]},
+        {
+            "bearings": [
+                gb.RollingBearing(
+                    "rotor", x, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
+                )
+                for x in (0.0, 1.0)
+            ]
+        },
+        {"torques": [gb.Torque("disk", 50.0)]},
+        {"forces": [gb.Force("disk", 200.0 + 50.0j, order=2.0)]},
+    ],
+    ids=["journal bearing", "rolling bearing", "unbalanced torque", "rotating force"],
+)
+def test_rates_of_rotors(changes: dict[str, Any], method: str):
+    run = rotor(gravity=9.81, **changes).simulate(
+        2e-4, 120.0, initial="rest" if "torques" in changes else "static", output_step=1e-7,
+        record=["disk", ("rotor", 0.0), *RATES], **METHODS[method],
+    )  # fmt: skip
+    # the differences at the sudden start in the oil film have an error of 5e-6, which falls with their fourth order
+    assert_rates(run, ["disk", ("rotor", 0.0)], 2e-3 if method == "rk45" else 1e-5)
+    if "torques" in changes:
+        # a constant torque accelerates the twist evenly, beside torsional vibration
+        assert run.twist_rate("disk")[-1] > 0.0
+
+
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
 def test_rates_at_changing_speed(method: str):
     speed = gb.SpeedProfile.ramp(100.0, 400.0, 0.01)

@@ -39,7 +39,10 @@ def assert_same_response(system: gb.RotorSystem, speeds: np.ndarray) -> None:
 
 
 def through_dense_matrices(system: gb.RotorSystem) -> gb.RotorSystem:
-    """Return the system with a modal damping that is below round-off, which takes dense matrices."""
+    """Return the system with a modal damping that is below round-off.
+
+    Its synchronous response takes dense matrices, and its modes a Galerkin projection.
+    """
     return system.replace(modal_damping=1e-300)
 
 
@@ -108,6 +111,62 @@ def test_published_rotors_with_more_elements_have_the_modes_of_dense_matrices(pa
     finer = system.replace(shafts=shafts)
     for speed in (0.0, 300.0):
         assert_lowest_modes(finer, speed, count=6)
+
+
+@scenes(5)
+def test_the_lowest_modes_with_modal_damping_are_those_of_dense_matrices(scene: Drawn):
+    for ratio in (0.001, 0.02, 0.3):
+        assert_lowest_modes(refined(scene).replace(modal_damping=ratio), scene.speed)
+
+
+@scenes(3)
+def test_strongly_damped_trains_with_modal_damping_have_the_modes_of_dense_matrices(scene: Drawn):
+    stiffness = scene.bearing[:3]
+    for damping in (10.0, 1000.0):
+        system = refined(scene, bearing=(*stiffness, damping), rayleigh=0.0)
+        assert_lowest_modes(system.replace(modal_damping=0.02), scene.speed)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.0 + 1e-8, 1.001])
+@pytest.mark.parametrize("ratio", [0.0, 0.01])
+def test_equal_and_close_modes_are_all_found(factor: float, ratio: float):
+    # both planes of a rotor, whose rotation is a rigid-body mode
+    bearings = [
+        gb.Bearing("s", x, stiffness=(1e7, factor * 1e7), damping=100.0) for x in (0.0, 1.0)
+    ]
+    system = shaft_of(40).replace(bearings=bearings, modal_damping=ratio)
+    for speed in (0.0, 1e-3, 300.0):
+        assert_lowest_modes(system, speed, count=12)
+
+
+def test_undamped_modes_have_the_modal_damping_ratio():
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=30, degree=1)
+    bearings = [gb.Bearing("s", x, stiffness=1e7) for x in (0.0, 1.0)]
+    system = gb.RotorSystem([shaft], bearings=bearings, modal_damping=0.05)
+    found = system.modes(count=8)
+    free = system.replace(modal_damping=0.0).modes(count=8)
+    elastic = free.frequencies_hz > 0.0
+    assert found.damping_ratios[elastic] == pytest.approx(0.05, rel=1e-9)
+    size = np.abs(found.eigenvalues[elastic]) / (2 * np.pi)
+    assert size == pytest.approx(free.frequencies_hz[elastic], rel=1e-9)
+
+
+def on_films(ratio: float, **film: object) -> gb.RotorSystem:
+    """Return a shaft on two journal bearings, whose films damp strongly and have cross-coupling."""
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.06, elements=40, degree=1)
+    disk = gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)
+    given = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.03, **film}
+    bearings = [gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)]  # type: ignore[arg-type]
+    return gb.RotorSystem(
+        [shaft], disks=[disk], bearings=bearings, gravity=9.81, modal_damping=ratio
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.1])
+@pytest.mark.parametrize("speed", [50.0, 300.0, 900.0])
+def test_the_modes_on_journal_bearings_are_those_of_dense_matrices(ratio: float, speed: float):
+    # at high speed the films are unstable
+    assert_lowest_modes(on_films(ratio), speed, count=10)
 
 
 def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:

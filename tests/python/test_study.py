@@ -232,7 +232,7 @@ def test_the_command_prints_a_table_and_refuses_invalid_arguments(tmp_path):
         text=True,
         check=False,
     )
-    assert failed.returncode == 1
+    assert failed.returncode == 2
     assert failed.stderr == "study: study: this table is missing\n"
 
 

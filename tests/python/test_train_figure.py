@@ -211,6 +211,15 @@ def test_shafts_and_gears_have_their_positions():
     assert (end.get_xlabel(), end.get_ylabel()) == ("y [m]", "z [m]")
 
 
+def test_the_hidden_edges_of_a_bore_are_dashed():
+    segments = [gb.Segment(0.3, 0.06), gb.Segment(0.5, 0.08, inner_diameter=0.03)]
+    shaft = gb.Shaft("s", segments=segments)
+    side = gb.RotorSystem([shaft], bearings=[gb.Bearing("s", 0.1, stiffness=1e8)]).plot().axes[0]
+    dashed = [line.get_xydata() for line in side.get_lines() if line.get_linestyle() == "--"]
+    expected = [[[0.3, 0.015], [0.8, 0.015]], [[0.3, -0.015], [0.8, -0.015]]]
+    np.testing.assert_allclose(dashed, expected)
+
+
 def test_a_train_is_developed_into_one_plane():
     distance = 3e-3 * 75 / 2
     for system, true in ((pair(), True), (pair(angle=2.0), False), (reverted(), True)):

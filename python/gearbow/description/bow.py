@@ -6,6 +6,7 @@ q_b.
 """
 
 import cmath
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -150,6 +151,55 @@ class Bow(Part):
             amplitudes=tuples(deflections),
             phases=tuples(angles),
         )
+
+    @classmethod
+    def read_csv(cls, path: str | os.PathLike[str]) -> "Bow":
+        r"""Read measured run-out or bow along a shaft from a CSV file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file with the columns "position", "amplitude" or "total_run_out", and optionally
+            "phase". The total run-out of a dial gauge, from its smallest to its largest reading in
+            one turn, is twice the amplitude. A heading has the unit in brackets, for example
+            "position [mm]", "total_run_out [um]" or "phase [deg]"; without one it is the SI unit.
+            Separators are commas, semicolons or tabs; lines that begin with "#" are comments.
+
+        Returns
+        -------
+        Bow
+            The bow, a cubic spline through the points.
+
+        Raises
+        ------
+        SceneError
+            If a heading, a unit or a number is invalid, or a column is missing.
+        OSError
+            If the file cannot be opened.
+
+        Examples
+        --------
+        >>> from pathlib import Path
+        >>> import gearbow as gb
+        >>> lines = ["position [mm]; total_run_out [um]; phase [deg]", "0; 0; 0", "250; 300; 90"]
+        >>> written = Path("runout.csv").write_text("\n".join([*lines, "500; 0; 0"]))
+        >>> bow = gb.Bow.read_csv("runout.csv")
+        >>> bow.positions, bow.amplitudes
+        ((0.0, 0.25, 0.5), (0.0, 0.00015, 0.0))
+        >>> Path("runout.csv").unlink()
+        """
+        from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
+
+        known = {"position": "position", "amplitude": "amplitude", "phase": "phase"}
+        found = read_columns(path, {**known, "total_run_out": "amplitude"})
+        sizes = [name for name in ("amplitude", "total_run_out") if name in found]
+        if "position" not in found or len(sizes) != 1:
+            raise SceneError(
+                f'{path}: needs the column "position" and one of "amplitude" and "total_run_out", '
+                f"got {', '.join(found)}"
+            )
+        amplitudes = found[sizes[0]] / (2.0 if sizes == ["total_run_out"] else 1.0)
+        return cls.points(found["position"], amplitudes, found.get("phase", 0.0))
 
     @classmethod
     def function(cls, f: Callable[[float], complex]) -> "Bow":

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._lookup import nearest, nodal
+from gearbow._shown import Shown
 from gearbow._types import At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place
@@ -21,7 +22,7 @@ _SAME_POSITION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Coordinates:
+class Coordinates(Shown):
     """Degrees of freedom of a system, found by name or place.
 
     Parameters
@@ -218,8 +219,8 @@ class Coordinates:
                     f'the housing "{self.points[at][0]}"'
                 )
             if at not in self.bodies:
-                near = nearest(at, [*self.bodies, *self.points])
-                raise SceneError(f'at: no gear, disk, support or housing is called "{at}"{near}')
+                similar = nearest(at, [*self.bodies, *self.points])
+                raise SceneError(f'at: no gear, disk, support or housing is called "{at}"{similar}')
             shaft, position = self.bodies[at]
         else:
             shaft, position = at
@@ -231,4 +232,7 @@ class Coordinates:
         for x in positions:
             if abs(x - position) <= tolerance:
                 return shaft, x
-        raise SceneError(f'at: shaft "{shaft}" has no node at {position} m')
+        near = min(positions, key=lambda x: abs(x - position))
+        raise SceneError(
+            f'at: shaft "{shaft}" has no node at {position} m; the nearest is at {near} m'
+        )

@@ -34,6 +34,15 @@ class FilmCoefficients(ReadOnly):
         Angle from the load to the displacement, in the sense of the rotation [rad].
     sommerfeld : float
         Sommerfeld number S = μNLD/W (R/c)² with the speed N in turns per second.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> size = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4}
+    >>> bearing = gb.JournalBearing("rotor", 0.0, viscosity=0.1, **size)
+    >>> film = bearing.coefficients(load=525.0, speed=157.08)
+    >>> print(f"{film.attitude_angle:.3f} {film.sommerfeld:.3f}")
+    1.233 3.571
     """
 
     stiffness: Array
@@ -146,13 +155,14 @@ class JournalBearing(Part):
         found = film_coefficients(self._describe("bearing"), (0.0, -weight), spin)
         y, z = found["displacement"]
         turns = spin / (2.0 * np.pi)
-        bearing_number = self.viscosity * turns * self.length * self.diameter / abs(weight)
+        plain = self._in_si("bearing")
+        bearing_number = plain.viscosity * turns * plain.length * plain.diameter / abs(weight)
         return FilmCoefficients(
             stiffness=found["stiffness"],
             damping=found["damping"],
-            eccentricity_ratio=float(np.hypot(y, z) / self.clearance),
+            eccentricity_ratio=float(np.hypot(y, z) / plain.clearance),
             attitude_angle=float(np.arctan2(y, -z)),
-            sommerfeld=float(bearing_number * (self.diameter / (2.0 * self.clearance)) ** 2),
+            sommerfeld=float(bearing_number * (plain.diameter / (2.0 * plain.clearance)) ** 2),
         )
 
     @classmethod
@@ -173,6 +183,16 @@ class JournalMotion(ReadOnly):
     attitude_angle : float or ndarray, shape (k,)
         Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
         steady film it has the sign of the rotation of the shaft.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> size = {"diameter": 0.05, "length": 0.02, "clearance": 5e-5}
+    >>> films = [gb.JournalBearing("rotor", x, viscosity=0.02, **size) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
+    >>> print(f"{system.static(speed=300.0).journal('rotor', 0.0).eccentricity_ratio:.3f}")
+    0.181
     """
 
     force: Array

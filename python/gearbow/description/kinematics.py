@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from gearbow._convert import whole
+from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
@@ -38,7 +39,7 @@ class Train(Protocol):
 
 
 @dataclass(frozen=True)
-class Order:
+class Order(Shown):
     """One frequency of a train, as an order of the reference shaft.
 
     Parameters
@@ -47,6 +48,13 @@ class Order:
         Frequency over that of the reference shaft.
     names : tuple of str
         Its excitations, the simplest first, e.g. "1× input" and "2× middle".
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> order = gb.Order(25.0, ("1× mesh g1–g2", "25× input"))
+    >>> print(order)
+    1× mesh g1–g2 = 25× input
     """
 
     value: float
@@ -57,7 +65,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Kinematics:
+class Kinematics(Shown):
     """Speed ratios and tooth frequencies, which determine the orders of a train.
 
     Parameters

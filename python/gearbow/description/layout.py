@@ -7,6 +7,7 @@ from itertools import chain
 import numpy as np
 
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -30,6 +31,8 @@ class ShaftOutline(ReadOnly):
         Position (x, y, z) of the left end [m].
     steps : tuple of (float, float)
         End [m] and outer radius [m] of each segment, from the left.
+    bores : tuple of float
+        Inner radius of each segment [m]; 0 for a solid one.
     shear_lengths : tuple of float
         Length √(12EI/(κGA)) of each segment [m], the element length with the shear parameter 1;
         0 without shear deformation.
@@ -38,6 +41,7 @@ class ShaftOutline(ReadOnly):
     name: str
     origin: Array
     steps: tuple[tuple[float, float], ...]
+    bores: tuple[float, ...]
     shear_lengths: tuple[float, ...]
 
     @property
@@ -88,7 +92,7 @@ class ShaftOutline(ReadOnly):
 
 
 @dataclass(frozen=True)
-class BodyOutline:
+class BodyOutline(Shown):
     """Outline of one gear or disk.
 
     Parameters
@@ -110,7 +114,7 @@ class BodyOutline:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class Layout(Shown):
     """Geometry of a train at rest.
 
     Parameters
@@ -191,6 +195,7 @@ def layout(
             shaft.name,
             origins.get(shaft.name, np.zeros(3)),
             _steps(shaft),
+            tuple(segment.inner_diameter / 2.0 for segment in _segments(shaft)),
             tuple(_shear_length(shaft, segment) for segment in _segments(shaft)),
         )
         for shaft in shafts

@@ -14,13 +14,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._keywords import CheckedKeywords
+from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
+from gearbow.units.convert import has_quantity, is_quantity, magnitude, quantities_exist
 
 P = TypeVar("P", bound="Part")
 
 
-class Part:
+class Part(CheckedKeywords, Shown):
     """Base of every dataclass that describes a piece of a system."""
 
     def _describe(self, path: str) -> dict[str, Plain]:
@@ -40,6 +43,16 @@ class Part:
             if isinstance(found, list) or found != field.default:
                 given[field.name] = found
         return given
+
+    def _in_si(self: P, path: str) -> P:
+        """Replace quantities of pint by numbers in SI units; a part without any is the same."""
+        if not quantities_exist():
+            return self
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]  # every Part is a dataclass
+        given = {field.name: getattr(self, field.name) for field in fields}
+        found = {name: _in_si(value, f"{path}.{name}") for name, value in given.items()}
+        changes = {name: value for name, value in found.items() if value is not given[name]}
+        return dataclasses.replace(self, **changes) if changes else self  # type: ignore[type-var]
 
     @classmethod
     def _from_description(cls: type[P], description: Mapping[str, Plain]) -> P:
@@ -93,11 +106,35 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
     return nested(value, path)
 
 
+def _in_si(value: Any, path: str) -> Any:
+    """Convert the quantities in the value of a field; a value without any is the same."""
+    if is_quantity(value):
+        return _plain(magnitude(value, path))
+    if isinstance(value, Part):
+        return value._in_si(path)
+    if isinstance(value, Mapping):
+        items = {key: _in_si(item, f"{path}.{key}") for key, item in value.items()}
+        return value if all(items[key] is item for key, item in value.items()) else items
+    if isinstance(value, list | tuple):
+        entries = tuple(_in_si(item, f"{path}[{i}]") for i, item in enumerate(value))
+        same = all(new is old for new, old in zip(entries, value, strict=True))
+        return value if same else entries
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """Give arrays as nested tuples, and NumPy scalars as numbers."""
+    return tuples(value.tolist()) if isinstance(value, np.ndarray | np.generic) else value
+
+
 def freeze(part: Part, *names: str) -> None:
-    """Convert sequences in the named fields of a part to tuples, so that they compare and hash."""
+    """Convert sequences in the named fields of a part to tuples, so that they compare and hash.
+
+    Quantities stay: the unit of a field can depend on the part that contains this one.
+    """
     for field in names:
         value = getattr(part, field)
-        if value is not None:
+        if value is not None and not has_quantity(value):
             object.__setattr__(part, field, tuples(nested(value, field)))
 
 
@@ -118,5 +155,8 @@ def expect(value: object, kind: type[P], path: str, *others: type[P]) -> P:
 def parts(given: object, kind: type[P], path: str, *others: type[P]) -> tuple[P, ...]:
     """Collect a list of parts of one class, or of some classes."""
     if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
-        raise SceneError(f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}")
+        remedy = "; put it in brackets" if isinstance(given, Part) else ""
+        raise SceneError(
+            f"{path}: must be a list of gb.{kind.__name__}, got {shown(given)}{remedy}"
+        )
     return tuple(expect(part, kind, f"{path}[{i}]", *others) for i, part in enumerate(given))

@@ -7,6 +7,7 @@ from typing import Any
 from gearbow._convert import real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
+from gearbow.units.convert import is_quantity
 
 __all__ = ["is_pair", "is_place", "names_of_bases", "place", "place_label", "places"]
 
@@ -31,7 +32,7 @@ def is_place(at: object) -> bool:
         isinstance(at, tuple)
         and len(at) == 2
         and isinstance(at[0], str)
-        and isinstance(at[1], numbers.Real)
+        and (isinstance(at[1], numbers.Real) or is_quantity(at[1]))
     )
 
 

@@ -30,6 +30,15 @@ class RollingCoefficients(ReadOnly):
         Damping over (y, z) [N s/m].
     contact_forces : ndarray, shape (n,)
         Contact force of each rolling element [N]; at the cage angle 0 for a mean.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearing = gb.RollingBearing(
+    ...     "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+    ... )
+    >>> print(f"{bearing.coefficients(load=500.0).stiffness[1, 1]:.3g} N/m")
+    9.79e+07 N/m
     """
 
     displacement: Array
@@ -50,6 +59,17 @@ class RollingMotion(ReadOnly):
         Number of rolling elements that carry load.
     largest_contact_force : ndarray, shape (k,)
         Contact force of the most loaded element [N].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> size = {"balls": 9, "ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 1e-5}
+    >>> bearings = [gb.RollingBearing("rotor", x, **size, damping=100.0) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> system = gb.RotorSystem([rotor], bearings=bearings, gravity=9.81)
+    >>> response = system.simulate(0.01, 300.0, record=["bearings"])
+    >>> response.rolling("rotor", 0.0).force.shape == (response.time.size, 2)
+    True
     """
 
     force: Array

@@ -1,12 +1,18 @@
 """Coefficients of a bearing that depend on the speed of its shaft."""
 
+import os
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow.description.part import Part, freeze
+from gearbow.errors import SceneError
 
 __all__ = ["SpeedTable"]
+
+#: Letter of the columns of each quantity.
+_LETTERS = {"stiffness": "k", "damping": "c"}
 
 
 @dataclass(frozen=True)
@@ -57,3 +63,64 @@ class SpeedTable(Part):
 
     def __post_init__(self) -> None:
         freeze(self, "speeds", "values")
+
+    @classmethod
+    def read_csv(
+        cls, path: str | os.PathLike[str], quantity: str = "stiffness", *, outside: str = "error"
+    ) -> "SpeedTable":
+        r"""Read the coefficients of a bearing from a CSV file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file with the columns "speed" and "k", or "kyy", "kzz", "kyz", "kzy", for stiffness,
+            and the same with "c" for damping. A heading has the unit in brackets, for example
+            "speed [rpm]" or "kyy [N/um]"; without one it is the SI unit. A cross coefficient that
+            has no column is zero. Separators are commas, semicolons or tabs; lines that begin with
+            "#" are comments.
+        quantity : {"stiffness", "damping"}
+            Which of both to read; one file can have both.
+        outside : str
+            What holds outside the speeds, see the class.
+
+        Returns
+        -------
+        SpeedTable
+            The table.
+
+        Raises
+        ------
+        SceneError
+            If a heading, a unit or a number is invalid, or a column is missing.
+        OSError
+            If the file cannot be opened.
+
+        Examples
+        --------
+        >>> from pathlib import Path
+        >>> import gearbow as gb
+        >>> text = "speed [rpm], kyy [N/um], kzz [N/um], c [N s/m]\n0,20,30,500\n3000,25,35,400"
+        >>> written = Path("bearing.csv").write_text(text)
+        >>> gb.SpeedTable.read_csv("bearing.csv").values[1]
+        ((25000000.0, 0.0), (0.0, 35000000.0))
+        >>> gb.SpeedTable.read_csv("bearing.csv", "damping").values
+        (500.0, 400.0)
+        >>> Path("bearing.csv").unlink()
+        """
+        from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
+
+        if quantity not in _LETTERS:
+            raise SceneError(f"quantity: must be 'stiffness' or 'damping', got {quantity!r}")
+        axes = ("", "yy", "zz", "yz", "zy")
+        known = {f"{_LETTERS[q]}{each}": f"bearings.{q}" for q in _LETTERS for each in axes}
+        found = read_columns(path, {"speed": "speed", **known})
+        k = _LETTERS[quantity]
+        if "speed" not in found:
+            raise SceneError(f'{path}: needs the column "speed"')
+        if k in found:
+            return cls(found["speed"], found[k], outside)
+        if f"{k}yy" not in found or f"{k}zz" not in found:
+            raise SceneError(f'{path}: needs the column "{k}", or "{k}yy" and "{k}zz"')
+        zero = 0.0 * found["speed"]
+        yy, zz, yz, zy = (found.get(f"{k}{each}", zero) for each in axes[1:])
+        return cls(found["speed"], np.moveaxis(np.array([[yy, yz], [zy, zz]]), -1, 0), outside)

@@ -12,6 +12,7 @@ from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.speed import sampled
 from gearbow.errors import SceneError
+from gearbow.units.convert import has_quantity
 
 __all__ = ["TimeSeries"]
 
@@ -47,7 +48,7 @@ class TimeSeries(Part):
         freeze(self, "times")
         for name in ("values", "slopes"):
             value = getattr(self, name)
-            if value is not None:
+            if value is not None and not has_quantity(value):
                 object.__setattr__(self, name, _numbers(value, name))
 
     @classmethod

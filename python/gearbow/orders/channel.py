@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from gearbow._shown import Shown
 from gearbow._types import Array, Record
 from gearbow.description.places import place, place_label
 from gearbow.errors import ChannelError
@@ -16,7 +17,7 @@ _BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()}
 
 
 @dataclass(frozen=True, eq=False)
-class Channel:
+class Channel(Shown):
     """A signal over time.
 
     Parameters

@@ -15,6 +15,7 @@ import numpy as np
 from gearbow._convert import number, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Table
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Order
 from gearbow.description.speed import SpeedProfile
@@ -54,6 +55,17 @@ class Orders(ReadOnly):
         Name of the signal, e.g. "g1 v".
     unit : str
         Unit of the signal.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> middle = ("rotor", 0.5)
+    >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
+    >>> print(f"{1e6 * response.orders(middle).amplitude('1× rotor'):.1f} µm")
+    102.6 µm
     """
 
     orders: tuple[Order, ...]
@@ -139,6 +151,29 @@ class Orders(ReadOnly):
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
         label = f"amplitude of {self.label} [{self.unit}]"
         return figures.orders(names, amplitudes[chosen], label, ax=ax)
+
+    def _rows(self) -> Table:
+        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
+        head = ("order", "frequency [Hz]", f"amplitude [{self.unit}]", "excitation")
+        return (
+            head,
+            *(
+                (
+                    f"{self.orders[i].value:g}",
+                    f"{self.frequencies_hz[i]:.3f}",
+                    f"{abs(self.amplitudes[i]):.4g}",
+                    str(self.orders[i]),
+                )
+                for i in largest
+            ),
+        )
+
+    def __repr__(self) -> str:
+        largest = int(np.argmax(np.abs(self.amplitudes)))
+        return (
+            f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders, largest "
+            f"{abs(self.amplitudes[largest]):.4g} at {self.orders[largest]})"
+        )
 
     def __str__(self) -> str:
         return self.table()

@@ -49,6 +49,17 @@ class Spectrum(ReadOnly):
         Unit of the signal.
     orders : tuple of (str, float)
         Names and frequencies [Hz] of the orders of the train at a constant speed.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> middle = ("rotor", 0.5)
+    >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
+    >>> response.spectrum(middle)
+    Spectrum(rotor at 0.5 m v [m]; 250 frequencies)
     """
 
     frequencies_hz: Array

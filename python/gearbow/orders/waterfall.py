@@ -41,6 +41,17 @@ class Waterfall(ReadOnly):
         Unit of the signal.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the order lines.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"record": [("rotor", 0.5)], "output_step": 1e-3}
+    >>> runs = [system.simulate(0.5, speed, **options) for speed in (100.0, 120.0)]
+    >>> gb.waterfall(runs, ("rotor", 0.5)).amplitudes.shape
+    (2, 250)
     """
 
     speeds: Array

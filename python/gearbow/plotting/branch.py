@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from itertools import groupby
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from gearbow._types import Array
-from gearbow.plotting.style import PALETTE, STYLE
+from gearbow.plotting.style import PALETTE, GivenAxes, panels
 
 __all__ = ["branch"]
 
@@ -24,6 +23,7 @@ def branch(
     kinds: Sequence[str],
     *,
     labels: tuple[str, str],
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw a branch: stable parts solid, unstable ones dashed, special points with markers.
 
@@ -37,15 +37,15 @@ def branch(
         Kind of each special point, "" for others.
     labels : tuple of str
         Labels of both axes.
+    ax : Axes, optional
+        Panel of the user; None makes a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
         The figure.
     """
-    with mpl.rc_context(STYLE):
-        drawing = Figure(figsize=(7.0, 4.5), layout="constrained")
-        axes = drawing.add_subplot()
+    with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (drawing, (axes,)):
         named = set()
         for is_stable, group in groupby(
             range(values.size - 1), key=lambda i: stable[i : i + 2].all()

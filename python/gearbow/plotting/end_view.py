@@ -13,7 +13,7 @@ from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import Box
-from gearbow.plotting.labels import NAMES, Labels, Place
+from gearbow.plotting.labels import Labels, Place
 
 __all__ = ["circles", "draw", "extent", "line_of_action"]
 
@@ -101,6 +101,8 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     labels = Labels(panel, point)
     for body in circles(train):
         y, z = train.layout.shaft(body.shaft).origin[1:]
+        half = body.radius / np.sqrt(2.0)
+        labels.avoid((y - half, z - half, y + half, z + half))
         for angle in np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False):
             at = (y + body.radius * np.cos(angle), z + body.radius * np.sin(angle))
             low, high = ((at[0] + d * point, at[1] + d * point) for d in (-2.0, 2.0))
@@ -128,7 +130,7 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
         centre = train.layout.shaft(body.shaft).origin[1:]
         teeth = f", z = {gears[body.name].teeth}" if body.name in gears else ""
         places = _around_circle(centre, body.radius)
-        labels.add(f"{body.name}{teeth}", places, fontsize=NAMES)
+        labels.add(f"{body.name}{teeth}", places)
 
 
 def _around_circle(centre: Array, radius: float) -> list[Place]:

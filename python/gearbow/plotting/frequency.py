@@ -23,6 +23,7 @@ from gearbow.plotting.style import (
     panels,
     place_legend,
     speed_axis,
+    text_size,
 )
 
 __all__ = ["MARKS", "bode", "campbell", "critical_speed_map", "synchronous"]
@@ -314,7 +315,7 @@ def _excitation_lines(
             textcoords="offset points",
             va="center" if inside else "bottom",
             ha="left" if inside else "center",
-            fontsize=12,
+            fontsize=text_size(0.86),
             annotation_clip=False,
         )
 

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from gearbow._types import Array
-from gearbow.plotting.style import figure_of
+from gearbow.plotting.style import figure_of, text_size
 
-__all__ = ["NAMES", "Box", "Labels", "around"]
+__all__ = ["Box", "Labels", "around"]
 
 #: Left, bottom, right and top of a box.
 Box: TypeAlias = tuple[float, float, float, float]
@@ -17,8 +17,8 @@ Box: TypeAlias = tuple[float, float, float, float]
 #: components between -1 and 1.
 Place: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
-#: Size of the names of parts [pt].
-NAMES = 13.0
+#: Size of a label relative to the font size.
+_SIZE = 0.93
 #: Distances of a text from its anchor [pt]; a line leads to a text that is farther away.
 _GAPS = (4.0, 22.0, 40.0, 60.0, 85.0, 115.0)
 #: Weight of an overlap with another label or with the edge, relative to one with an obstacle.
@@ -75,6 +75,7 @@ class Labels:
         **style
             Properties of the text.
         """
+        style = {"fontsize": text_size(_SIZE), **style}
         trial = self.panel.text(0.0, 0.0, text, **style)
         extent = trial.get_window_extent()
         trial.remove()

@@ -10,7 +10,7 @@ from gearbow.description.loads import Torque
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import body_box
-from gearbow.plotting.labels import NAMES, Labels, around
+from gearbow.plotting.labels import Labels, around
 
 __all__ = ["draw", "place"]
 
@@ -82,7 +82,7 @@ def _turning(
     symbols.arrow(labels.panel, path, both=value is None)
     box = (x, y - up, x + 1.3 * across, y + up)
     labels.avoid(box, strictly=True)
-    labels.add(text, around(*box, _WAYS), fontsize=NAMES)
+    labels.add(text, around(*box, _WAYS))
 
 
 def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
@@ -115,7 +115,7 @@ def _arrow(labels: Labels, tail: tuple[float, float], head: tuple[float, float],
         max(tail[1], head[1]),
     )
     labels.avoid(box, strictly=True)
-    labels.add(text, around(*box, _WAYS), fontsize=NAMES)
+    labels.add(text, around(*box, _WAYS))
 
 
 def _value(train: Train, torque: Torque) -> float | None:

@@ -9,7 +9,15 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import PALETTE, GivenAxes, figure_of, legend, panels, speed_axis
+from gearbow.plotting.style import (
+    PALETTE,
+    GivenAxes,
+    figure_of,
+    legend,
+    panels,
+    speed_axis,
+    text_size,
+)
 
 __all__ = ["name_orders", "orders", "spectrum", "spectrum_limits", "waterfall"]
 
@@ -150,12 +158,21 @@ def name_orders(
         if own:
             style: dict[str, Any] = {"marker": marker, "color": shade, "ls": "none", "ms": 6.0}
             panel.plot(*np.transpose(own), label=f"{kind} order", **style)
-    left, right = panel.get_xlim()
+    size = text_size(0.79)
+    figure, place = figure_of(panel), panel.get_position()
+    height = place.height * figure.get_figheight()
+    # The height of a line of text as a length of the axis of frequencies.
+    line = (
+        1.3 * size / 72.0 / (place.width * figure.get_figwidth()) * float(np.ptp(panel.get_xlim()))
+    )
     named: list[float] = []
-    wanted = [peak for peak in found if sidebands or family(peak[0]) != "sideband"]
+    wanted = [
+        peak
+        for peak in found
+        if (sidebands or family(peak[0]) != "sideband") and _length(peak[0]) < 0.6 * height
+    ]
     for name, x, y in sorted(wanted, key=lambda peak: -peak[2]):
-        # A name of one line needs about a fortieth of the width.
-        if len(named) < most and all(abs(x - other) > 0.025 * (right - left) for other in named):
+        if len(named) < most and all(abs(x - other) > line for other in named):
             named.append(x)
             panel.annotate(
                 name,
@@ -165,21 +182,27 @@ def name_orders(
                 rotation=90,
                 ha="center",
                 va="bottom",
-                fontsize=11,
+                fontsize=size,
                 color=FAMILIES[family(name)][1],
             )
-    _raise_limit(panel, [(name, y) for name, x, y in found if x in named])
+    _raise_limit(panel, [(name, y) for name, x, y in wanted if x in named], height)
 
 
-def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]]) -> None:
-    """Raise the upper limit of a logarithmic panel, so that the names above the peaks fit in."""
+def _length(name: str) -> float:
+    """Estimate the length of a name beside a peak [in]."""
+    return 0.0077 * text_size(0.79) * len(name) + 0.15
+
+
+def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float) -> None:
+    """Raise the upper limit of a logarithmic panel, so that the names above the peaks fit in.
+
+    `height` is that of the panel [in].
+    """
     low, high = panel.get_ylim()
-    height = panel.get_position().height * figure_of(panel).get_figheight()
     share = 1.0
     for name, y in named:
-        length = 0.085 * len(name) + 0.15  # [in]
         part = np.log(y / low) / np.log(high / low)
-        share = min(share, max(0.4, (1.0 - length / height) / max(part, 0.1)))
+        share = min(share, max(0.4, (1.0 - _length(name) / height) / max(part, 0.1)))
     panel.set_ylim(low, low * (high / low) ** (1.0 / share))
 
 
@@ -332,7 +355,7 @@ def _order_lines(
             textcoords="offset points",
             rotation=turned,
             rotation_mode="anchor",
-            fontsize=12,
+            fontsize=text_size(0.86),
             color="black" if turned else "white",
             ha="left" if turned else "center",
             annotation_clip=False,

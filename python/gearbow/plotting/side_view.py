@@ -13,7 +13,7 @@ from gearbow.description.layout import ShaftOutline
 from gearbow.description.train import Train
 from gearbow.plotting import loads, symbols
 from gearbow.plotting.development import Box, Development, body_box, developed
-from gearbow.plotting.labels import NAMES, Labels, around
+from gearbow.plotting.labels import Labels, around
 from gearbow.plotting.style import MICRO, colour
 from gearbow.plotting.within_elements import refined
 
@@ -113,6 +113,12 @@ class SideView:
                     zorder=2.0 if number < count else 3.0,
                 )
             )
+        # The hidden edges of a bore.
+        for (left, _, right, _), bore in zip(self._own(shaft), shaft.bores, strict=False):
+            for y in (self._height(shaft.name) + bore, self._height(shaft.name) - bore):
+                if bore > 0.0:
+                    style: dict[str, Any] = {"color": shade, "linewidth": 1.0, "linestyle": "--"}
+                    panel.plot([left, right], [y, y], zorder=2.5, **style)
         x = float(shaft.origin[0])
         over = 0.03 * shaft.length
         ends, y = [x - over, x + shaft.length + over], self._height(shaft.name)
@@ -140,7 +146,7 @@ class SideView:
                 foot = symbols.support(panel, x, foot[1], point)
                 yield foot
                 if name is not None:
-                    labels.add(name, around(*foot, ((1, 0), (-1, 0), (0, -1))), fontsize=NAMES)
+                    labels.add(name, around(*foot, ((1, 0), (-1, 0), (0, -1))))
             yield symbols.ground(panel, x, foot[1], point)
         for name, feet in housings.items():
             if feet:
@@ -169,7 +175,7 @@ class SideView:
         )
         inside = [((left, top), (1.0, -1.0)), ((right, top), (-1.0, -1.0))]
         inside += [((left, bottom), (1.0, 1.0)), ((right, bottom), (-1.0, 1.0))]
-        labels.add(name, inside, fontsize=NAMES, color="0.25")
+        labels.add(name, inside, color="0.25")
 
     def _couplings(self, labels: Labels) -> Iterator[Box]:
         for part in self.train.parts["couplings"]:
@@ -179,7 +185,7 @@ class SideView:
     def _gear_names(self, labels: Labels) -> None:
         for body in self.train.layout.bodies:
             box = body_box(self.train, body, self._height(body.shaft))
-            labels.add(body.name, around(*box, _WAYS), fontsize=NAMES)
+            labels.add(body.name, around(*box, _WAYS))
 
     def _shaft_names(self, labels: Labels) -> None:
         """Write the name of each shaft at its ends, or along it."""
@@ -190,9 +196,7 @@ class SideView:
             for box in sorted(boxes, key=lambda box: box[0] - box[2]):
                 for way in ((0.0, 1), (0.0, -1), (0.7, 1), (-0.7, 1), (0.7, -1), (-0.7, -1)):
                     places += around(*box, (way,))
-            labels.add(
-                shaft.name, places, color=self.shades[shaft.name], fontsize=NAMES, weight="bold"
-            )
+            labels.add(shaft.name, places, color=self.shades[shaft.name], weight="bold")
 
     def _bows(self, labels: Labels) -> None:
         """Draw the enlarged bow of each shaft in its own plane, with its size and angle."""
@@ -210,7 +214,7 @@ class SideView:
             for part in (0.5, 0.35, 0.65, 0.2, 0.8, 0.05, 0.95):
                 n = int(part * (x.size - 1))
                 places += [((left + x[n], float(curve[n])), (0.0, way)) for way in (1.0, -1.0)]
-            labels.add(text.replace("-", "−"), places, fontsize=NAMES)
+            labels.add(text.replace("-", "−"), places)
 
 
 def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:

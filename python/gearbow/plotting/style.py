@@ -29,6 +29,7 @@ __all__ = [
     "place_legend",
     "round_factor",
     "speed_axis",
+    "text_size",
 ]
 
 #: Micrometres per metre.
@@ -279,6 +280,23 @@ def speed_axis(unit: str) -> tuple[float, str]:
     if unit not in _SPEED_UNITS:
         raise GearbowError(f"speed_unit: must be 'rad/s' or 'rpm', got {shown(unit)}")
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
+
+
+def text_size(part: float) -> float:
+    """Give the size of a text within a panel.
+
+    Parameters
+    ----------
+    part : float
+        Size relative to the font size of the settings in force: those of gearbow for a new figure,
+        those of the user for given panels.
+
+    Returns
+    -------
+    float
+        Size [pt].
+    """
+    return part * float(mpl.rcParams["font.size"])
 
 
 def round_factor(exact: float) -> float:

@@ -16,9 +16,9 @@ from gearbow.plotting.style import STYLE, figure_of, given_axes, round_factor
 __all__ = ["draw", "magnification"]
 
 #: Width and largest height of the figure, and height of legend and labels of the axes [in].
-_WIDTH, _HEIGHT, _BELOW = 12.5, 7.5, 1.6
+_WIDTH, _HEIGHT, _BELOW = 13.5, 7.5, 1.6
 #: Part of the width that the side view takes.
-_SIDE = 0.62
+_SIDE = 0.58
 #: Margins around the parts in both views, for names and symbols [pt].
 _MARGIN = 46.0
 #: Size of the largest bow on the page, as a fraction of the height of the parts.

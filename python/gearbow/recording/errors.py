@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from gearbow._shown import Shown
 from gearbow._types import Plain
 
 __all__ = ["ErrorEstimate", "Errors"]
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
+class ErrorEstimate(Shown):
     """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean.
 
     Parameters

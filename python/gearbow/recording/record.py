@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown, short, to_html
 from gearbow._types import Array, RunData
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
@@ -15,7 +16,7 @@ __all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
 
 
 @dataclass(frozen=True, eq=False)
-class RunRecord:
+class RunRecord(Shown):
     """All data of a run that a file contains.
 
     Parameters
@@ -60,12 +61,22 @@ class Event(NamedTuple):
         clearance" (the tip interference ends), "involute interference" (a tip reaches beyond the
         base circle of the other gear, which shortens the path of contact) or "involute clearance"
         (the involute interference ends).
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.Event(0.1, "pinion", "wheel", "separation").kind
+    'separation'
     """
 
     time: float
     driver: str
     driven: str
     kind: str
+
+    def _repr_html_(self) -> str:
+        rows = zip(self._fields, map(short, self), strict=True)
+        return to_html(repr(self), (("", ""), *rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +105,21 @@ class MeshResponse(ReadOnly):
     thrust : ndarray, shape (k,)
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shafts = [gb.Shaft(name, length=0.5, outer_diameter=0.05) for name in ("input", "output")]
+    >>> pinion = gb.Gear("pinion", "input", 0.25, teeth=25, module=3e-3, face_width=0.03)
+    >>> wheel = gb.Gear("wheel", "output", 0.25, teeth=50, module=3e-3, face_width=0.03)
+    >>> mesh = gb.Mesh("pinion", "wheel", stiffness=2e8)
+    >>> places = [(shaft.name, x) for shaft in shafts for x in (0.0, 0.5)]
+    >>> bearings = [gb.Bearing(name, x, stiffness=1e8) for name, x in places]
+    >>> torques = [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")]
+    >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
+    >>> mesh = system.simulate(1e-3, 100.0).mesh("pinion", "wheel")
+    >>> print(f"{mesh.force.mean():.0f} N")
+    7095 N
     """
 
     deflection: Array
@@ -108,7 +134,7 @@ class MeshResponse(ReadOnly):
 
 
 @dataclass(frozen=True)
-class Statistics:
+class Statistics(Shown):
     """Counts and step lengths of a simulation.
 
     Parameters

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.description.part import tuples
 from gearbow.errors import GearbowError
@@ -22,7 +23,7 @@ _ARRAYS = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
 
 
 @dataclass(frozen=True, eq=False)
-class RunRequest:
+class RunRequest(Shown):
     """The scene and the options of a run, from which the same run can be made again.
 
     Parameters

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown, Table, listed, span
 from gearbow._types import Array, CampbellData, ComplexArray
 from gearbow.results.peak import operating_range
 
@@ -19,7 +20,7 @@ __all__ = ["Campbell", "ExcitationLine", "Intersection"]
 
 
 @dataclass(frozen=True)
-class ExcitationLine:
+class ExcitationLine(Shown):
     """An excitation whose frequency is proportional to the speed.
 
     Parameters
@@ -32,6 +33,15 @@ class ExcitationLine:
         The harmonic of the tooth frequency; 1 for a shaft.
     order : float
         Frequency divided by the speed of the reference shaft, not negative.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> system.campbell([0.0, 1000.0], count=2).lines[0].name
+    '1× rotor'
     """
 
     kind: str
@@ -54,7 +64,7 @@ class ExcitationLine:
 
 
 @dataclass(frozen=True)
-class Intersection:
+class Intersection(Shown):
     """A speed at which the frequency of a mode equals that of an excitation.
 
     Parameters
@@ -72,6 +82,16 @@ class Intersection:
         Damping ratio of the mode at this speed.
     whirl : str
         Whirl of the mode at this speed.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> first = system.campbell([0.0, 1000.0], count=2).criticals[0]
+    >>> print(f"{first.speed:.0f} rad/s {first.whirl}")
+    623 rad/s backward
     """
 
     mode: int
@@ -182,7 +202,7 @@ class Campbell(ReadOnly):
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping ratios −Re λ/|λ|.
+        """Damping ratios: −Re λ divided by the magnitude of λ.
 
         Returns
         -------
@@ -223,6 +243,31 @@ class Campbell(ReadOnly):
             for intersection in self.intersections
         ]
         return "\n".join(lines)
+
+    def _rows(self) -> Table:
+        head = ("speed [rad/s]", "frequency [Hz]", "damping [%]", "whirl", "mode", "excited by")
+        return (
+            head,
+            *(
+                (
+                    f"{one.speed:.2f}",
+                    f"{one.frequency_hz:.3f}",
+                    f"{100.0 * one.damping_ratio:.3f}",
+                    one.whirl,
+                    f"{one.mode + 1}",
+                    one.line.name,
+                )
+                for one in self.intersections
+            ),
+        )
+
+    def __repr__(self) -> str:
+        speeds = [one.speed for one in self.criticals]
+        criticals = f"critical speeds {listed(speeds)} rad/s" if speeds else "no critical speeds"
+        return (
+            f"Campbell({self.eigenvalues.shape[1]} modes at {self.speeds.size} speeds, "
+            f"{span(self.speeds)} rad/s; {len(self.intersections)} intersections; {criticals})"
+        )
 
     def __str__(self) -> str:
         return self.table()

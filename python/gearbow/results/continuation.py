@@ -9,7 +9,9 @@ import numpy as np
 
 from gearbow._extras import extra
 from gearbow._read_only import read_only
+from gearbow._shown import Shown, Table
 from gearbow._types import Array, ComplexArray, Record, RunData
+from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.recording import file
@@ -71,7 +73,7 @@ class BranchData:
     message: str = ""
 
 
-class Continuation:
+class Continuation(Shown):
     """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
 
     Parameters
@@ -170,27 +172,45 @@ class Continuation:
         return chosen
 
     def plot(
-        self, of: Record, quantity: str | None = None, *, statistic: str | None = None
+        self,
+        of: Record | None = None,
+        quantity: str | None = None,
+        *,
+        statistic: str | None = None,
+        ax: Any = None,
     ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
 
         Parameters
         ----------
-        of : str or tuple
-            Owner of the signal, as for `Response.spectrum`.
+        of : str or tuple, optional
+            Owner of the signal, as for `Response.spectrum`; None is the first recorded mesh, or the
+            first recorded place of a system without meshes.
         quantity : str, optional
             Quantity, as for `Response.spectrum`.
         statistic : {"min", "max", "mean", "rms"}, optional
             Number that describes the signal; None is the amplitude.
+        ax : Axes, optional
+            Panel for the branch; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If nothing was recorded, or `ax` is not one panel.
         """
         with extra("plot"):
             from gearbow.plotting import branch as figures  # noqa: PLC0415
 
+        if of is None:
+            recorded = sorted(self._signals.recorded, key=lambda item: not is_pair(item))
+            if not recorded:
+                raise GearbowError("nothing was recorded; give record=['meshes'] to continuation")
+            of = recorded[0]
         name = channel(self._signals, of, quantity)
         values = (
             self.amplitude(of, quantity)
@@ -207,6 +227,7 @@ class Continuation:
                 f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
                 f"{statistic or 'amplitude'} of {name.label} [{name.unit}]",
             ),
+            ax=ax,
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -250,6 +271,12 @@ class Continuation:
             f"Continuation({self.parameter} {span}, {self.values.size} points, "
             f"{self.folds.size} folds, {self.flips.size} flips)"
         )
+
+    def _rows(self) -> Table:
+        """Give a row for each located point."""
+        points = zip(self.values, self.kinds, strict=True)
+        located = [(kind, f"{value:.6g}") for value, kind in points if kind]
+        return (("point", self.parameter), *located)
 
 
 def summary(periods: Sequence[RunData]) -> RunData:

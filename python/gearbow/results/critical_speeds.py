@@ -9,6 +9,7 @@ from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Table, listed, span
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 
@@ -56,6 +57,22 @@ class CriticalSpeedMap(ReadOnly):
     speeds: tuple[Array, ...]
     whirl: tuple[tuple[str, ...], ...]
     actual: tuple[float, ...] = ()
+
+    def _rows(self) -> Table:
+        return (
+            ("stiffness [N/m]", "critical speeds [rad/s]"),
+            *(
+                (f"{stiffness:.4g}", listed(speeds))
+                for stiffness, speeds in zip(self.stiffnesses, self.speeds, strict=True)
+            ),
+        )
+
+    def __repr__(self) -> str:
+        lowest = np.array([speeds[0] for speeds in self.speeds if speeds.size])
+        return (
+            f"CriticalSpeedMap({self.stiffnesses.size} stiffnesses, {span(self.stiffnesses)} N/m; "
+            f"lowest critical speed {span(lowest)} rad/s)"
+        )
 
     def lines(self, whirl: str) -> Array:
         """Critical speeds of modes with one whirl.

@@ -4,13 +4,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from gearbow._shown import Shown
 from gearbow._types import Plain
 
 __all__ = ["Discretisation", "ShaftElements"]
 
 
 @dataclass(frozen=True)
-class ShaftElements:
+class ShaftElements(Shown):
     """Elements of one shaft.
 
     Parameters
@@ -26,7 +27,7 @@ class ShaftElements:
 
 
 @dataclass(frozen=True)
-class Discretisation:
+class Discretisation(Shown):
     """Elements of a system.
 
     Parameters
@@ -46,6 +47,15 @@ class Discretisation:
         would have more than 1200 coordinates.
     highest_frequency_hz : float or None
         Highest natural frequency with a relative error of at most 1e-3 [Hz].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> system.discretisation.shafts["rotor"].degree > 1
+    True
     """
 
     shafts: Mapping[str, ShaftElements]

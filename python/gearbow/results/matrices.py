@@ -5,6 +5,7 @@ from typing import Any
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Shown
 from gearbow._types import Array, Dof, SparseMatricesData
 
 __all__ = ["Matrices", "SparseMatrices"]
@@ -51,7 +52,7 @@ class Matrices(ReadOnly):
 
 
 @dataclass(frozen=True, eq=False)
-class SparseMatrices:
+class SparseMatrices(Shown):
     """Sparse matrices of M q̈ + (C + Ω G) q̇ + K q = f, with Ω the speed of the reference shaft.
 
     They need memory in proportion to n. SciPy must be installed (the extra ``sparse``).

@@ -9,6 +9,7 @@ import numpy as np
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._shown import Table, listed, short
 from gearbow._types import Array, ComplexArray, Dof, ModesData
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError
@@ -165,6 +166,21 @@ class Modes(ReadOnly):
                 f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
             )
         return "\n".join(lines)
+
+    def _rows(self) -> Table:
+        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
+        head = ("mode", "frequency [Hz]", "damping [%]", "whirl", "largest motion")
+        return (
+            head,
+            *(
+                (f"{i}", f"{frequency:.3f}", f"{100.0 * ratio:.3f}", whirl, name)
+                for i, (frequency, ratio, whirl, name) in enumerate(rows, start=1)
+            ),
+        )
+
+    def __repr__(self) -> str:
+        count, speed = self.frequencies_hz.size, short(self.speed)
+        return f"Modes({count} at {speed} rad/s: {listed(self.frequencies_hz)} Hz)"
 
     def __str__(self) -> str:
         return self.table()

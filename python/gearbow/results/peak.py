@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearbow._convert import number
+from gearbow._shown import Shown
 from gearbow.errors import SceneError
 
 __all__ = ["Peak"]
@@ -16,7 +17,7 @@ CRITICALLY_DAMPED = 2.5
 
 
 @dataclass(frozen=True)
-class Peak:
+class Peak(Shown):
     """A peak of the synchronous response, with the quantities of API RP 684.
 
     Parameters

@@ -4,10 +4,14 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from gearbow._shown import Table, span
 from gearbow.accuracy.estimate import estimate_errors
+from gearbow.description.places import place_label
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.recording import file, tables
+from gearbow.recording import tables
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.resample import resampled
@@ -197,6 +201,8 @@ class Response(RunFigures):
             If the file cannot be written, for example on a full disk. An existing file is
             unchanged.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         file.save(self.to_record(), path)
 
     @classmethod
@@ -221,12 +227,32 @@ class Response(RunFigures):
         OSError
             If the file cannot be opened.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         return cls.from_record(file.load(path))
 
     def __repr__(self) -> str:
         data = self._data
-        span = f"{self.time[0]:g} s to {self.time[-1]:g} s" if self.time.size else "empty"
+        times = "empty"
+        if self.time.size:
+            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {span(self.speeds)} rad/s"
         return (
-            f"Response({self.time.size} times, {span}; {len(data['points'])} points, "
+            f"Response({self.time.size} times, {times}; {len(data['points'])} points, "
             f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings)"
         )
+
+    def _rows(self) -> Table:
+        """Give a row for each recorded point and mesh."""
+        rows = []
+        for i, (shaft, x, names) in enumerate(self._data["points"]):
+            size = np.ptp(self._data["displacement"][:, i], axis=0) if self.time.size else (0, 0)
+            text = f"peak-to-peak {1e6 * size[0]:.4g} µm along y, {1e6 * size[1]:.4g} µm along z"
+            rows.append((", ".join(names) or place_label((shaft, x)), text))
+        orders = {} if self.kinematics is None else {m[:2]: m[4] for m in self.kinematics.meshes}
+        for i, (driver, driven) in enumerate(self._data["meshes"]):
+            text = f"force {span(self._data['mesh']['force'][:, i])} N"
+            order = orders.get((driver, driven))
+            if order is not None and self.time.size:
+                text += f", tooth frequency {span(np.abs(order * self.speeds) / (2 * np.pi))} Hz"
+            rows.append((f"{driver}–{driven}", text))
+        return (("recorded", "motion"), *rows)

@@ -3,8 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
+from gearbow._shown import MOST_ROWS, Shown, Table
 from gearbow._types import Array, At, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.journal import JournalMotion
@@ -14,7 +17,7 @@ __all__ = ["MeshState", "Static"]
 
 
 @dataclass(frozen=True)
-class MeshState:
+class MeshState(Shown):
     """State of one mesh at equilibrium.
 
     Parameters
@@ -260,4 +263,21 @@ class Static(ReadOnly):
         return i
 
     def __repr__(self) -> str:
-        return f"Static({self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes)"
+        forces = [
+            f"{driver}–{driven} {force:.4g} N"
+            for (driver, driven), force in zip(
+                self._data["meshes"][:MOST_ROWS], self._data["mesh"]["force"], strict=False
+            )
+        ]
+        text = f"{self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes"
+        return f"Static({text}{': ' * bool(forces)}{', '.join(forces)})"
+
+    def _rows(self) -> Table:
+        mesh, bearings = self._data["mesh"], self._data["bearings"]
+        rows = [
+            (f"mesh {driver}–{driven}", f"{mesh['force'][i]:.4g}", f"{mesh['deflection'][i]:.4g}")
+            for i, (driver, driven) in enumerate(self._data["meshes"])
+        ]
+        for (shaft, x), force in zip(bearings, self._data["bearing_force"], strict=True):
+            rows.append((f"bearing {shaft} at {x:g} m", f"{np.hypot(*force):.4g}", ""))
+        return (("place", "force [N]", "mesh deflection [m]"), *rows)

@@ -7,15 +7,14 @@ import numpy as np
 
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
-from gearbow._types import At, ComplexArray
+from gearbow._shown import Shown, Table
+from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
 from gearbow.recording import file
 from gearbow.recording.schema import each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.figure import Figure
 
 __all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
@@ -64,7 +63,7 @@ def instability(values: ComplexArray) -> str | None:
     return "flip" if np.pi - angle < _REAL else "Neimark-Sacker"
 
 
-class SteadyState:
+class SteadyState(Shown):
     """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
 
     Parameters
@@ -154,22 +153,24 @@ class SteadyState:
         """
         return instability(self.multipliers)
 
-    def plot(self, kind: str = "orbits", names: "At | Sequence[At] | None" = None) -> "Figure":
+    def plot(self, kind: str = "orbits", names: Any = None, *, ax: Any = None) -> "Figure":
         """Draw recorded signals over one period, as `Response.plot`.
 
         Parameters
         ----------
-        kind : {"orbits", "history", "twist", "mesh", "spectrum"}
-            Kind of the figure.
+        kind : str
+            Kind of the figure, for example "orbits" or "mesh".
         names : str, tuple or sequence of them, optional
             Places or meshes; None is all.
+        ax : Axes or sequence of Axes, optional
+            One panel for each name, for a mesh three; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
         """
-        return self.response.plot(kind, names)
+        return self.response.plot(kind, names, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to a file without rounding, with the multipliers if they are known.
@@ -247,3 +248,14 @@ class SteadyState:
             f"SteadyState(period {self.period:g} s, residual {self.residual:.1e}, "
             f"{self.response.time.size} times)"
         )
+
+    def _rows(self) -> Table:
+        """Give period, residual and method, then the recorded signals."""
+        found = [
+            ("period", f"{self.period:.6g} s"),
+            ("residual", f"{self.residual:.1e}"),
+            ("method", self.method),
+        ]
+        if self._multipliers is not None:
+            found.append(("stable", str(self.stable)))
+        return (*self.response._rows(), *found)

@@ -11,6 +11,7 @@ from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
+from gearbow._shown import short, span
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import place_label, places
@@ -74,6 +75,16 @@ class Synchronous(ReadOnly):
     def _model(self) -> Model:
         """Compile the system again: a result is plain data, without the compiled model."""
         return Model(dict(self.description))
+
+    def _facts(self) -> dict[str, str]:
+        slow = None if self.slow_roll is None else f"{short(self.slow_roll)} rad/s"
+        found = {
+            "speeds": f"{self.speeds.size}, {span(self.speeds)} rad/s" if self.speeds.size else "0",
+            "shafts": short(self.shafts),
+            "excitation": short(self.excitation),
+            "slow_roll": slow,
+        }
+        return {name: text for name, text in found.items() if text is not None}
 
     def displacement(self, name: At) -> ComplexArray:
         """Complex amplitudes of the lateral displacement of a place.

@@ -19,7 +19,7 @@ __all__ = ["Probe", "RunOut"]
 RunOut: TypeAlias = complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Probe(SignalSensor):
     """A proximity probe beside a shaft.
 

@@ -4,14 +4,13 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from gearbow._read_only import ReadOnly
 from gearbow._types import Array
 from gearbow.recording.recording import Recording
 
 __all__ = ["Sensor", "SignalSensor", "degrees_text"]
 
 
-class Sensor(ReadOnly, ABC):
+class Sensor(ABC):
     """A sensor, which measures a recorded motion."""
 
     @abstractmethod

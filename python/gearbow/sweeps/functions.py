@@ -75,7 +75,8 @@ def _parts(value: Any) -> list[Any]:
     if isinstance(value, list | tuple):
         return list(value)
     if isinstance(value, set | frozenset):
-        return sorted(map(repr, value))  # the order of a set differs between processes
+        # The order of a set differs between processes.
+        return sorted("\0".join(_pieces(item, set())) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
         return [getattr(value, field.name) for field in fields(value)]
     if isinstance(getattr(type(value), "description", None), property):  # a system

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import NDArray
 
 from gearbow._lookup import nearest
+from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.sweeps import store, tables
@@ -23,7 +24,7 @@ __all__ = ["Sweep", "SweepPoint"]
 
 
 @dataclass(frozen=True, eq=False)
-class SweepPoint:
+class SweepPoint(Shown):
     """One point of a sweep.
 
     Parameters
@@ -37,6 +38,15 @@ class SweepPoint:
         Type and message of the error; empty if the point did not fail.
     details : str
         The traceback of the error.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> def shaft(diameter):
+    ...     return gb.Shaft("rotor", length=1.0, outer_diameter=diameter)
+    >>> sweep = gb.sweep(shaft, {"diameter": [0.04, 0.05]}, lambda shaft, diameter: shaft.length)
+    >>> sweep[1].parameters
+    {'diameter': 0.05}
     """
 
     parameters: Mapping[str, Any]
@@ -45,7 +55,7 @@ class SweepPoint:
     details: str = field(default="", repr=False)
 
 
-class Sweep(Sequence[SweepPoint]):
+class Sweep(Shown, Sequence[SweepPoint]):
     """Measured values of many systems, made by `gearbow.sweep`.
 
     A sweep is the sequence of its points, in the order of the parameters: the last parameter of a

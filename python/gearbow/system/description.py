@@ -1,16 +1,15 @@
 """Description of a system: parts and options, variants, files and degrees of freedom."""
 
-import os
-import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import copied, nested, number, shown, text
 from gearbow._core import Model
-from gearbow._files import replacing
+from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
+from gearbow._progress import outside
+from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force
@@ -26,11 +25,12 @@ from gearbow.description.supports import Housing, Support
 from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning
 from gearbow.results.discretisation import Discretisation
+from gearbow.units.convert import without_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["SystemDescription"]
+__all__ = ["SystemDescription", "warn"]
 
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
@@ -47,7 +47,7 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
 _DEFAULTS = {"resolution": "engineering"}
 
 
-class SystemDescription:
+class SystemDescription(CheckedKeywords, Shown):
     """Parts and options of a system, checked by the core.
 
     The parameters are those of `gearbow.RotorSystem`.
@@ -95,7 +95,8 @@ class SystemDescription:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces)
         for (key, kind), given in zip(PARTS.items(), lists, strict=True):
-            setattr(self, key, parts(given, kind, key, *_OTHERS.get(key, ())))
+            listed = enumerate(parts(given, kind, key, *_OTHERS.get(key, ())))
+            setattr(self, key, tuple(part._in_si(f"{key}[{i}]") for i, part in listed))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -114,7 +115,7 @@ class SystemDescription:
             if converted is not None and converted != _DEFAULTS.get(key):
                 description[key] = converted
         self._model = Model(description)
-        _warn(self._model)
+        warn(self._model)
 
     @classmethod
     def _from_model(cls, model: Model) -> "Self":
@@ -131,7 +132,7 @@ class SystemDescription:
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Self":
         """Make a system that was checked before, without warnings."""
-        return cls._from_model(Model(copied(description, "")))
+        return cls._from_model(Model(copied(without_texts(description), "")))
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
@@ -141,7 +142,7 @@ class SystemDescription:
         ----------
         description : mapping
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
-            pairs [re, im].
+            pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
         Returns
         -------
@@ -168,7 +169,7 @@ class SystemDescription:
         if not isinstance(description, Mapping):
             raise SceneError(f"description: must be a mapping, got {shown(description)}")
         system = cls._from_description(description)
-        _warn(system._model)
+        warn(system._model)
         return system
 
     def replace(self, **changes: Any) -> "Self":
@@ -219,56 +220,6 @@ class SystemDescription:
         system = type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
         system._model.share(self._model)
         return system
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Self":
-        """Read a system from a TOML file.
-
-        Parameters
-        ----------
-        path : str or path-like
-            A file whose keys are the names of the parameters, as `save` writes it.
-
-        Returns
-        -------
-        RotorSystem
-            The system.
-
-        Raises
-        ------
-        SceneError
-            If the description is invalid, or the file is not TOML.
-        OSError
-            If the file cannot be opened.
-        """
-        try:
-            document = Path(path).read_text(encoding="utf-8")
-        except UnicodeDecodeError as error:
-            raise SceneError(
-                f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
-                f"position {error.start}); save it as UTF-8"
-            ) from None
-        model = Model.from_toml(document)
-        _warn(model)
-        return cls._from_model(model)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the description to a TOML file.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. It contains the sampled points of a bow that is given as a function.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written. An existing file is unchanged.
-        """
-        refuse_functions(torques=self.torques, forces=self.forces)
-        text = self._model.to_toml()
-        with replacing(path) as file:
-            file.write(text.encode())
 
     @property
     def description(self) -> dict[str, Plain]:
@@ -363,14 +314,28 @@ class SystemDescription:
 
     def __repr__(self) -> str:
         counts = [f"{len(getattr(self, key))} {key}" for key in PARTS if getattr(self, key)]
-        dofs = len(self._model.dofs)
-        return f"{type(self).__name__}({', '.join(counts)}; {dofs} degrees of freedom)"
+        dofs, ratios = len(self._model.dofs), listed(self.speed_ratios)
+        text = f"{', '.join(counts)}; speed ratios {ratios}; {dofs} degrees of freedom"
+        return f"{type(self).__name__}({text})"
+
+    def _rows(self) -> Table:
+        """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""
+        rows = []
+        for shaft, ratio in zip(self.shafts, self.speed_ratios, strict=True):
+            gears = [gear for gear in self.gears if gear.shaft == shaft.name]
+            teeth = ", ".join(f"{gear.name} ({gear.teeth})" for gear in gears)
+            orders = ", ".join(f"{abs(ratio) * gear.teeth:.6g}" for gear in gears)
+            rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
+        return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 
 
-def _warn(model: Model) -> None:
-    """Warn about implausible entries, at the line outside this module that made the system."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__") == __name__:
-        level, frame = level + 1, frame.f_back
+def warn(model: Model) -> None:
+    """Warn about implausible entries, at the line outside the package that made the system.
+
+    Parameters
+    ----------
+    model : Model
+        The checked system.
+    """
     for message in model.warnings:
-        warnings.warn(message, SceneWarning, stacklevel=level)
+        warnings.warn(message, SceneWarning, stacklevel=outside())

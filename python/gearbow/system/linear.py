@@ -18,12 +18,12 @@ from gearbow.results.matrices import Matrices, SparseMatrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.system.description import SystemDescription
+from gearbow.system.files import SystemFiles
 
 __all__ = ["LinearAnalyses"]
 
 
-class LinearAnalyses(SystemDescription):
+class LinearAnalyses(SystemFiles):
     """Matrices, modes, equilibrium and linear response of a system."""
 
     @overload

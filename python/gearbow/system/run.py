@@ -1,5 +1,6 @@
 """Arguments and recorded data of a run."""
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
 
@@ -7,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, real, shown
+from gearbow._progress import outside
 from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import SceneError
+from gearbow.errors import SceneError, SceneWarning
 from gearbow.recording.tables import optional_arrays
 
 #: Accepted types of the speed of a run.
@@ -29,6 +31,21 @@ def given_speed(speed: object, begin: float, duration: float) -> float | SpeedPr
         return SpeedProfile.table(*speed)
     wanted = "a number, a SpeedProfile, a function of time or (times, speeds)"
     return float(real(speed, "speed", wanted))
+
+
+def warn_of_early_end(speed: object, profile: float | SpeedProfile, end: float) -> None:
+    """Warn if points of the speed end before the run; a profile says by its class that it stays."""
+    if isinstance(speed, SpeedProfile) or not isinstance(profile, SpeedProfile):
+        return
+    last = float(profile.breaks[-1])
+    if last < end * (1.0 - 1e-9):
+        warnings.warn(
+            f"speed: the last time is {last:g} s, but the run ends at {end:g} s; the speed stays "
+            f"{float(profile([last])[0]):g} rad/s. Give times up to the end of the run, or "
+            "gb.SpeedProfile.table(times, speeds), which means a constant speed afterwards",
+            SceneWarning,
+            stacklevel=outside(),
+        )
 
 
 def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any], float]:

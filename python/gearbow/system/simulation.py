@@ -4,7 +4,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +19,18 @@ from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
-from gearbow.system.checkpoint import Checkpoint
 from gearbow.system.linear import LinearAnalyses
-from gearbow.system.run import SpeedLike, beginning, given_speed, in_order, requests
+from gearbow.system.run import (
+    SpeedLike,
+    beginning,
+    given_speed,
+    in_order,
+    requests,
+    warn_of_early_end,
+)
+
+if TYPE_CHECKING:
+    from gearbow.system.checkpoint import Checkpoint
 
 __all__ = ["Simulation"]
 
@@ -140,6 +149,8 @@ class Simulation(LinearAnalyses):
 
         Warns
         -----
+        SceneWarning
+            If the points (times, speeds) end before the run.
         AccuracyWarning
             If `accuracy` is given and the elements are too coarse for it, or if the error of a
             reduction to `modes` exceeds the accuracy level.
@@ -165,6 +176,7 @@ class Simulation(LinearAnalyses):
         duration = number(duration, "duration")
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         profile = given_speed(speed, begin, duration)
+        warn_of_early_end(speed, profile, begin + duration)
         system = self._over_time(begin, duration)
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
@@ -216,6 +228,7 @@ class Simulation(LinearAnalyses):
         float
             Time [s]: a fraction of the shortest period of a shaft rotation or tooth passing.
         """
+        duration = number(duration, "duration", infinite=True)
         given = given_speed(speed, 0.0, duration)
         return self._model.default_output_step(duration, plain_speed(given), 0.0)
 
@@ -239,10 +252,12 @@ class Simulation(LinearAnalyses):
 
     def _checkpoint(
         self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
-    ) -> AbstractContextManager[Checkpoint | None]:
+    ) -> "AbstractContextManager[Checkpoint | None]":
         """Open the checkpoint file of this run; None without a path."""
         if path is None:
             return nullcontext()
+        from gearbow.system.checkpoint import Checkpoint  # noqa: PLC0415  # with libraries for files
+
         return Checkpoint(path, interval, {"scene": self.description, **identity})
 
     def _times(
@@ -264,7 +279,7 @@ class Simulation(LinearAnalyses):
         speed: float | SpeedProfile,
         times: tuple[Array, NDArray[np.intp] | None],
         progress: bool | Progress | None,
-        file: Checkpoint | None,
+        file: "Checkpoint | None",
     ) -> Response:
         """Run with or without a checkpoint. An exception carries the response so far."""
         wanted, rows = times

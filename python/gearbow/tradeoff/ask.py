@@ -8,9 +8,7 @@ from gearbow._progress import reported
 from gearbow._types import Progress
 from gearbow.analysis.protocol import S
 from gearbow.errors import SceneError
-from gearbow.tradeoff.plan import plan
 from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.study import carry_out
 
 __all__ = ["tradeoff"]
 
@@ -90,6 +88,8 @@ def tradeoff(
         If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
+    KeyboardInterrupt
+        At Ctrl-C. After the reference runs it has the attribute `.tradeoff`: the settings so far.
 
     Examples
     --------
@@ -104,6 +104,9 @@ def tradeoff(
     True
     >>> response = best.system.simulate(0.02, speed=100.0, initial="rest", **best.options)
     """
+    from gearbow.tradeoff.plan import plan  # noqa: PLC0415  # few scripts ask for a study
+    from gearbow.tradeoff.study import carry_out  # noqa: PLC0415
+
     made = plan(
         system,
         duration,

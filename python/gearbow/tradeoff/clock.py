@@ -5,8 +5,9 @@ import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from statistics import median
 from typing import Any, TypeVar
+
+import numpy as np
 
 from gearbow.analysis.protocol import System, variant
 from gearbow.errors import AccuracyWarning, RunTimeWarning
@@ -137,7 +138,7 @@ def measure(
     last = time.perf_counter() - begin
     while len(costs) < repeats and time.perf_counter() - begin + last <= share:
         costs.append(_once(system, duration, speed, options, math.inf)[1])
-    setup, stepping = (median(part) for part in zip(*costs, strict=True))
+    setup, stepping = (float(np.median(part)) for part in zip(*costs, strict=True))
     return response, Cost(setup, stepping, len(costs))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
@@ -20,7 +21,7 @@ __all__ = ["Recommendation", "Tradeoff"]
 
 
 @dataclass(frozen=True)
-class Recommendation(Generic[S]):
+class Recommendation(Shown, Generic[S]):
     """The cheapest setting with a given error: `system.simulate(duration, speed, **options)`.
 
     Parameters
@@ -31,6 +32,18 @@ class Recommendation(Generic[S]):
         System to run: the given system or the simplified model of this setting.
     trial : Trial
         Error and CPU time of the setting.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> tradeoff.recommend(error=1e-2).options["rtol"]
+    0.001
     """
 
     options: dict[str, Any]
@@ -57,7 +70,7 @@ class Recommendation(Generic[S]):
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff(Generic[S]):
+class Tradeoff(Shown, Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
@@ -82,6 +95,18 @@ class Tradeoff(Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> tradeoff.trials[0].setting
+    'exponential, rtol 1e-03'
     """
 
     trials: tuple[Trial[S], ...]

@@ -79,26 +79,41 @@ class _Study(Generic[S]):
         self.done = 0
 
     def result(self) -> Tradeoff[S]:
-        plan = self.plan
         reference = self.reference = self._reference()
-        check = self._check()
+        check = self.check = self._check()
         # Runs that agree to the last bit are still rounded: no error below that is known.
         self.floor = max(check.signals.error(reference.signals, reference.signals), ROUND_OFF)
         self.exact = self._exact()
-        known = (reference.setting.options, check.setting.options)
-        settings = [setting for setting in plan.settings if setting.options not in known]
-        trials = [self._trial(run, reference) for run in self._runs(self.given, settings)]
-        trials += [self._trial(run, reference) for run in (check, reference)]
-        for model in plan.simpler:
-            trials += self._simpler(model)
+        trials: list[Trial[S]] = []
+        try:
+            self._measure(trials)
+        except KeyboardInterrupt as stop:
+            stop.tradeoff = self._tradeoff(trials)  # type: ignore[attr-defined]
+            raise
         self.report(1.0)
+        return self._tradeoff(trials)
+
+    def _measure(self, trials: list[Trial[S]]) -> None:
+        """Run all settings and simplified models."""
+        known = (self.reference.setting.options, self.check.setting.options)
+        settings = [each for each in self.plan.settings if each.options not in known]
+        try:
+            for run in self._runs(self.given, settings):
+                trials.append(self._trial(run, self.reference))
+        finally:  # an interrupted study contains them too
+            trials += [self._trial(run, self.reference) for run in (self.check, self.reference)]
+        for model in self.plan.simpler:
+            trials += self._simpler(model)
+
+    def _tradeoff(self, trials: list[Trial[S]]) -> Tradeoff[S]:
+        plan = self.plan
         order = [GIVEN, *(model.name for model in plan.simpler)]
         trials.sort(key=lambda trial: (order.index(trial.model), list(METHODS).index(trial.method)))
         return Tradeoff(
             trials=tuple(trials),
             skipped=tuple(self.skipped),
-            reference=str(reference.setting),
-            check=str(check.setting),
+            reference=str(self.reference.setting),
+            check=str(self.check.setting),
             floor=self.floor,
             discretisation=self._discretisation(),
             duration=plan.duration,

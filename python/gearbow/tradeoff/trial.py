@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
+from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.tradeoff.models import GIVEN
 
@@ -26,7 +27,7 @@ _TITLES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Trial(Generic[S]):
+class Trial(Shown, Generic[S]):
     """Error and CPU time of one setting.
 
     Parameters
@@ -64,6 +65,19 @@ class Trial(Generic[S]):
         What limited the length of most steps.
     repeats : int
         Number of runs of which the CPU times are medians.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> trial = tradeoff.trials[0]
+    >>> trial.method, trial.steps > 0
+    ('exponential', True)
     """
 
     setting: str
@@ -158,7 +172,7 @@ class Trial(Generic[S]):
 
 
 @dataclass(frozen=True)
-class Skipped:
+class Skipped(Shown):
     """A skipped setting.
 
     Parameters

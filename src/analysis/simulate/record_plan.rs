@@ -220,7 +220,5 @@ impl RecordPlan {
 
 fn node(model: &Model, shaft: &str, position: f64, at: &EntryPath) -> Result<Node, SceneError> {
     let index = model.scene.known_shaft(shaft, at)?;
-    let node = model.scene.shafts[index].node_at(position);
-    let node = node.ok_or_else(|| at.error(format!("shaft \"{shaft}\" has no node at {position} m")))?;
-    Ok(Node { shaft: index, node })
+    Ok(Node { shaft: index, node: model.scene.shafts[index].require_node(position, at)? })
 }

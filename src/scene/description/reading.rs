@@ -64,7 +64,12 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
 fn explain(message: &str) -> String {
     // Remove the path, which the error already contains.
     let message = message.split("\nin `").next().unwrap_or(message);
-    let message = message.replace("expected f64", "expected a number").replace("floating point", "number");
+    let mut message = message.replace("expected f64", "expected a number").replace("floating point", "number");
+    if message.contains("invalid type: string") && message.contains("number") {
+        message += "; write a number without quotes";
+    } else if message.contains("invalid type: map, expected a sequence") {
+        message += "; write two brackets around the name of a list of parts: [[shafts]]";
+    }
     let known = ["unknown field `", "unknown variant `"];
     let Some(start) = known.iter().find_map(|known| message.find(known).map(|at| at + known.len())) else {
         return message;

@@ -37,6 +37,7 @@ class HelicalMesh:
     angle: float = 0.0
     sigma: float = 1.0
     pressure_angle: float = np.radians(20.0)
+    film: bool = False  # the drive flank separates at zero deflection, and damping always acts
 
     @property
     def radii(self) -> Array:
@@ -86,7 +87,8 @@ class HelicalMesh:
     def force(self, q: Array, qd: Array, live: bool) -> tuple[float, Array]:
         """Give the force normal to the teeth and the generalised forces."""
         g = self.gradient(q, live)
-        value = self.stiffness * self.deflection(q.astype(complex), live).real
+        deflection = self.deflection(q.astype(complex), live).real
+        value = self.stiffness * (max(deflection, 0.0) if self.film else deflection)
         value += self.damping * (g @ qd)
         return value, -value * g
 

@@ -19,6 +19,7 @@ MESH_UNITS = {
     "centre_line_angle": "rad",
     "contact_ratio": "1",
     "pairs_in_contact": "1",
+    "thrust": "N",
 }
 ENERGIES = ("kinetic", "shafts", "bearings", "meshes")
 WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")

@@ -1,0 +1,175 @@
+"""Arguments that several commands share."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from gearbow.cli.answer import Answer
+from gearbow.errors import SceneError
+from gearbow.system.rotor_system import RotorSystem
+from gearbow.units.parse import parsed
+
+__all__ = ["Commands", "add_command", "add_duration", "add_scene", "item", "quantity", "shows"]
+
+#: The subparsers of the program.
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+def add_command(
+    commands: Commands,
+    name: str,
+    call: Callable[[argparse.Namespace], Answer | None],
+    text: str,
+    examples: str,
+) -> argparse.ArgumentParser:
+    """Add a command.
+
+    Parameters
+    ----------
+    commands : subparsers
+        The commands of the program.
+    name : str
+        Name of the command.
+    call : callable
+        Carries out the command, and returns what it prints.
+    text : str
+        One sentence for the help.
+    examples : str
+        Command lines for the help.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+        The parser of the command.
+    """
+    parser = commands.add_parser(
+        name,
+        help=text,
+        description=text,
+        epilog=f"examples:\n{examples}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(call=call)
+    return parser
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Add the scene file and the option for JSON.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser of a command.
+    """
+    parser.add_argument(
+        "scene", type=Path, help="TOML file of the system; `gearbow new` writes one"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON in place of text")
+
+
+def add_duration(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of a run: duration, speed and progress.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser of a command.
+    """
+    parser.add_argument(
+        "--duration", type=quantity("duration"), required=True, help='for example 0.5 or "500 ms"'
+    )
+    add_speed(parser)
+
+
+def add_speed(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of a computation at a speed: speed and progress.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser of a command.
+    """
+    parser.add_argument(
+        "--speed",
+        type=quantity("speed"),
+        required=True,
+        help='speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
+    )
+    parser.add_argument(
+        "--progress",
+        action=argparse.BooleanOptionalAction,
+        help="show a progress bar on stderr; default: if stderr is a terminal",
+    )
+
+
+def shows(given: argparse.Namespace) -> bool:
+    """Return whether to show a progress bar.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    bool
+        Whether to show it.
+    """
+    return bool(sys.stderr.isatty() if given.progress is None else given.progress)
+
+
+def quantity(field: str) -> Callable[[str], float]:
+    """Make the type of an argument with a unit.
+
+    Parameters
+    ----------
+    field : str
+        Name of the argument, which determines its unit.
+
+    Returns
+    -------
+    callable
+        Converts a text to the SI unit.
+    """
+
+    def read(text: str) -> float:  # numpydoc ignore=GL08
+        try:
+            return parsed(text, field, bare=True)
+        except SceneError as error:
+            raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
+
+    return read
+
+
+def item(system: RotorSystem, text: str) -> Any:
+    """Read one recorded item.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system, whose names have precedence.
+    text : str
+        A name or group, "shaft@position", "driver/driven" or "bearing:shaft@position".
+
+    Returns
+    -------
+    str or tuple
+        The item as `RotorSystem.simulate` takes it.
+
+    Raises
+    ------
+    SceneError
+        If the position is not a length.
+    """
+    parts: tuple[Any, ...] = (*system.shafts, *system.gears, *system.disks)
+    parts += (*system.supports, *system.housings)
+    if text in {part.name for part in parts}:
+        return text
+    kind = ("bearing",) if text.startswith("bearing:") else ()
+    name, sign, position = text.removeprefix("bearing:").rpartition("@")
+    if sign:
+        return (*kind, name, parsed(position, "position", bare=True))
+    driver, sign, driven = text.partition("/")
+    return (driver, driven) if sign else text

@@ -1,0 +1,201 @@
+"""``gearbow check``, ``plot``, ``modes`` and ``campbell``: commands without time integration."""
+
+import argparse
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearbow.cli.answer import Answer
+from gearbow.cli.arguments import Commands, add_command, add_scene, quantity
+from gearbow.errors import SceneError
+from gearbow.system.rotor_system import RotorSystem
+
+__all__ = ["add"]
+
+
+def add(commands: Commands) -> None:
+    """Add the commands.
+
+    Parameters
+    ----------
+    commands : subparsers
+        The commands of the program.
+    """
+    parser = add_command(
+        commands,
+        "check",
+        check,
+        "check a scene file, and summarise the system",
+        "  gearbow check scene.toml\n  gearbow check scene.toml --json",
+    )
+    add_scene(parser)
+
+    parser = add_command(
+        commands,
+        "plot",
+        plot,
+        "draw the train to scale, from the side and from the end",
+        "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg",
+    )
+    add_scene(parser)
+    parser.add_argument(
+        "--out", type=Path, default=Path("train.png"), help="file of the figure; default: train.png"
+    )
+
+    parser = add_command(
+        commands,
+        "modes",
+        modes,
+        "print natural frequencies, damping and whirl at one speed",
+        '  gearbow modes scene.toml\n  gearbow modes scene.toml --speed "1500 rpm" --count 20',
+    )
+    add_scene(parser)
+    parser.add_argument(
+        "--speed", type=quantity("speed"), default=0.0, help='for example "1500 rpm"; default: 0'
+    )
+    parser.add_argument("--count", type=int, default=10, help="number of modes; default: 10")
+
+    parser = add_command(
+        commands,
+        "campbell",
+        campbell,
+        "print the speeds at which shafts and teeth excite a mode",
+        '  gearbow campbell scene.toml --to "6000 rpm"\n'
+        '  gearbow campbell scene.toml --to "6000 rpm" --harmonics 0 --out campbell.png',
+    )
+    add_scene(parser)
+    parser.add_argument(
+        "--from", type=quantity("speed"), default=0.0, dest="first", help="default: 0"
+    )
+    parser.add_argument(
+        "--to", type=quantity("speed"), required=True, dest="last", help='for example "6000 rpm"'
+    )
+    parser.add_argument("--points", type=int, default=50, help="number of speeds; default: 50")
+    parser.add_argument("--count", type=int, default=10, help="number of modes; default: 10")
+    parser.add_argument(
+        "--harmonics", type=int, default=1, help="harmonics of the tooth frequencies; default: 1"
+    )
+    parser.add_argument("--out", type=Path, help="write the diagram to this file, for example .png")
+
+
+def check(given: argparse.Namespace) -> Answer:
+    """Check a scene.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Parts, speed ratios and warnings.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        system = RotorSystem.load(given.scene)
+    for warning in caught:
+        warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
+    found = [str(warning.message) for warning in caught]
+    names = [shaft.name for shaft in system.shafts]
+    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    data = {
+        "scene": str(given.scene),
+        "warnings": found,
+        "parts": {key: len(value) for key, value in system.description.items() if key in _LISTS},
+        "degrees_of_freedom": len(system.dofs),
+        "speed_ratios": ratios,
+    }
+    count = f"{len(found)} warning{'' if len(found) == 1 else 's'}" if found else "no warnings"
+    return Answer(f"{given.scene}: valid, {count}\n{system}", data)
+
+
+#: The keys of a description that are lists of parts.
+_LISTS = (
+    *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
+    *("supports", "housings", "couplings", "drives", "forces"),
+)
+
+
+def plot(given: argparse.Namespace) -> Answer:
+    """Draw the train.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Name of the file.
+    """
+    system: Any = RotorSystem.load(given.scene)
+    system.plot().savefig(given.out)
+    return Answer(f"figure: {given.out}", {"file": str(given.out)})
+
+
+def modes(given: argparse.Namespace) -> Answer:
+    """Find modes.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        A row for each mode.
+    """
+    found = RotorSystem.load(given.scene).modes(given.speed, count=given.count)
+    rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
+    keys = ("frequency_hz", "damping_ratio", "whirl", "name")
+    data = {"speed": given.speed, "modes": [dict(zip(keys, row, strict=True)) for row in rows]}
+    return Answer(found.table(), data)
+
+
+def campbell(given: argparse.Namespace) -> Answer:
+    """Find the Campbell diagram.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        A row for each intersection.
+
+    Raises
+    ------
+    SceneError
+        If there are fewer than two speeds.
+    """
+    if given.points < 2 or not given.last > given.first:
+        raise SceneError(
+            f"speeds: need --points of at least 2 and --to above --from, got {given.points} points "
+            f"from {given.first:g} to {given.last:g} rad/s"
+        )
+    system = RotorSystem.load(given.scene)
+    speeds = np.linspace(given.first, given.last, given.points)
+    found = system.campbell(speeds, count=given.count, harmonics=given.harmonics)
+    text = found.table()
+    if given.out is not None:
+        found.plot().savefig(given.out)
+        text += f"\ndiagram: {given.out}"
+    keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
+    data = {
+        "speeds": found.speeds,
+        "frequencies_hz": found.frequencies_hz,
+        "damping_ratios": found.damping_ratios,
+        "intersections": [
+            {key: getattr(one, key) for key in keys} | {"excited_by": one.line.name}
+            for one in found.intersections
+        ],
+        "file": None if given.out is None else str(given.out),
+    }
+    return Answer(text, data)

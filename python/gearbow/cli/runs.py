@@ -1,0 +1,317 @@
+"""``gearbow run``, ``steady`` and ``tradeoff``: commands that integrate in time."""
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearbow._types import Array
+from gearbow.cli.answer import Answer
+from gearbow.cli.arguments import (
+    Commands,
+    add_command,
+    add_duration,
+    add_scene,
+    add_speed,
+    item,
+    quantity,
+    shows,
+)
+from gearbow.description.places import is_pair, is_place, place_label
+from gearbow.description.speed import SpeedProfile
+from gearbow.results.response import Response
+from gearbow.system.rotor_system import RotorSystem
+from gearbow.tradeoff.result import Tradeoff
+
+__all__ = ["add"]
+
+
+def add(commands: Commands) -> None:
+    """Add the commands.
+
+    Parameters
+    ----------
+    commands : subparsers
+        The commands of the program.
+    """
+    parser = add_command(
+        commands,
+        "run",
+        run,
+        "simulate the motion, print the size of the signals, and save them",
+        '  gearbow run scene.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
+        '  gearbow run scene.toml --duration "10 s" --speed 0 --end-speed "3000 rpm" \\\n'
+        "      --record gears meshes shaft@0.25 --checkpoint run.npz",
+    )
+    add_scene(parser)
+    add_duration(parser)
+    parser.add_argument(
+        "--end-speed", type=quantity("speed"), help="change the speed linearly to this one"
+    )
+    add_signals(parser)
+    parser.add_argument(
+        "--checkpoint",
+        type=_file,
+        help="save during the run; the same command continues after an interruption",
+    )
+
+    parser = add_command(
+        commands,
+        "steady",
+        steady,
+        "find the motion that remains after the transient, and whether it is stable",
+        '  gearbow steady scene.toml --speed "1500 rpm" --record gears meshes --out steady.npz',
+    )
+    add_scene(parser)
+    add_speed(parser)
+    add_signals(parser)
+
+    parser = add_command(
+        commands,
+        "tradeoff",
+        tradeoff,
+        "measure error and CPU time of methods and settings",
+        '  gearbow tradeoff scene.toml --duration 0.1 --speed "1500 rpm" --signals pinion/wheel',
+    )
+    add_scene(parser)
+    add_duration(parser)
+    parser.add_argument(
+        "--signals",
+        nargs="+",
+        metavar="ITEM",
+        help="a gear, disk, shaft@position or driver/driven; default: the first gear",
+    )
+    parser.add_argument(
+        "--budget", type=quantity("budget"), default=60.0, help="limit of the time; default: 60 s"
+    )
+
+
+def add_signals(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a command that records signals.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The command.
+    """
+    parser.add_argument(
+        "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
+    )
+    parser.add_argument(
+        "--record",
+        nargs="+",
+        default=["gears", "meshes"],
+        metavar="ITEM",
+        help="names and groups, shaft@position, driver/driven, bearing:shaft@position",
+    )
+    parser.add_argument(
+        "--out", type=_file, help="save the signals, also after Ctrl-C; .npz or .nc"
+    )
+
+
+def run(given: argparse.Namespace) -> Answer:
+    """Simulate.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Size of the recorded signals.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C. Its `answer` is that of the signals so far, which are saved.
+    """
+    system = RotorSystem.load(given.scene)
+    speed: float | SpeedProfile = given.speed
+    if given.end_speed is not None:
+        speed = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
+    try:
+        response = system.simulate(
+            given.duration,
+            speed,
+            accuracy=given.accuracy,
+            record=[item(system, text) for text in given.record],
+            checkpoint=given.checkpoint,
+            progress=shows(given),
+        )
+    except KeyboardInterrupt as stop:
+        found: Response | None = getattr(stop, "response", None)
+        if found is not None and found.time.size:
+            stop.answer = _saved(found, given, complete=False)  # type: ignore[attr-defined]
+        raise
+    return _saved(response, given, complete=True)
+
+
+def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
+    """Save a response, and describe it."""
+    if given.out is not None:
+        response.save(given.out)
+    data = {
+        "complete": complete,
+        "time": [response.time[0], response.time[-1]],
+        "samples": response.time.size,
+        **_signals(response),
+        "events": len(response.events),
+        "statistics": asdict(response.statistics),
+        "file": None if given.out is None else str(given.out),
+    }
+    lines = [str(response), *_lines(data)]
+    lines.append(f"{data['statistics']['steps']} steps, {data['events']} events")
+    return Answer("\n".join([*lines, *_file_line(data)]), data)
+
+
+def steady(given: argparse.Namespace) -> Answer:
+    """Find the steady state.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        Period, stability and size of the signals.
+    """
+    system = RotorSystem.load(given.scene)
+    found = system.steady_state(
+        given.speed,
+        accuracy=given.accuracy,
+        record=[item(system, text) for text in given.record],
+        progress=shows(given),
+    )
+    largest = float(abs(found.multipliers[0])) if found.multipliers.size else None
+    if given.out is not None:
+        found.save(given.out)
+    data = {
+        "period": found.period,
+        "residual": found.residual,
+        "method": found.method,
+        "stable": found.stable,
+        "instability": found.instability,
+        "largest_multiplier": largest,
+        **_signals(found.response),
+        "file": None if given.out is None else str(given.out),
+    }
+    state = "stable" if found.stable else f"unstable: {found.instability}"
+    size = "below 0.9" if largest is None else f"{largest:.6g}"
+    lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
+    return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)
+
+
+def _signals(response: Response) -> dict[str, Any]:
+    """Describe the recorded signals."""
+    points = {}
+    recorded: list[Any] = response.recorded
+    for name in [one for one in recorded if is_place(one) or _is_name(one)]:
+        values = response.displacement(name)
+        points[place_label(name)] = {
+            "peak_to_peak": np.ptp(values, axis=0),
+            "mean": values.mean(axis=0),
+        }
+    meshes = {}
+    for driver, driven in filter(is_pair, recorded):
+        mesh = response.mesh(driver, driven)
+        sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
+        meshes[f"{driver}/{driven}"] = sizes
+    bearings = {}
+    for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
+        force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
+        bearings[place_label((shaft, x))] = {"force": _size(force)}
+    return {"points": points, "meshes": meshes, "bearings": bearings}
+
+
+def _lines(data: dict[str, Any]) -> list[str]:
+    """Print the size of each signal."""
+    lines = []
+    for name, point in data["points"].items():
+        y, z = 1e6 * point["peak_to_peak"]
+        lines.append(f"{name}: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z")
+    for name, mesh in data["meshes"].items():
+        force, ratio = mesh["force"], mesh["contact_ratio"]
+        lines.append(
+            f"{name}: force {force['min']:.4g} to {force['max']:.4g} N, contact ratio "
+            f"{ratio['min']:.3g} to {ratio['max']:.3g}"
+        )
+    for name, bearing in data["bearings"].items():
+        force = bearing["force"]
+        lines.append(f"bearing {name}: force {force['min']:.4g} to {force['max']:.4g} N")
+    return lines
+
+
+def _file_line(data: dict[str, Any]) -> list[str]:
+    return [f"signals: {data['file']}"] if data["file"] else []
+
+
+def _is_name(recorded: Any) -> bool:
+    return isinstance(recorded, str) and recorded != "energy"
+
+
+def _file(text: str) -> Path:
+    """Read the name of a file for signals."""
+    path = Path(text)
+    if path.suffix not in {".npz", ".nc"}:
+        raise argparse.ArgumentTypeError(f"must end with .npz or .nc, got {text!r}")
+    return path
+
+
+def _size(values: Array) -> dict[str, float]:
+    return {"min": float(values.min()), "max": float(values.max()), "mean": float(values.mean())}
+
+
+def tradeoff(given: argparse.Namespace) -> Answer:
+    """Measure error and CPU time of many settings.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Values of the options.
+
+    Returns
+    -------
+    Answer
+        A row for each setting.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C. Its `answer` is that of the settings so far.
+    """
+    system = RotorSystem.load(given.scene)
+    signals = None if given.signals is None else [item(system, text) for text in given.signals]
+    try:
+        found = system.tradeoff(
+            given.duration, given.speed, signals, budget=given.budget, progress=shows(given)
+        )
+    except KeyboardInterrupt as stop:
+        partial: Tradeoff[RotorSystem] | None = getattr(stop, "tradeoff", None)
+        if partial is not None:
+            stop.answer = _answer(partial)  # type: ignore[attr-defined]
+        raise
+    return _answer(found)
+
+
+def _answer(found: Tradeoff[RotorSystem]) -> Answer:
+    keys = ("model", "method", "model_error", "errors", "error", "seconds", "rate", "steps")
+    trials = [{key: getattr(trial, key) for key in keys} for trial in found.trials]
+    front = found.front()
+    for row, trial in zip(trials, found.trials, strict=True):
+        row["setting"] = str(trial)
+        row["front"] = trial in front
+    data = {
+        "duration": found.duration,
+        "speed": found.speed,
+        "signals": found.signals,
+        "uncertainty": found.floor,
+        "trials": trials,
+        "skipped": [str(skipped) for skipped in found.skipped],
+    }
+    return Answer(str(found), data)

@@ -1,0 +1,95 @@
+"""Tables in CSV files, with the unit of each column in its heading."""
+
+import csv
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from gearbow._lookup import nearest
+from gearbow._types import Array
+from gearbow.errors import SceneError
+from gearbow.units.fields import unit_of
+from gearbow.units.parse import parsed
+
+__all__ = ["read_columns"]
+
+#: Heading with a unit: "speed [rpm]" or "speed (rpm)".
+_HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:[\[(](.*)[\])])?\s*")
+
+
+def read_columns(path: str | os.PathLike[str], known: Mapping[str, str]) -> dict[str, Array]:
+    """Read the columns of a CSV file in SI units.
+
+    Columns are separated by commas, semicolons or tabs. Lines that begin with ``#`` are comments.
+    A heading without a unit is in SI units.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+    known : mapping of {str: str}
+        Name of each possible column, and the path of a field that has its unit.
+
+    Returns
+    -------
+    dict of {str: ndarray}
+        The columns, each of shape (k,).
+
+    Raises
+    ------
+    SceneError
+        If a heading, a unit or a number is invalid. The message names line and column.
+    OSError
+        If the file cannot be opened.
+    """
+    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
+    rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
+    if len(rows) < 2:
+        raise SceneError(f"{path}: needs a line of headings and lines of numbers")
+    separator = next((each for each in ";\t" if each in rows[0][1]), ",")
+    head, *body = ((i, next(csv.reader([line], delimiter=separator))) for i, line in rows)
+    units = _headings(head[1], known, f"{path}: line {head[0]}")
+    found: dict[str, list[float]] = {name: [] for name in units}
+    for i, cells in body:
+        if len(cells) != len(units):
+            raise SceneError(
+                f"{path}: line {i}: must have {len(units)} numbers, as the headings, got "
+                f"{len(cells)}"
+            )
+        for (name, unit), cell in zip(units.items(), cells, strict=True):
+            number = _number(cell, f'{path}: line {i}, column "{name}"')
+            # The text, not the number: the conversion of a text is correctly rounded.
+            found[name].append(parsed(f"{cell} {unit}", known[name]) if unit else number)
+    return {name: np.array(values) for name, values in found.items()}
+
+
+def _headings(cells: Sequence[str], known: Mapping[str, str], where: str) -> dict[str, str]:
+    """Give the names of the columns, and the unit of each one."""
+    units: dict[str, str] = {}
+    for cell in cells:
+        heading = _HEADING.fullmatch(cell)
+        name = "" if heading is None else heading[1].lower().replace(" ", "_")
+        if heading is None or name not in known:
+            raise SceneError(
+                f"{where}: {cell.strip()!r} is not a column; there are {', '.join(known)}"
+                f"{nearest(name, known)}"
+            )
+        if name in units:
+            raise SceneError(f"{where}: the column {name!r} occurs twice")
+        try:
+            units[name] = heading[2] or ""
+            parsed(f"1 {heading[2] or unit_of(known[name])}", known[name])
+        except SceneError as error:
+            raise SceneError(f'{where}, column "{name}": {str(error).partition(": ")[2]}') from None
+    return units
+
+
+def _number(cell: str, where: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        raise SceneError(f"{where}: must be a number with a decimal point, got {cell!r}") from None

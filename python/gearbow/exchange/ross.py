@@ -1,0 +1,228 @@
+"""Rotors of ROSS: the plain description of a rotor that ``rotor.save`` wrote.
+
+The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
+segment with one element. https://ross.readthedocs.io
+"""
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from gearbow._types import Plain
+from gearbow.errors import SceneError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+__all__ = ["read_ross"]
+
+#: Name of the shaft.
+SHAFT = "rotor"
+#: Values of a shaft element that the elements of gearbow have.
+_FIXED = {
+    "axial_force": 0,
+    "torque": 0,
+    "rotary_inertia": True,
+    "gyroscopic": True,
+    "shear_method_calc": "cowper",
+}
+#: Properties that all elements of a shaft must share.
+_SHARED = ("material", "shear_effects", "alpha", "beta")
+_KINDS = ("ShaftElement", "DiskElement", "PointMass")
+
+
+@dataclass
+class _File:
+    """The elements of a file, by kind."""
+
+    path: str
+    elements: dict[str, list[tuple[str, dict[str, Any]]]] = field(default_factory=dict)
+
+    def all(self, kind: str) -> list[tuple[str, dict[str, Any]]]:
+        return self.elements.get(kind, [])
+
+    def error(self, name: str, text: str) -> SceneError:
+        return SceneError(f"{self.path}: {name}: {text}")
+
+
+def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
+    """Read a rotor that ROSS saved.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
+
+    Returns
+    -------
+    dict
+        Plain description of the rotor.
+
+    Raises
+    ------
+    SceneError
+        If the file is not one of ROSS, or has an element that gearbow cannot represent; the message
+        names it.
+    OSError
+        If the file cannot be opened.
+    """
+    file = _read(path)
+    shaft, positions = _shaft(file)
+    masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}
+    description: dict[str, Plain] = {"shafts": [shaft], "disks": [], "bearings": []}
+    _, first = file.all("ShaftElement")[0]
+    if first.get("alpha") or first.get("beta"):
+        description["rayleigh"] = [first.get("alpha", 0.0), first.get("beta", 0.0)]
+    for name, disk in file.all("DiskElement"):
+        inertias = {"diametral_inertia": disk["Id"], "polar_inertia": disk["Ip"]}
+        at = _position(file, name, disk["n"], positions)
+        description["disks"].append({**_named(name, disk), **at, "mass": disk["m"], **inertias})
+    for n, (name, mass) in masses.items():
+        if n < len(positions):
+            inertias = {"diametral_inertia": 0.0, "polar_inertia": 0.0}
+            at = _position(file, name, n, positions)
+            body = {**_named(name, mass), **at, "mass": _mass(file, name, mass), **inertias}
+            description["disks"].append(body)
+    bearings = file.all("bearing")
+    grounded = {one["n"]: (name, one) for name, one in bearings if one["n"] >= len(positions)}
+    linked = {one.get("n_link") for _, one in bearings}
+    for n, (name, _) in {**grounded, **masses}.items():
+        if n >= len(positions) and n not in linked:
+            raise file.error(name, f"node {n} is not on the shaft, and no bearing links it")
+    for name, bearing in bearings:
+        if bearing["n"] < len(positions):
+            at = _position(file, name, bearing["n"], positions)
+            found = {**at, **_coefficients(file, name, bearing)}
+            link = bearing.get("n_link")
+            if link is not None:
+                found["support"] = _support(file, name, link, masses, grounded)
+            description["bearings"].append(found)
+    return {key: value for key, value in description.items() if value}
+
+
+def _read(path: str | os.PathLike[str]) -> _File:
+    text = Path(path).read_text(encoding="utf-8")
+    try:
+        plain = json.loads(text) if Path(path).suffix == ".json" else tomllib.loads(text)
+    except ValueError as error:  # of both formats
+        raise SceneError(f"{path}: not a rotor of ROSS: {error}") from None
+    if not isinstance(plain, dict) or "ross_version" not in plain:
+        raise SceneError(f"{path}: not a rotor of ROSS: it has no ross_version")
+    file = _File(str(path))
+    for key, element in plain.items():
+        if not isinstance(element, dict) or key == "parameters":
+            continue
+        kind, _, name = key.partition("_")
+        kind = next((known for known in _KINDS if kind.startswith(known)), kind)
+        if kind not in _KINDS:
+            if "kxx" not in element:
+                raise file.error(name, f"gearbow cannot represent a {kind}")
+            kind = "bearing"
+        file.elements.setdefault(kind, []).append((name, element))
+    if not file.all("ShaftElement"):
+        raise SceneError(f"{path}: has no ShaftElement")
+    return file
+
+
+def _shaft(file: _File) -> tuple[dict[str, Plain], list[float]]:
+    """Give the shaft, and the position of each node [m]."""
+    elements = sorted(file.all("ShaftElement"), key=lambda one: int(one[1]["n"]))
+    _, first = elements[0]
+    positions, segments = [0.0], []
+    for i, (name, element) in enumerate(elements):
+        if element["n"] != i:
+            raise file.error(name, f"must begin at node {i}; layers and gaps are not possible")
+        for end in ("od", "id"):
+            left, right = element[f"{end}l"], element[f"{end}r"]
+            if left != right:
+                raise file.error(
+                    name, f"conical: {end}l is {left} m, {end}r is {right} m; divide it into steps"
+                )
+        for key, value in _FIXED.items():
+            if element.get(key, value) != value:
+                raise file.error(name, f"{key} must be {value}, got {element[key]}")
+        for key in _SHARED:
+            if element.get(key) != first.get(key):
+                raise file.error(name, f"{key} must be that of the other elements of the shaft")
+        segment = {"length": element["L"], "outer_diameter": element["odl"], "elements": 1}
+        segments.append({**segment, "inner_diameter": element["idl"]})
+        positions.append(positions[-1] + element["L"])
+    given = first["material"]
+    material = {
+        "youngs_modulus": given["E"],
+        "density": given["rho"],
+        "shear_modulus": given["G_s"],
+    }
+    shear = bool(first.get("shear_effects", True))
+    return {"name": SHAFT, "segments": segments, "material": material, "shear": shear}, positions
+
+
+def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[str, Plain]:
+    if n >= len(positions):
+        raise file.error(name, f"node {n} is not on the shaft")
+    return {"shaft": SHAFT, "position": positions[n]}
+
+
+def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:
+    return {"name": str(element.get("tag") or name)}
+
+
+def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:
+    values = {mass.get(key, mass.get("m")) for key in ("mx", "my")}
+    if len(values) != 1:
+        raise file.error(name, "masses along x and y must be equal")
+    return float(values.pop())
+
+
+def _coefficients(file: _File, name: str, bearing: Mapping[str, Any]) -> dict[str, Plain]:
+    """Give stiffness and damping: constant, or tables over the speed."""
+    for key in ("mxx", "mxy", "myx", "myy", "mzz"):
+        if any(_values(bearing.get(key))):
+            raise file.error(name, f"gearbow cannot represent {key}, the added mass of a bearing")
+    found: dict[str, Plain] = {}
+    for letter, key in (("k", "stiffness"), ("c", "damping")):
+        rows = zip(
+            *(_values(bearing[f"{letter}{axes}"]) for axes in ("xx", "xy", "yx", "yy")), strict=True
+        )
+        values = [[[xx, xy], [yx, yy]] for xx, xy, yx, yy in rows]
+        if all(value == values[0] for value in values):
+            found[key] = values[0]
+        else:
+            found[key] = {"speeds": bearing["frequency"], "values": values}
+        axial = set(_values(bearing.get(f"{letter}zz")))
+        if len(axial) > 1:
+            raise file.error(name, f"{letter}zz must be constant")
+        if any(axial):
+            found[f"axial_{key}"] = axial.pop()
+    return found
+
+
+def _values(given: object) -> list[float]:
+    if given is None:
+        return [0.0]
+    return [float(value) for value in given] if isinstance(given, Iterable) else [float(given)]  # type: ignore[arg-type]
+
+
+def _support(
+    file: _File,
+    name: str,
+    link: int,
+    masses: Mapping[int, tuple[str, dict[str, Any]]],
+    grounded: Mapping[int, tuple[str, dict[str, Any]]],
+) -> dict[str, Plain]:
+    """Give the support of a bearing: the point mass at its node, on the bearing below it."""
+    if link not in masses or link not in grounded:
+        raise file.error(name, f"its n_link {link} needs a PointMass and a bearing to the ground")
+    (mass_name, mass), (ground_name, ground) = masses[link], grounded[link]
+    below = _coefficients(file, ground_name, ground)
+    if isinstance(below["stiffness"], dict) or isinstance(below["damping"], dict):
+        raise file.error(ground_name, "a support has constant stiffness and damping")
+    if ground.get("n_link") is not None or set(below) - {"stiffness", "damping"}:
+        raise file.error(ground_name, "a support stands on the ground and has no axial stiffness")
+    return {**_named(mass_name, mass), "mass": _mass(file, mass_name, mass), **below}

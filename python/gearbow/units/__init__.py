@@ -1,0 +1,1 @@
+"""Quantities with units: the unit of every field, and conversion to SI units."""

@@ -1,0 +1,156 @@
+"""The SI unit of every field of a description and of every argument of an analysis.
+
+This table is the only place that knows units. Quantities of pint, texts such as "500 mm" in scene
+files, and speeds on the command line are converted with it.
+"""
+
+import re
+from functools import cache
+
+__all__ = ["DIMENSIONLESS", "FIELDS", "unit_of"]
+
+#: Unit of a field without a unit.
+DIMENSIONLESS = "1"
+
+#: (shaft, position) or ("bearing", shaft, position).
+_PLACE = (None, "m", "m")
+
+#: Unit of each field by the end of its path, without indices. A longer end precedes a shorter one,
+#: and `*` stands for any name. A tuple gives the unit of each entry of a list; None is a text.
+FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
+    # Lengths and angles
+    "length": "m",
+    "outer_diameter": "m",
+    "inner_diameter": "m",
+    "position": "m",
+    "positions": "m",
+    "amplitude": "m",
+    "amplitudes": "m",
+    "phase": "rad",
+    "phases": "rad",
+    "points.*": "m",
+    # Materials and bodies
+    "youngs_modulus": "Pa",
+    "shear_modulus": "Pa",
+    "density": "kg/m^3",
+    "mass": "kg",
+    "diametral_inertia": "kg m^2",
+    "polar_inertia": "kg m^2",
+    "inertia": "kg m^2",
+    "unbalance": "kg m",
+    "run_out": "m",
+    # Teeth
+    "module": "m",
+    "base_radius": "m",
+    "tip_radius": "m",
+    "face_width": "m",
+    "pressure_angle": "rad",
+    "helix_angle": "rad",
+    "centre_line_angle": "rad",
+    "centre_distance": "m",
+    "backlash": "m",
+    "amount": "m",
+    "tooth": ("m", "rad"),
+    "driver": ("m", "rad"),
+    "driven": ("m", "rad"),
+    "table": "m",
+    # Stiffness and damping
+    "stiffness": "N/m",
+    "damping": "N s/m",
+    "stiffnesses": "N/m",
+    "stiffness.values": "N/m",
+    "stiffness.mean": "N/m",
+    "stiffness.pair": "N/m",
+    "stiffness.amplitudes": "N/m",
+    "stiffness.phase": None,
+    "stiffness.bore_radii": "m",
+    "damping.values": "N s/m",
+    "axial_stiffness": "N/m",
+    "axial_damping": "N s/m",
+    "tilting_stiffness": "N m/rad",
+    "tilting_damping": "N m s/rad",
+    "rotational_stiffness": "N m/rad",
+    "rotational_damping": "N m s/rad",
+    "drives.stiffness": "N m/rad",
+    "drives.damping": "N m s/rad",
+    "couplings.stiffness": ("N/m", "N/m", "N m/rad", "N m/rad"),
+    "couplings.damping": ("N s/m", "N s/m", "N m s/rad", "N m s/rad"),
+    "offset": "m",
+    "angle": "rad",
+    "runout": "m",
+    # Journal and rolling bearings
+    "diameter": "m",
+    "clearance": "m",
+    "viscosity": "Pa s",
+    "grooves": "rad",
+    "ball_diameter": "m",
+    "pitch_diameter": "m",
+    "roller_length": "m",
+    "contact_angle": "rad",
+    "cage_angle": "rad",
+    # Loads
+    "torques.value": "N m",
+    "torques.value.values": "N m",
+    "torques.value.slopes": "N m/s",
+    "forces.value": "N",
+    "forces.value.values": "N",
+    "forces.value.slopes": "N/s",
+    "axial": "N",
+    "load": "N",
+    # Options of a system
+    "rayleigh": ("1/s", "s"),
+    "gravity": "m/s^2",
+    # Arguments of analyses
+    "speed": "rad/s",
+    "speeds": "rad/s",
+    "speed.start": "rad/s",
+    "speed.end": "rad/s",
+    "operating": "rad/s",
+    "duration": "s",
+    "begin": "s",
+    "start": "s",
+    "step": "s",
+    "steps": "s",
+    "breaks": "s",
+    "output_step": "s",
+    "times": "s",
+    "skip_time": "s",
+    "checkpoint_interval": "s",
+    "budget": "s",
+    "highest": "1/s",
+    **dict.fromkeys(("at", "a", "b", "of", "name", "names", "record", "planes", "points"), _PLACE),
+    **dict.fromkeys(("signals", "target"), _PLACE),
+}
+
+
+@cache
+def _end(names: tuple[str, ...]) -> str | tuple[str | None, ...] | None:
+    """Find the entry of the longest end of a path."""
+    for i in range(len(names)):
+        for end in (names[i:], (*names[i:-1], "*")):
+            key = ".".join(end)
+            if key in FIELDS:
+                return FIELDS[key]
+    return DIMENSIONLESS
+
+
+def unit_of(path: str) -> str | None:
+    """Give the SI unit of a field.
+
+    Parameters
+    ----------
+    path : str
+        Path of the field, for example "couplings[0].stiffness[2]".
+
+    Returns
+    -------
+    str or None
+        The unit; `DIMENSIONLESS` for a field without a unit, None for a field that is not a number.
+    """
+    names = tuple(re.sub(r"\[\d+\]", "", path).split("."))
+    found = _end(names)
+    if not isinstance(found, tuple):
+        return found
+    index = re.search(r"\[(\d+)\]$", path)
+    i = None if index is None else int(index[1])
+    return None if i is None or i >= len(found) else found[i]

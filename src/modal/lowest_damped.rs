@@ -1,0 +1,156 @@
+//! The lowest modes with strong or modal damping, in time proportional to n: Galerkin projection, a count, and refinement.
+//!
+//! The matrix of modal damping, 2ζ M √(M⁻¹K), is full, but diagonal in undamped modes. The space of [`super::galerkin`] has
+//! the undamped modes up to a frequency ω_m, several times the highest wanted frequency ω, and the responses to forces of the
+//! dampers. On all other motions K + |λ|²M is larger than every other form, so that they have no eigenvalue of low frequency
+//! and change those of the space by about (ω/ω_m)⁴. [`super::contour`] counts the eigenvalues without modal damping to check
+//! that the space misses none.
+//!
+//! Refinement adds the error of each wanted mode to the space, which falls each time by about ζω/ω_m.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::CachedModel;
+use super::contour::SECTOR;
+use super::galerkin::{Approximation, Galerkin};
+use super::lowest::{Eigenpair, lowest_undamped};
+use super::real::RealModes;
+use super::shift_invert::Problem;
+use crate::linalg::DecompositionError;
+
+/// Part of all modes up to which undamped modes come from band matrices.
+const FEW: f64 = 0.3;
+/// Undamped modes of the space beyond 3/2 of the wanted ones.
+const FURTHER_MODES: usize = 24;
+/// Number of times that the space is extended for missing modes.
+const MAX_EXTENSIONS: usize = 3;
+/// Smallest ratio of the highest frequency of the undamped modes to the radius of the count.
+const MARGIN: f64 = 2.5;
+/// Smallest relative distance of two magnitudes between which the radius of the count lies.
+const GAP: f64 = 1e-3;
+/// Part of an accurate mode shape outside of the space.
+const ACCURATE: f64 = 1e-8;
+/// Relative change of an eigenvalue in a refinement that ends its refinements, because round-off may limit the shape.
+const UNCHANGED: f64 = 1e-9;
+/// Relative distance of an accurate eigenvalue from that of a larger space.
+const SAME: f64 = 1e-9;
+/// Largest number of refinements.
+const MAX_REFINEMENTS: usize = 8;
+
+/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if dense
+/// matrices are needed.
+///
+/// # Errors
+/// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
+pub(super) fn lowest_damped(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+    let (model, range) = (&cached.model, cached.spectral_range(speed)?);
+    let problem = Problem::new(model, speed, range)?;
+    let undamped = problem.without_damping();
+    let null = problem.null.ncols();
+    let elastic = count.saturating_sub(null);
+    let mut size = count + elastic / 2 + FURTHER_MODES;
+    for _ in 0..=MAX_EXTENSIONS {
+        if size as f64 > FEW * model.len() as f64 {
+            return Ok(None);
+        }
+        let Some(modes) = undamped_modes(&undamped, size)? else {
+            return Ok(None);
+        };
+        let top = modes.highest();
+        let mut space = Galerkin::new(&problem, modes, range.fastest)?;
+        space.add_dampers(problem.rates(top / 8.0))?;
+        let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
+        let radius = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top);
+        let values = without.iter().map(|pair| pair.value);
+        if radius.is_some_and(|radius| problem.missing(values, &problem.contour(radius)) == Some(0)) {
+            return refined(&mut space, with, count, &problem);
+        }
+        size += size / 2;
+    }
+    Ok(None)
+}
+
+/// The `count` lowest undamped modes.
+fn undamped_modes(problem: &Problem<'_>, count: usize) -> Result<Option<RealModes>, DecompositionError> {
+    let Some(pairs) = lowest_undamped(problem, count)? else {
+        return Ok(None);
+    };
+    let columns: Vec<DVector<f64>> = pairs.iter().map(|(_, shape)| shape.map(|value| value.re)).collect();
+    let vectors = DMatrix::from_columns(&columns);
+    Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
+}
+
+/// Radius in a gap of the magnitudes of all approximations, rad/s, so that the `number` wanted modes `with` modal damping have
+/// lower frequencies than every mode outside of the count.
+fn radius(approximations: [&[Approximation]; 2], number: usize) -> Option<f64> {
+    let mut sizes: Vec<f64> =
+        approximations.iter().flat_map(|pairs| pairs.iter().map(|pair| pair.value.norm())).collect();
+    sizes.sort_by(f64::total_cmp);
+    let below = |radius: f64| approximations[1].iter().filter(|pair| pair.value.im < radius * SECTOR.sin()).count();
+    let gaps = sizes.windows(2).filter(|pair| pair[1] > (1.0 + GAP) * pair[0]);
+    gaps.map(|pair| f64::midpoint(pair[0], pair[1])).find(|radius| below(*radius) >= number)
+}
+
+/// The `count` lowest modes of the space, which it extends until they are accurate.
+fn refined(
+    space: &mut Galerkin<'_, '_>,
+    mut found: Vec<Approximation>,
+    count: usize,
+    problem: &Problem<'_>,
+) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+    let elastic = count.saturating_sub(problem.null.ncols());
+    let (mut previous, mut accurate): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
+    for _ in 0..MAX_REFINEMENTS {
+        found.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
+        found.truncate(elastic);
+        let mut known = std::mem::take(&mut accurate);
+        let mut directions = Vec::new();
+        for mode in &found {
+            let is_near = |value: &Complex64, part: f64| (value - mode.value).norm() <= part * mode.value.norm();
+            if let Some(index) = known.iter().position(|value| is_near(value, SAME)) {
+                accurate.push(known.swap_remove(index));
+                continue;
+            }
+            let (error, size) = space.error(mode)?;
+            if size <= ACCURATE || previous.iter().any(|value| is_near(value, UNCHANGED)) {
+                accurate.push(mode.value);
+                continue;
+            }
+            directions.push(error.map(|value| value.re));
+            if mode.value.im != 0.0 {
+                directions.push(error.map(|value| value.im));
+            }
+        }
+        if directions.is_empty() {
+            return Ok(Some(eigenpairs(space, &found, count, problem)));
+        }
+        previous = found.iter().map(|mode| mode.value).collect();
+        space.add(&directions)?;
+        found = space.eigenpairs(true)?;
+    }
+    Ok(None)
+}
+
+/// Rigid-body modes, and the found ones with φᴴMφ = 1, in ascending order.
+fn eigenpairs(
+    space: &Galerkin<'_, '_>,
+    found: &[Approximation],
+    count: usize,
+    problem: &Problem<'_>,
+) -> Vec<Eigenpair> {
+    let rigid = problem.null.column_iter().map(|column| (Complex64::ZERO, column.map(Complex::from)));
+    let elastic = found.iter().map(|mode| {
+        let shape = space.shape(mode);
+        let size = problem.model.complex_kinetic_form(&shape).sqrt();
+        (mode.value, shape.unscale(size))
+    });
+    let mut all: Vec<Eigenpair> = rigid.chain(elastic).collect();
+    all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
+    all.truncate(count);
+    all
+}

@@ -1,0 +1,73 @@
+"""First contact: import, names, help."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import subprocess
+import sys
+
+import pytest
+
+import gearbow as gb
+
+
+def run(code: str) -> str:
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return ended.stdout
+
+
+#: Modules that only some functions need. The import takes as long as its modules.
+HEAVY = {
+    "tqdm",
+    "matplotlib",
+    "scipy",
+    "pandas",
+    "xarray",
+    "h5py",
+    "pint",
+    "ross",
+    "dask",
+    "argparse",
+}
+HEAVY |= {"zipfile", "tomllib", "tomli", "html", "fractions", "decimal", "statistics", "difflib"}
+HEAVY |= {"email", "importlib.metadata", "multiprocessing", "asyncio", "sqlite3", "random"}
+
+
+def test_the_import_is_small():
+    code = "import json, sys, numpy; before = set(sys.modules); import gearbow"
+    added = set(json.loads(run(f"{code}; print(json.dumps(sorted(set(sys.modules) - before)))")))
+    assert added & HEAVY == set()
+    assert {name.split(".")[1] for name in added if name.startswith("gearbow.")} & {
+        "plotting",
+        "study",
+        "cli",
+    } == set()
+    assert added & {"hashlib", "gearbow.sweeps.run", "gearbow.tradeoff.study"} == set()
+    # of the standard library and of gearbow itself
+    assert len(added) < 160
+
+
+def test_completion_shows_the_public_names_only():
+    assert set(dir(gb)) == set(gb.__all__)
+    assert gb.__all__ == sorted(
+        gb.__all__, key=lambda name: (not name.isupper(), not name[0].isupper(), name)
+    )
+
+
+def test_the_description_of_the_package_fits_on_a_screen():
+    text = inspect.getdoc(gb)
+    assert text.count("\n") < 40
+    assert ">>>" in text
+    assert all(len(line) <= 100 for line in text.splitlines())
+
+
+@pytest.mark.parametrize("name", [name for name in gb.__all__ if callable(getattr(gb, name))])
+def test_a_docstring_begins_with_one_sentence_and_has_an_example(name: str):
+    text = inspect.getdoc(getattr(gb, name))
+    first, *_ = text.split("\n\n")
+    assert first.endswith(".")
+    assert "\n" not in first
+    one = getattr(gb, name)
+    if not (inspect.isclass(one) and issubclass(one, Exception)):
+        assert ">>>" in text

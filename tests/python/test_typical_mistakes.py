@@ -1,0 +1,316 @@
+"""Typical mistakes of new users: every message says where, what, and how to correct it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import gearbow as gb
+from test_file_failures import python
+
+
+def parts(**changes: Any) -> dict[str, Any]:
+    """Give the parts of a pair of shafts, some of them replaced."""
+    names = ("input", "output")
+    scene: dict[str, Any] = {
+        "shafts": [gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=4) for name in names],
+        "gears": [
+            gb.Gear("pinion", "input", 0.25, teeth=25, module=3e-3, face_width=0.03),
+            gb.Gear("wheel", "output", 0.25, teeth=50, module=3e-3, face_width=0.03),
+        ],
+        "meshes": [gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.05)],
+        "bearings": [
+            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in names for x in (0.0, 0.5)
+        ],
+        "torques": [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")],
+    }
+    return {**scene, **changes}
+
+
+def system(**changes: Any) -> gb.RotorSystem:
+    return gb.RotorSystem(**parts(**changes))
+
+
+def with_shaft(**changes: Any) -> gb.RotorSystem:
+    first, second = parts()["shafts"]
+    return system(shafts=[replace(first, **changes), second])
+
+
+def with_gears(**changes: Any) -> gb.RotorSystem:
+    return system(gears=[replace(gear, **changes) for gear in parts()["gears"]])
+
+
+def with_wheel(**changes: Any) -> gb.RotorSystem:
+    pinion, wheel = parts()["gears"]
+    return system(gears=[pinion, replace(wheel, **changes)])
+
+
+def run(duration: float = 1e-3, speed: Any = 100.0, **options: Any) -> gb.Response:
+    return system().simulate(duration, speed, **options)
+
+
+#: What the user does; where the message points; the value it shows; the remedy it names.
+MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
+    "a length in millimetres": (
+        lambda: with_shaft(length=500, outer_diameter=50),
+        "shafts[0].length: ",
+        "500 m",
+        "is it in millimetres?",
+    ),
+    "a module in millimetres": (
+        lambda: with_gears(module=3),
+        "gears[0].module: ",
+        "3 m",
+        "is it in millimetres?",
+    ),
+    "a position in millimetres": (
+        lambda: system(bearings=[gb.Bearing("input", 250, stiffness=1e8)]),
+        "bearings[0].position: ",
+        "250 m is outside",
+        "positions begin with 0 at its left end; is it in millimetres?",
+    ),
+    "a speed in rpm": (lambda: run(speed=15000), "speed: ", "15000 rad/s", "is the speed in rpm?"),
+    "an angle in degrees": (
+        lambda: with_gears(pressure_angle=20),
+        "gears[0].pressure_angle: ",
+        "got 20",
+        "is it in degrees?",
+    ),
+    "a phase in degrees": (
+        lambda: with_shaft(bow=gb.Bow.half_sine(1e-4, phase=90)),
+        "shafts[0].bow.phase: ",
+        "90 rad",
+        "is it in degrees?",
+    ),
+    "a stiffness in N/mm": (
+        lambda: system(bearings=[replace(b, stiffness=1e5) for b in parts()["bearings"]]),
+        "bearings[0].stiffness: ",
+        "100000 N/m",
+        "is it in N/mm?",
+    ),
+    "a misspelt shaft": (
+        lambda: with_wheel(shaft="outptu"),
+        "gears[1].shaft: ",
+        '"outptu"',
+        'did you mean "output"?',
+    ),
+    "a misspelt gear": (
+        lambda: system(meshes=[gb.Mesh("pinoin", "wheel", stiffness=2e8)]),
+        "meshes[0].driver: ",
+        '"pinoin"',
+        'did you mean "pinion"?',
+    ),
+    "a misspelt keyword of a part": (
+        lambda: gb.Shaft("input", lenght=0.5, outer_diameter=0.05),  # type: ignore[call-arg]
+        "Shaft: ",
+        "lenght=0.5",
+        'did you mean "length"?',
+    ),
+    "a misspelt keyword of the system": (
+        lambda: gb.RotorSystem([], bearing=[]),  # type: ignore[call-arg]
+        "RotorSystem: ",
+        "bearing=[]",
+        'did you mean "bearings"?',
+    ),
+    "a list in place of a number": (
+        lambda: with_shaft(length=[0.5]),
+        "shafts[0].length: ",
+        "got [0.5]",
+        "write 0.5 without brackets",
+    ),
+    "a number as text": (
+        lambda: with_shaft(length="0.5"),
+        "shafts[0].length: ",
+        "got '0.5'",
+        "write 0.5 without quotes [m]",
+    ),
+    "a number with a unit as text": (
+        lambda: with_shaft(length="500 mm"),
+        "shafts[0].length: ",
+        "got '500 mm'",
+        "write 0.5 without quotes [m], or gb.mm(500)",
+    ),
+    "one part in place of a list": (
+        lambda: system(shafts=parts()["shafts"][0]),
+        "shafts: ",
+        "got Shaft(name='input'",
+        "put it in brackets",
+    ),
+    "no balancing torque": (
+        lambda: system(torques=[gb.Torque("pinion", 250.0)]).static(),
+        "torques: ",
+        "250 N m",
+        "add gb.Torque.balance(at) where the load acts",
+    ),
+    "both gears on one shaft": (
+        lambda: with_wheel(shaft="input", position=0.4),
+        "meshes[0]: ",
+        '"pinion" and "wheel" sit on the same shaft, "input"',
+        "change the shaft of one gear",
+    ),
+    "driver and driven gear exchanged": (
+        lambda: run().mesh("wheel", "pinion"),
+        "'pinion' drives 'wheel'",
+        "'pinion' drives 'wheel'",
+        "ask for ('pinion', 'wheel')",
+    ),
+    "gears of different modules": (
+        lambda: with_wheel(module=4e-3),
+        "meshes[0]: ",
+        '"pinion" has module 0.003 m, "wheel" 0.004 m',
+        "give both the same module",
+    ),
+    "a negative length": (
+        lambda: with_shaft(length=-0.5),
+        "shafts[0].length: ",
+        "got -0.5",
+        "must be positive",
+    ),
+    "a position outside the shaft": (
+        lambda: with_wheel(position=0.7),
+        "gears[1].position: ",
+        '0.7 m is outside the shaft "output", which is 0.5 m long',
+        "positions begin with 0 at its left end",
+    ),
+    "a shaft without a bearing": (
+        lambda: system(bearings=parts()["bearings"][:2]).static(),
+        "shafts[1]: ",
+        '"output" is unconstrained: no bearing holds it',
+        'add gb.Bearing("output", position, stiffness=...)',
+    ),
+    "a speed that ends before the run": (
+        lambda: run(2e-3, ([0.0, 1e-3], [100.0, 110.0])),
+        "speed: ",
+        "the last time is 0.001 s, but the run ends at 0.002 s",
+        "Give times up to the end of the run",
+    ),
+    "a misspelt recorded name": (
+        lambda: run(record=["pinoin"]),
+        "record[0]: ",
+        '"pinoin"',
+        'did you mean "pinion"?',
+    ),
+    "a recorded position between nodes": (
+        lambda: run(record=[("input", 0.12)]),
+        "record[0]: ",
+        'shaft "input" has no node at 0.12 m',
+        "the nearest is at 0.125 m",
+    ),
+    "a signal that was not recorded": (
+        lambda: run(record=["pinion"]).displacement("wheel"),
+        "the motion of 'wheel' was not recorded",
+        "recorded: 'pinion'",
+        "give record=['wheel', ...] to simulate",
+    ),
+    "two parts of one name": (
+        lambda: with_gears(name="gear"),
+        "gears[1].name: ",
+        'gears[0] has the name "gear" too',
+        "names must be unique",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_message_says_where_what_and_how_to_correct_it(mistake: str):
+    make, where, value, remedy = MISTAKES[mistake]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            make()
+        except (gb.GearbowError, TypeError) as error:
+            messages = [str(error)]
+        else:
+            messages = [str(warning.message) for warning in caught]
+    (text,) = [message for message in messages if message.startswith(where)][:1] or messages[:1]
+    assert text.startswith(where)
+    assert value in text
+    assert remedy in text
+    assert "\n" not in text
+
+
+SHAFT = """
+[[shafts]]
+name = "input"
+length = 0.5
+outer_diameter = 0.05
+elements = 4
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("length", "lenght", ("shafts[0].lenght: ", "lenght = 0.5", 'did you mean "length"?')),
+        ("[[shafts]]", "[[shaft]]", ("shaft: ", "[[shaft]]", 'did you mean "shafts"?')),
+        ("[[shafts]]", "[shafts]", ("shafts: ", "[shafts]", "two brackets")),
+        ("0.5", '"0.5"', ("shafts[0].length: ", "'0.5'", "without quotes [m]")),
+        ("0.5", '"500"', ("shafts[0].length: ", "'500'", 'such as "500 m"')),
+        ("= 4", '= "4"', ("shafts[0].elements: ", 'elements = "4"', "a number without quotes")),
+        ("0.5", '"500 mN"', ("shafts[0].length: ", "'500 mN'", "a unit that converts to m")),
+        ("0.5", "-0.5", ("shafts[0].length: ", "got -0.5", "must be positive")),
+    ],
+)
+def test_a_message_about_a_file(tmp_path: Path, old, new, expected):
+    where, value, remedy = expected
+    path = tmp_path / "scene.toml"
+    assert old in SHAFT
+    path.write_text(SHAFT.replace(old, new, 1))
+    with pytest.raises(gb.SceneError) as caught:
+        gb.RotorSystem.load(path)
+    text = str(caught.value)
+    assert text.startswith(where)
+    assert value in text
+    assert remedy in text
+
+
+def test_a_missing_extra():
+    code = (
+        "import sys\n"
+        "sys.modules['matplotlib'] = None\n"
+        "import gearbow as gb\n"
+        "shaft = gb.Shaft('a', length=1.0, outer_diameter=0.05, elements=2)\n"
+        "bearings = [gb.Bearing('a', x, stiffness=1e8) for x in (0.0, 1.0)]\n"
+        "try:\n"
+        "    gb.RotorSystem([shaft], bearings=bearings).modes().plot()\n"
+        "except gb.MissingExtraError as error:\n"
+        "    print(error)\n"
+    )
+    ended = python(code)
+    assert (
+        ended.stdout
+        == 'matplotlib: is not installed; install it with: pip install "gearbow[plot]"\n'
+    ), ended.stderr
+
+
+def test_a_keyword_keeps_its_place_in_signatures_and_copies():
+    import copy
+    import inspect
+    import pickle
+
+    assert list(inspect.signature(gb.Torque).parameters) == ["at", "value"]
+    assert "shafts" in inspect.signature(gb.RotorSystem).parameters
+    shaft = gb.Shaft("input", length=0.5, outer_diameter=0.05)
+    assert pickle.loads(pickle.dumps(shaft)) == copy.deepcopy(shaft) == shaft
+
+    class Own(gb.RotorSystem):
+        def __init__(self, *args, label, **options):
+            super().__init__(*args, **options)
+            self.label = label
+
+    assert Own([shaft], label="mine", gravity=9.81).gravity == 9.81
+
+
+def test_the_warning_of_a_speed_points_to_the_line_of_the_user():
+    with pytest.warns(gb.SceneWarning, match="the last time is") as caught:
+        run(2e-3, ([0.0, 1e-3], [100.0, 110.0]))
+    assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run(2e-3, gb.SpeedProfile.table([0.0, 1e-3], [100.0, 110.0]))
+        run(2e-3, ([0.0, 2e-3], [100.0, 110.0]))
