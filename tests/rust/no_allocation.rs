@@ -259,7 +259,7 @@ fn exponential(
         let mut onlooker = Onlooker { end, next: state.elapsed, seen: 0.0 };
         let info = measure(|| {
             let method = (&mut stepper, &mut output);
-            exponential::run(method, control, &mut state, end, &mut onlooker, &mut statistics).unwrap();
+            exponential::run(method, control.clone(), &mut state, end, &mut onlooker, &mut statistics).unwrap();
         });
         (info, statistics)
     };
