@@ -49,8 +49,8 @@ FAULTS: list[Fault] = [
         "results/static.py",
         "static_answers",
         (
-            "self.state[self.coordinates.lateral(name)]",
-            "self.state[self.coordinates.lateral(name)][::-1]",
+            "self.coordinates.displacement(self.state, name)",
+            "self.coordinates.displacement(self.state, name)[::-1]",
         ),
         (
             "float(self.state[self.coordinates.twist(name)])",
