@@ -386,8 +386,7 @@ impl GearMesh {
     pub fn state(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<MeshState, Overlap> {
         let contact = self.contact(pose, contact_mode)?;
         let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.phases, &pose.position))?;
-        let (first, last) =
-            self.engagement(pose, !contact_mode.flank.drives() && contact_mode.flank.holds_back())?.engaged();
+        let (first, last) = self.engagement(pose, contact_mode.flank == Flank::Back)?.engaged();
         let count = if contact_mode.flank == Flank::Separated { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(self.normal_to_teeth(MeshState {
             deflection: contact.deflection,

@@ -47,7 +47,7 @@ def results() -> dict:
         "tradeoff": STUDY,
         "steady": system.steady_state(100.0, geometry="frozen"),
         "branch": jeffcott(damping=4e3).continuation(
-            "bow", 0.5, 1.0, speed=100.0, record=["disk"], max_points=4
+            "speed", 50.0, 55.0, record=["disk"], max_points=4
         ),
     }
 

@@ -123,8 +123,10 @@ assert np.array_equal(system.modes(100.0).eigenvalues, expected)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
 def test_matrices_that_do_not_fit_are_an_error():
-    # 9,000 elements: 2.6 GB of memory are available, the matrices need 62 GB
-    calls = "\n".join(f"check({name!r}, lambda: {call})" for name, call in CALLS.items())
+    # 9,000 elements: 2.6 GB of memory are available, the matrices need 62 GB. A Campbell diagram of
+    # a few modes has band matrices only.
+    refused = {name: call for name, call in CALLS.items() if name != "campbell"}
+    calls = "\n".join(f"check({name!r}, lambda: {call})" for name, call in refused.items())
     program = f"""{LARGE}
 import resource
 system = large(9000, modal_damping=0.01)
@@ -142,7 +144,7 @@ def check(name, call):
 {calls}
 """
     lines = child(program).splitlines()
-    assert [line.split()[0] for line in lines] == list(CALLS)
+    assert [line.split()[0] for line in lines] == list(refused)
 
 
 def test_the_response_of_a_large_system_needs_no_dense_matrix():

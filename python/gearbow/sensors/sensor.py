@@ -4,13 +4,14 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.recording.recording import Recording
 
 __all__ = ["Sensor", "SignalSensor", "degrees_text"]
 
 
-class Sensor(ABC):
+class Sensor(Shown, ABC):
     """A sensor, which measures a recorded motion."""
 
     @abstractmethod
