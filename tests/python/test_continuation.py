@@ -48,6 +48,22 @@ class Duffing:
         return None, np.inf
 
 
+def test_a_branch_ends_at_the_bound_of_the_interval():
+    rotor = gb.Shaft(
+        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    middle = ("rotor", 0.5)
+    for start, stop in ((1.0, 2.0), (2.0, 1.0)):
+        branch = system.continuation("bow", start, stop, speed=100.0, record=[middle])
+        assert branch.values[[0, -1]].tolist() == [start, stop]
+        assert branch.message == ""
+        # the response to a bow is proportional to it
+        amplitude = branch.amplitude(middle)
+        np.testing.assert_allclose(amplitude, amplitude[0] * branch.values / start, rtol=1e-7)
+
+
 def test_the_folds_of_duffings_equation():
     points = list(
         branch(Duffing(), np.array([0.28, 0.0]), Settings(0.6, 1.4, step=0.05, largest=0.1))
@@ -55,7 +71,7 @@ def test_the_folds_of_duffings_equation():
     folds = [point.value for point in points if point.kind == "fold"]
     # 15 odd harmonics give 1.269602 and 1.115700; the fixed steps have an error of 1e-6.
     assert folds == pytest.approx([1.269602, 1.115700], abs=3e-6)
-    assert points[-1].value > 1.4
+    assert points[-1].value == 1.4
     # between the folds the motion is unstable by a multiplier beyond +1
     at = [i for i, point in enumerate(points) if point.kind == "fold"]
     for i, point in enumerate(points):

@@ -201,12 +201,15 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
     step = settings.step
     for _ in range(settings.max_points):
         found, step = follower.advance(last, step)
+        low, high = sorted((settings.start, settings.stop))
+        ends = not low <= found.value <= high
+        if ends:
+            found = follower.ended(last, found, low if found.value < low else high)
         for name in ("fold", "flip", "contact loss"):
             if critical(last, name) * critical(found, name) < 0.0:
                 yield follower.located(last, found, name)
         yield found
-        low, high = sorted((settings.start, settings.stop))
-        if not low <= found.value <= high:
+        if ends:
             return
         last = found
 
@@ -277,6 +280,17 @@ class _Follower:
         point = self.derived(state, value)
         self.complete(point, along)
         return point, count
+
+    def ended(self, last: BranchPoint, beyond: BranchPoint, value: float) -> BranchPoint:
+        """Give the point at a bound of the interval, between two points."""
+        part = (value - last.value) / (beyond.value - last.value)
+        along = np.zeros(last.state.size + 1)
+        along[-1] = 1.0
+        state = last.state + part * (beyond.state - last.state)
+        state, _, _ = self.corrected(beyond, state, value, along)
+        point = self.derived(state, value)
+        self.complete(point, last.tangent)
+        return point
 
     def corrected(
         self, base: BranchPoint, state: Array, value: float, along: Array

@@ -14,7 +14,6 @@ from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.recording import file
 from gearbow.recording.schema import each, number, record, row, text, whole
 from gearbow.results.response import Response
 from gearbow.results.steady import instability
@@ -100,6 +99,18 @@ class Continuation(Shown):
         Values at the located points of each kind.
     message : str
         Why the branch ended before the end of the interval; "" if it did not.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(1e-4)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2, bow=bow)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> branch = system.continuation("bow", 1.0, 2.0, speed=100.0, record=[("rotor", 0.5)])
+    >>> amplitude = branch.amplitude(("rotor", 0.5))
+    >>> print(f"{amplitude[-1] / amplitude[0]:.3f}", branch.stable.all())
+    2.000 True
     """
 
     def __init__(self, signals: Response, data: BranchData) -> None:
@@ -238,6 +249,8 @@ class Continuation(Shown):
         path : str or path-like
             The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         file.save(self._signals.to_record(), path, branch=vars(self._data))
 
     @classmethod
@@ -259,6 +272,8 @@ class Continuation(Shown):
         GearbowError
             If the file is damaged or has another content.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         run, about = file.read(path)
         if "branch" not in about:
             raise GearbowError(f"{path}: is not a continuation")

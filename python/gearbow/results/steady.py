@@ -10,7 +10,6 @@ from gearbow._core import Model, multipliers
 from gearbow._shown import Shown, Table
 from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
-from gearbow.recording import file
 from gearbow.recording.schema import each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
 
@@ -188,6 +187,8 @@ class SteadyState(Shown):
             "method": self.method,
             "multipliers": None if found is None else [[z.real, z.imag] for z in found.tolist()],
         }
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         file.save(self.response.to_record(), path, steady=steady)
 
     @classmethod
@@ -209,6 +210,8 @@ class SteadyState(Shown):
         GearbowError
             If the file is damaged or has another content.
         """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
         run, about = file.read(path)
         if "steady" not in about:
             raise GearbowError(f"{path}: is a response, not a steady state; use Response.load")

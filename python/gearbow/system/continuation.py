@@ -60,8 +60,8 @@ class ContinuationAnalyses(SteadyAnalyses):
             Speed of the reference shaft [rad/s], factor of all constant torques, factor of all
             bows, or backlash of all meshes that have one [m].
         start, stop : float
-            Interval of the parameter. The branch begins at `start`, and ends where it leaves the
-            interval.
+            Interval of the parameter. The branch begins at `start` and ends where it leaves the
+            interval, at `stop` or, after a fold, at `start`.
         speed : float, optional
             Speed of the reference shaft [rad/s], if it is not the parameter.
         periods : int
@@ -159,8 +159,8 @@ def _followed(
         if not points:
             raise
         message = str(error)
-    low, high = sorted((settings.start, settings.stop))
-    if not message and low <= points[-1].value <= high:
+    ended = len(points) > 1 and points[-1].value in (settings.start, settings.stop)
+    if not message and not ended:
         message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
     return motion.result(points, message)
 
