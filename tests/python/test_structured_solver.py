@@ -186,8 +186,10 @@ def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
     for gear, value in zip(places, values, strict=True):
         load[dofs[gear.shaft, gear.position, "twist"]] += value
     modes = system.modes()
-    rigid = modes.shapes[modes.frequencies_hz == 0.0].real.T
-    constrained = matrices.mass @ rigid * 2 * np.pi * modes.frequencies_hz[rigid.shape[1]]
+    # overdamped modes have no frequency either
+    is_rigid = modes.eigenvalues == 0.0
+    rigid = modes.shapes[is_rigid].real.T
+    constrained = matrices.mass @ rigid * np.abs(modes.eigenvalues[~is_rigid]).min()
     return np.linalg.solve(matrices.stiffness + constrained @ constrained.T, load)
 
 
