@@ -2,7 +2,7 @@
 //!
 //! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
 //! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, and `halt` the reasons to
-//! stop. A step allocates no memory. `state` also holds what the exponential method keeps between steps.
+//! stop. A step allocates no memory. `state` is the state between steps of every method.
 
 mod controller;
 mod driver;

@@ -2,11 +2,12 @@
 //!
 //! The matrix of modal damping, 2ζ M √(M⁻¹K), is full, but diagonal in undamped modes. The space of [`super::galerkin`] has
 //! the undamped modes up to a frequency ω_m, several times the highest wanted frequency ω, and the responses to forces of the
-//! dampers. On all other motions K + |λ|²M is larger than every other form, so that they have no eigenvalue of low frequency
-//! and change those of the space by about (ω/ω_m)⁴. [`super::contour`] counts the eigenvalues without modal damping to check
-//! that the space misses none.
+//! dampers. In all other motions the elastic and inertial forces, K + |λ|²M, exceed the damping and gyroscopic forces.
+//! These motions therefore have no eigenvalue of low frequency, and they change the eigenvalues of the space by a relative
+//! amount of about (ω/ω_m)⁴. To check that the space misses no mode, [`super::contour`] counts the eigenvalues of the
+//! problem without modal damping.
 //!
-//! Refinement adds the error of each wanted mode to the space, which falls each time by about ζω/ω_m.
+//! Each refinement adds the errors of the wanted modes to the space, and multiplies them by about ζω/ω_m.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;

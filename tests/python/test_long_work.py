@@ -123,8 +123,8 @@ assert np.array_equal(system.modes(100.0).eigenvalues, expected)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
 def test_matrices_that_do_not_fit_are_an_error():
-    # 9,000 elements: 2.6 GB of memory are available, the matrices need 62 GB. A Campbell diagram of
-    # a few modes has band matrices only.
+    # 9,000 elements: 2.6 GB of memory are available, the matrices need 62 GB. The Campbell
+    # diagram computes a few modes, for which band matrices are enough.
     refused = {name: call for name, call in CALLS.items() if name != "campbell"}
     calls = "\n".join(f"check({name!r}, lambda: {call})" for name, call in refused.items())
     program = f"""{LARGE}

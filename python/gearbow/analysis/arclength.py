@@ -199,9 +199,9 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
     last = follower.first(state)
     yield last
     step = settings.step
+    low, high = sorted((settings.start, settings.stop))
     for _ in range(settings.max_points):
         found, step = follower.advance(last, step)
-        low, high = sorted((settings.start, settings.stop))
         ends = not low <= found.value <= high
         if ends:
             found = follower.ended(last, found, low if found.value < low else high)

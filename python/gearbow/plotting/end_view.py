@@ -96,7 +96,7 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     shades : mapping of {str: str}
         Colour of each shaft.
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
     """
     labels = Labels(panel, point)
     for body in circles(train):

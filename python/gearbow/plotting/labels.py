@@ -39,7 +39,7 @@ class Labels:
     panel : matplotlib.axes.Axes
         The panel.
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
     """
 
     def __init__(self, panel: Axes, point: float) -> None:

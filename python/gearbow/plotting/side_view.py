@@ -71,7 +71,7 @@ class SideView:
         panel : matplotlib.axes.Axes
             The panel.
         point : float
-            Length of a point of the page in the data [m].
+            Size of a printed point, 1/72 in, in the units of the axes [m].
         """
         labels = Labels(panel, point)
         labels.avoid(*self.boxes)

@@ -53,7 +53,7 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
     x, y : float
         Position and lower edge of the shaft [m].
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
 
     Returns
     -------
@@ -94,7 +94,7 @@ def ground(panel: Axes, x: float, y: float, point: float) -> Box:
     x, y : float
         Middle of its upper edge [m].
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
 
     Returns
     -------
@@ -121,7 +121,7 @@ def support(panel: Axes, x: float, y: float, point: float) -> Box:
     x, y : float
         Middle of its upper edge [m].
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
 
     Returns
     -------
@@ -153,7 +153,7 @@ def coupling(panel: Axes, x: float, y: float, radius: float, point: float) -> Bo
     radius : float
         Radius of the larger shaft [m].
     point : float
-        Length of a point of the page in the data [m].
+        Size of a printed point, 1/72 in, in the units of the axes [m].
 
     Returns
     -------

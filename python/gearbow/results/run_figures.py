@@ -133,7 +133,7 @@ class RunFigures(SignalResponse):
             begin = self.time[-1] - (2.0 * math.pi / slowest if slowest > 0.0 else math.inf)
         else:
             return 0
-        # Round-off of the times must not move the begin to the next one.
+        # Round-off of the times must not exclude the first instant after the transient.
         return int(np.searchsorted(self.time, begin - 1e-9 * abs(begin)))
 
     def _chosen(self, names: At | Sequence[At] | None) -> list[At]:

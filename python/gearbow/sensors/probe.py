@@ -33,7 +33,7 @@ class Probe(SignalSensor):
     position : float
         Position along the shaft [m]. The motion there must be recorded.
     angle : float
-        Angle from y towards z at which the probe stands [rad].
+        Angular position of the probe about the shaft, from y towards z [rad].
     run_out : complex, callable or tuple of (array_like, array_like), optional
         Deviation of the surface from a circle about the axis of the shaft [m], positive outwards,
         over the angle in the shaft [rad]; electrical run-out included. A complex number is an

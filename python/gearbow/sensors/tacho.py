@@ -36,7 +36,7 @@ class Tacho(Sensor):
         Position along the shaft [m], where the twist and its rate must be recorded. None leaves the
         twist out: the pulses are those of the prescribed rotation.
     angle : float
-        Angle from y towards z at which the sensor stands [rad].
+        Angular position of the sensor about the shaft, from y towards z [rad].
 
     Raises
     ------

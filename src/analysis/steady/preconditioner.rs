@@ -30,7 +30,7 @@ enum Form {
 }
 
 impl Preconditioner {
-    /// Creates the preconditioner of a period, s.
+    /// Creates the preconditioner (I − e^{AT})⁻¹ for the period T = `period`, s.
     ///
     /// # Errors
     /// [`AnalysisError`] if a decomposition fails.
