@@ -1,8 +1,8 @@
 //! Steady-state response: the motion that repeats after the common period of the excitation.
 //!
-//! It is the fixed point of the [period map](super::simulate::PeriodMap) P. The correction (I − e^{AT})⁻¹(P(z) − z) of the linear motion is
-//! accelerated by the secants of the iteration, for affine maps the same as GMRES with this preconditioner. The rigid-body
-//! rotation is no unknown.
+//! It is the fixed point of the period map P, which integrates one period. The correction (I − e^{AT})⁻¹(P(z) − z) of
+//! the linear motion is accelerated by the secants of the iteration, for affine maps the same as GMRES with this
+//! preconditioner. The rigid-body rotation is no unknown.
 
 mod anderson;
 mod gmres;
