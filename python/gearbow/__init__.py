@@ -18,139 +18,112 @@ Examples
 74.6 Hz
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+import typing as _typing
+from importlib import import_module as _import_module
+from types import ModuleType as _ModuleType
 
-from gearbow._core import __version__
-from gearbow.analysis.balance import Balance
-from gearbow.description.bow import Bow
-from gearbow.description.couplings import Coupling, Drive, Force
-from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import FilmCoefficients, JournalBearing, JournalMotion
-from gearbow.description.kinematics import Order
-from gearbow.description.loads import Bearing, Torque
-from gearbow.description.rolling import RollingBearing, RollingCoefficients, RollingMotion
-from gearbow.description.shafts import STEEL, Material, Segment, Shaft
-from gearbow.description.speed import SpeedProfile
-from gearbow.description.speed_table import SpeedTable
-from gearbow.description.stiffness import Stiffness
-from gearbow.description.supports import Housing, Support
-from gearbow.description.teeth import TipRelief, TransmissionError
-from gearbow.description.time_series import TimeSeries
-from gearbow.errors import (
-    AccuracyWarning,
-    ChannelError,
-    CheckpointWarning,
-    ContactError,
-    ConvergenceError,
-    GearbowError,
-    MissingExtraError,
-    RunTimeWarning,
-    SceneError,
-    SceneWarning,
-    StabilityError,
+from gearbow._core import __version__ as __version__
+from gearbow.analysis.balance import Balance as Balance
+from gearbow.description.bow import Bow as Bow
+from gearbow.description.couplings import (
+    Coupling as Coupling,
+    Drive as Drive,
+    Force as Force,
 )
-from gearbow.orders.fit import Orders
-from gearbow.orders.spectrum import Spectrum
-from gearbow.orders.waterfall import Waterfall, waterfall
-from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.record import Event, MeshResponse
-from gearbow.results.campbell import Campbell, ExcitationLine, Intersection
-from gearbow.results.continuation import Continuation
-from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.discretisation import Discretisation
-from gearbow.results.matrices import Matrices, SparseMatrices
-from gearbow.results.modes import Modes
-from gearbow.results.peak import Peak
-from gearbow.results.response import Response
-from gearbow.results.static import Static
-from gearbow.results.steady import SteadyState
-from gearbow.results.synchronous import Synchronous
-from gearbow.sensors.accelerometer import Accelerometer
-from gearbow.sensors.probe import Probe
-from gearbow.sensors.tacho import Tacho
-from gearbow.system.rotor_system import RotorSystem
-from gearbow.tradeoff.result import Recommendation, Tradeoff
-from gearbow.tradeoff.trial import Trial
-from gearbow.units.values import degrees, mm, rpm
-
-__all__ = [
-    "STEEL",
-    "Accelerometer",
-    "AccuracyWarning",
-    "Balance",
-    "Bearing",
-    "Bow",
-    "Campbell",
-    "ChannelError",
-    "CheckpointWarning",
-    "ContactError",
-    "Continuation",
-    "ConvergenceError",
-    "Coupling",
-    "CriticalSpeedMap",
-    "Discretisation",
-    "Disk",
-    "Drive",
-    "EnergyBalance",
-    "Event",
-    "ExcitationLine",
-    "FilmCoefficients",
-    "Force",
-    "Gear",
-    "GearbowError",
-    "Housing",
-    "Intersection",
-    "JournalBearing",
-    "JournalMotion",
-    "Material",
-    "Matrices",
-    "Mesh",
-    "MeshResponse",
-    "MissingExtraError",
-    "Modes",
-    "Order",
-    "Orders",
-    "Peak",
-    "Probe",
-    "Recommendation",
-    "Response",
-    "RollingBearing",
-    "RollingCoefficients",
-    "RollingMotion",
-    "RotorSystem",
-    "RunTimeWarning",
-    "SceneError",
-    "SceneWarning",
-    "Segment",
-    "Shaft",
-    "SparseMatrices",
-    "Spectrum",
-    "SpeedProfile",
-    "SpeedTable",
-    "StabilityError",
-    "Static",
-    "SteadyState",
-    "Stiffness",
-    "Support",
-    "Sweep",
-    "SweepPoint",
-    "Synchronous",
-    "Tacho",
-    "TimeSeries",
-    "TipRelief",
-    "Torque",
-    "Tradeoff",
-    "TransmissionError",
-    "Trial",
-    "Waterfall",
-    "__version__",
-    "degrees",
-    "mm",
-    "rpm",
-    "sweep",
-    "waterfall",
-]
+from gearbow.description.gears import (
+    Disk as Disk,
+    Gear as Gear,
+    Mesh as Mesh,
+)
+from gearbow.description.journal import (
+    FilmCoefficients as FilmCoefficients,
+    JournalBearing as JournalBearing,
+    JournalMotion as JournalMotion,
+)
+from gearbow.description.kinematics import Order as Order
+from gearbow.description.loads import (
+    Bearing as Bearing,
+    Torque as Torque,
+)
+from gearbow.description.rolling import (
+    RollingBearing as RollingBearing,
+    RollingCoefficients as RollingCoefficients,
+    RollingMotion as RollingMotion,
+)
+from gearbow.description.shafts import (
+    STEEL as STEEL,
+    Material as Material,
+    Segment as Segment,
+    Shaft as Shaft,
+)
+from gearbow.description.speed import SpeedProfile as SpeedProfile
+from gearbow.description.speed_table import SpeedTable as SpeedTable
+from gearbow.description.stiffness import Stiffness as Stiffness
+from gearbow.description.supports import (
+    Housing as Housing,
+    Support as Support,
+)
+from gearbow.description.teeth import (
+    TipRelief as TipRelief,
+    TransmissionError as TransmissionError,
+)
+from gearbow.description.time_series import TimeSeries as TimeSeries
+from gearbow.errors import (
+    AccuracyWarning as AccuracyWarning,
+    ChannelError as ChannelError,
+    CheckpointWarning as CheckpointWarning,
+    ContactError as ContactError,
+    ConvergenceError as ConvergenceError,
+    GearbowError as GearbowError,
+    MissingExtraError as MissingExtraError,
+    RunTimeWarning as RunTimeWarning,
+    SceneError as SceneError,
+    SceneWarning as SceneWarning,
+    StabilityError as StabilityError,
+)
+from gearbow.orders.fit import Orders as Orders
+from gearbow.orders.spectrum import Spectrum as Spectrum
+from gearbow.orders.waterfall import (
+    Waterfall as Waterfall,
+    waterfall as waterfall,
+)
+from gearbow.recording.energy import EnergyBalance as EnergyBalance
+from gearbow.recording.record import (
+    Event as Event,
+    MeshResponse as MeshResponse,
+)
+from gearbow.results.campbell import (
+    Campbell as Campbell,
+    ExcitationLine as ExcitationLine,
+    Intersection as Intersection,
+)
+from gearbow.results.continuation import Continuation as Continuation
+from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
+from gearbow.results.discretisation import Discretisation as Discretisation
+from gearbow.results.matrices import (
+    Matrices as Matrices,
+    SparseMatrices as SparseMatrices,
+)
+from gearbow.results.modes import Modes as Modes
+from gearbow.results.peak import Peak as Peak
+from gearbow.results.response import Response as Response
+from gearbow.results.static import Static as Static
+from gearbow.results.steady import SteadyState as SteadyState
+from gearbow.results.synchronous import Synchronous as Synchronous
+from gearbow.sensors.accelerometer import Accelerometer as Accelerometer
+from gearbow.sensors.probe import Probe as Probe
+from gearbow.sensors.tacho import Tacho as Tacho
+from gearbow.system.rotor_system import RotorSystem as RotorSystem
+from gearbow.tradeoff.result import (
+    Recommendation as Recommendation,
+    Tradeoff as Tradeoff,
+)
+from gearbow.tradeoff.trial import Trial as Trial
+from gearbow.units.values import (
+    degrees as degrees,
+    mm as mm,
+    rpm as rpm,
+)
 
 #: Modules of the names that are imported at their first use, with the libraries of a sweep.
 _LAZY = {
@@ -159,17 +132,23 @@ _LAZY = {
     "sweep": "gearbow.sweeps.run",
 }
 
-if TYPE_CHECKING:
-    from gearbow.sweeps.result import Sweep, SweepPoint
-    from gearbow.sweeps.run import sweep
+if _typing.TYPE_CHECKING:
+    from gearbow.sweeps.result import Sweep as Sweep, SweepPoint as SweepPoint
+    from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         if name not in _LAZY:
             raise AttributeError(f"module 'gearbow' has no attribute {name!r}")
-        globals()[name] = getattr(import_module(_LAZY[name]), name)
+        globals()[name] = getattr(_import_module(_LAZY[name]), name)
         return globals()[name]
 
 
+# With `__all__` in its place, `help(gearbow)` would describe every class at full length.
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    own = {
+        name
+        for name, value in globals().items()
+        if not (name.startswith("_") or isinstance(value, _ModuleType))
+    }
+    return sorted(own | _LAZY.keys() | {"__version__"})

@@ -13,9 +13,7 @@ from programs.analyses import ANALYSES, SUBJECTS
 from programs.scenes import SCENES
 from programs.search import check, reference
 from programs.timing import once
-from summary import ANALYSES as SUMMARISED
-from summary import SCENES as SUMMARISED_SCENES
-from summary import fastest
+from summary import ANALYSES as SUMMARISED, SCENES as SUMMARISED_SCENES, fastest
 
 
 @pytest.mark.parametrize("name", ["modes", "synchronous", "static"])

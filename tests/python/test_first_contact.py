@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import pydoc
 import subprocess
 import sys
 
@@ -49,20 +50,27 @@ def test_the_import_is_small():
 
 
 def test_completion_shows_the_public_names_only():
-    assert set(dir(gb)) == set(gb.__all__)
-    assert gb.__all__ == sorted(
-        gb.__all__, key=lambda name: (not name.isupper(), not name[0].isupper(), name)
-    )
+    for name in dir(gb):
+        assert not inspect.ismodule(getattr(gb, name)), name
+        assert not name.startswith("_") or name == "__version__"
+    assert {"Any", "TYPE_CHECKING", "annotations"} & set(dir(gb)) == set()
 
 
-def test_the_description_of_the_package_fits_on_a_screen():
+def test_an_unknown_name_of_the_package_is_refused():
+    with pytest.raises(AttributeError, match="module 'gearbow' has no attribute 'Geer'"):
+        _ = gb.Geer
+
+
+def test_the_help_of_the_package_fits_on_a_screen():
     text = inspect.getdoc(gb)
     assert text.count("\n") < 40
     assert ">>>" in text
     assert all(len(line) <= 100 for line in text.splitlines())
+    # without the listing of every class
+    assert pydoc.plain(pydoc.render_doc(gb)).count("\n") <= 64
 
 
-@pytest.mark.parametrize("name", [name for name in gb.__all__ if callable(getattr(gb, name))])
+@pytest.mark.parametrize("name", [name for name in dir(gb) if callable(getattr(gb, name))])
 def test_a_docstring_begins_with_one_sentence_and_has_an_example(name: str):
     text = inspect.getdoc(getattr(gb, name))
     first, *_ = text.split("\n\n")

@@ -147,7 +147,7 @@ def objects() -> dict[str, object]:
 #: Names of the public classes whose objects users see.
 KINDS = sorted(
     name
-    for name in gb.__all__
+    for name in dir(gb)
     if inspect.isclass(getattr(gb, name)) and not issubclass(getattr(gb, name), Exception)
 )
 
