@@ -1,9 +1,10 @@
-"""Keyword arguments of classes: a misspelt one is refused with the most similar name."""
+"""Keyword arguments: a misspelt one is refused with the most similar name."""
 
 import inspect
-from collections.abc import Mapping
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, wraps
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gearbow._convert import shown
 from gearbow._lookup import nearest
@@ -11,7 +12,9 @@ from gearbow._lookup import nearest
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["CheckedKeywords"]
+__all__ = ["CheckedKeywords", "CheckedMethods", "checked"]
+
+_Call = TypeVar("_Call", bound=Callable[..., Any])
 
 
 class _Signature:
@@ -22,30 +25,70 @@ class _Signature:
         return signature.replace(parameters=list(signature.parameters.values())[1:])
 
 
-class CheckedKeywords:
+class CheckedMethods:
+    """Base of classes whose methods refuse an unknown keyword argument with a suggestion."""
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        for name, value in list(vars(cls).items()):
+            if name.startswith("_"):
+                continue
+            if isinstance(value, FunctionType):
+                setattr(cls, name, checked(value))
+            elif isinstance(value, classmethod | staticmethod):
+                setattr(cls, name, type(value)(checked(value.__func__)))
+
+
+class CheckedKeywords(CheckedMethods):
     """Base of classes that refuse an unknown keyword argument with a suggestion."""
 
     # Without it, the signature of `__new__` would hide that of `__init__`.
     __signature__: Any = _Signature()
 
     def __new__(cls, *_: Any, **given: Any) -> "Self":
-        _check(cls, given)
+        _check_class(cls, given)
         return super().__new__(cls)
 
 
-def _check(cls: type, given: Mapping[str, object]) -> None:
-    """Refuse a keyword argument that the class does not have.
+def checked(function: _Call) -> _Call:
+    """Let a function refuse an unknown keyword argument with a suggestion.
+
+    A function that takes any keyword, or none, or that is checked already, is returned itself.
+    """
+    code = function.__code__
+    first = code.co_posonlyargcount
+    names = code.co_varnames[first : code.co_argcount + code.co_kwonlyargcount]
+    names = tuple(name for name in names if name not in ("self", "cls"))
+    if not names or code.co_flags & inspect.CO_VARKEYWORDS:
+        return function
+
+    @wraps(function)
+    def call(*args: Any, **given: Any) -> Any:
+        if given:
+            _check(function.__name__, names, given)
+        return function(*args, **given)
+
+    return call  # type: ignore[return-value]  # it has the parameters of the function
+
+
+def _check(where: str, names: Iterable[str], given: Mapping[str, object]) -> None:
+    """Refuse a keyword argument that a class or a function does not have.
 
     It is a `TypeError`, as for every function of Python, whose own message has no suggestion.
     """
+    for name in given:
+        if name not in names:
+            raise TypeError(
+                f"{where}: has no parameter {name!r}, got {name}={shown(given[name])}"
+                f"{nearest(name, names) or '; its parameters are ' + ', '.join(names)}"
+            )
+
+
+def _check_class(cls: type, given: Mapping[str, object]) -> None:
+    """Refuse a keyword argument that the initialisation of a class does not have."""
     names = _parameters(cls)
-    unknown = [name for name in given if name not in names] if names else []
-    if unknown:
-        name = unknown[0]
-        raise TypeError(
-            f"{cls.__name__}: has no parameter {name!r}, got {name}={shown(given[name])}"
-            f"{nearest(name, names) or '; its parameters are ' + ', '.join(names)}"
-        )
+    if names:
+        _check(cls.__name__, names, given)
 
 
 @cache

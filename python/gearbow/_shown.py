@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from gearbow._keywords import CheckedMethods
+
 __all__ = ["MOST_ROWS", "Shown", "Table", "listed", "short", "span", "to_html"]
 
 #: Largest number of rows of a table, and of values in a list.
@@ -90,7 +92,7 @@ def to_html(title: str, rows: Table) -> str:
     return "\n".join([*lines, "</table>"])
 
 
-class Shown:
+class Shown(CheckedMethods):
     """Base of public objects with a short representation and a table in notebooks."""
 
     def __init_subclass__(cls, **given: Any) -> None:

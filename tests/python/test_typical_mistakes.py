@@ -117,6 +117,30 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "bearing=[]",
         'did you mean "bearings"?',
     ),
+    "a misspelt keyword of an analysis": (
+        lambda: system().simulate(0.1, sped=100.0),  # type: ignore[call-arg]
+        "simulate: ",
+        "sped=100.0",
+        'did you mean "speed"?',
+    ),
+    "a misspelt keyword of a figure": (
+        lambda: system().modes().plot(cuont=3),  # type: ignore[call-arg]
+        "plot: ",
+        "cuont=3",
+        'did you mean "count"?',
+    ),
+    "a misspelt keyword of a bow": (
+        lambda: gb.Bow.half_sine(1e-4, fase=0.5),  # type: ignore[call-arg]
+        "half_sine: ",
+        "fase=0.5",
+        'did you mean "phase"?',
+    ),
+    "a misspelt keyword of a sweep": (
+        lambda: gb.sweep(run, parameter={"speed": [100.0]}),  # type: ignore[call-arg]
+        "sweep: ",
+        "parameter={'speed': [100.0]}",
+        'did you mean "parameters"?',
+    ),
     "a list in place of a number": (
         lambda: with_shaft(length=[0.5]),
         "shafts[0].length: ",

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
@@ -96,6 +97,7 @@ class Waterfall(ReadOnly):
         )
 
 
+@checked
 def waterfall(
     responses: Sequence[Recording],
     of: Record | SignalSensor,

@@ -12,6 +12,7 @@ from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
 from gearbow.sensors.sensor import SignalSensor, degrees_text
+from gearbow.units.convert import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
 
@@ -71,6 +72,7 @@ class Probe(SignalSensor):
             object.__setattr__(self, name, number(getattr(self, name), f"probe.{name}"))
         if self.support is not None:
             text(self.support, "probe.support")
+        object.__setattr__(self, "run_out", _converted(self.run_out))
         self._run_out(np.zeros(1))
 
     @property
@@ -128,24 +130,36 @@ class Probe(SignalSensor):
                     f"{angles.size} angles, got {values.size}"
                 )
             return values
-        if isinstance(given, tuple | list):
-            if len(given) != 2:
-                raise SceneError(f"probe.run_out: must be (angles, values), got {len(given)} items")
-            known, values = (array(part, "probe.run_out") for part in given)
-            if known.shape != values.shape:
-                raise SceneError(
-                    f"probe.run_out: must have as many angles as values, got {known.size} and "
-                    f"{values.size}"
-                )
+        if isinstance(given, tuple):
+            known, values = (np.asarray(part, dtype=np.float64) for part in given)
             return np.interp(angles, known, values, period=2.0 * np.pi)
-        try:
-            amplitude = complex(given)
-        except (TypeError, ValueError):
-            amplitude = complex(np.nan)
-        if not np.isfinite(amplitude):
-            raise SceneError(
-                "probe.run_out: must be a finite complex number, a function or (angles, values), "
-                f"got {given!r}"
-            )
-        eccentric: Array = np.real(amplitude * np.exp(-1j * angles))
+        eccentric: Array = np.real(given * np.exp(-1j * angles))
         return eccentric
+
+
+def _converted(given: Any) -> RunOut | None:
+    """Convert a run-out: a function stays, and other forms become plain numbers."""
+    if given is None or callable(given):
+        return given  # type: ignore[no-any-return]  # one of the forms
+    if isinstance(given, tuple | list):
+        if len(given) != 2:
+            raise SceneError(f"probe.run_out: must be (angles, values), got {len(given)} items")
+        known = array(given[0], "probe.run_out.angle")
+        values = array(given[1], "probe.run_out")
+        if known.shape != values.shape:
+            raise SceneError(
+                f"probe.run_out: must have as many angles as values, got {known.size} and "
+                f"{values.size}"
+            )
+        return known, values
+    amplitude = magnitude(given, "probe.run_out") if is_quantity(given) else given
+    try:
+        amplitude = complex(amplitude)
+    except (TypeError, ValueError):
+        amplitude = complex(np.nan)
+    if not np.isfinite(amplitude):
+        raise SceneError(
+            "probe.run_out: must be a finite complex number, a function or (angles, values), "
+            f"got {given!r}"
+        )
+    return amplitude

@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import Any
 
 from gearbow._convert import shown
+from gearbow._keywords import checked
 from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress
@@ -22,6 +23,7 @@ from gearbow.sweeps.store import Store, head_of
 __all__ = ["sweep"]
 
 
+@checked
 def sweep(  # noqa: PLR0917  # the parameters of the public interface
     make: Callable[..., Any],
     parameters: Parameters,
