@@ -168,10 +168,10 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         let at = at.field(name);
         values.iter().flatten().enumerate().try_for_each(|(axis, value)| check(&at.index(axis), *value).map(drop))
     };
-    vector("inertia", given.inertia, EntryPath::positive)?;
-    vector("position", given.position, EntryPath::finite)?;
-    vector("rotational_stiffness", given.rotational_stiffness, EntryPath::non_negative)?;
-    vector("rotational_damping", given.rotational_damping, EntryPath::non_negative)?;
+    vector("inertia", given.inertia, |at, value| at.positive(value))?;
+    vector("position", given.position, |at, value| at.finite(value))?;
+    vector("rotational_stiffness", given.rotational_stiffness, |at, value| at.non_negative(value))?;
+    vector("rotational_damping", given.rotational_damping, |at, value| at.non_negative(value))?;
     for (name, values) in
         [("rotational_stiffness", given.rotational_stiffness), ("rotational_damping", given.rotational_damping)]
     {
@@ -182,8 +182,9 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         }
     }
     let centre = given.position.unwrap_or_default();
+    let points = at.field("points");
     let point = |(name, place): (&String, &[f64; 3])| {
-        let at = at.field("points").field(name);
+        let at = points.field(name);
         place.iter().enumerate().try_for_each(|(axis, value)| at.index(axis).finite(*value).map(drop))?;
         Ok((name.clone(), std::array::from_fn(|axis| place[axis] - centre[axis])))
     };
