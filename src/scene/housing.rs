@@ -22,6 +22,8 @@ pub struct Housing {
     pub stiffness: Matrix2,
     /// Damping to the ground over (y, z), N s/m.
     pub damping: Matrix2,
+    /// Stiffness, N/m, and damping, N s/m, to the ground along the axis; `None` if it does not move along the axis.
+    pub axial: Option<[f64; 2]>,
     /// Stiffness to the ground about x, y and z, N m/rad.
     pub rotational_stiffness: [f64; 3],
     /// Damping to the ground about x, y and z, N m s/rad.
@@ -157,6 +159,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         centre: [0.0; 3],
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: [0.0; 3],
         rotational_damping: [0.0; 3],
         points: Vec::new(),
@@ -195,10 +198,24 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         centre,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
         rotational_damping: given.rotational_damping.unwrap_or_default(),
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
     })
+}
+
+/// Stiffness and damping along the axis; `None` without a stiffness.
+fn axial([stiffness, damping]: [Option<f64>; 2], at: &EntryPath) -> Result<Option<[f64; 2]>, SceneError> {
+    let at_damping = at.field("axial_damping");
+    let damping = at_damping.non_negative(damping.unwrap_or(0.0))?;
+    match stiffness {
+        Some(stiffness) => Ok(Some([at.field("axial_stiffness").non_negative(stiffness)?, damping])),
+        None if damping > 0.0 => {
+            Err(at_damping.error("acts on axial motion, which needs axial_stiffness; give one, 0 for no spring"))
+        }
+        None => Ok(None),
+    }
 }
 
 fn mass(given: f64, at: &EntryPath) -> Result<f64, SceneError> {
