@@ -144,6 +144,8 @@ class _Optional(_Paused, total=False):
     twist_rate: Array
     acceleration: Array
     axial: Array
+    axial_velocity: Array
+    axial_acceleration: Array
     axial_bearing_force: Array
     bearing_displacement: Array
 

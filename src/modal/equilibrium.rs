@@ -194,8 +194,8 @@ fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed:
 /// The error for a load that moves a housing: its mount does not constrain it.
 fn unmounted(name: &str, motion: DofKind) -> SceneError {
     let entry = match motion {
-        // A housing has no axial motion.
-        DofKind::Axial | DofKind::V | DofKind::W => "stiffness along y and z",
+        DofKind::Axial => "positive axial_stiffness",
+        DofKind::V | DofKind::W => "stiffness along y and z",
         DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
     };
     SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))

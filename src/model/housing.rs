@@ -28,6 +28,9 @@ impl HousingInertia {
             if let Some([x, y, z]) = housing.inertia {
                 own[2..5].copy_from_slice(&[z, y, x]);
             }
+            if let Some(along) = numbering.displacement_along(node) {
+                inertia[along - start] = housing.mass;
+            }
         }
         Self { start, inertia }
     }
@@ -78,6 +81,25 @@ impl Model {
         let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
         Some(point_rows(housing, self.numbering.translation(node)?, arm))
     }
+
+    /// Displacement along the axis of a node of a shaft, or of a point of a housing at the distance `arm` (x, y, z) from its
+    /// centre of mass; empty if it does not move along the axis.
+    pub fn axial_row(&self, node: Node, arm: [f64; 3]) -> Row {
+        axial_row(&self.scene, &self.numbering, node, arm)
+    }
+}
+
+/// Displacement along the axis of a node of a shaft, u, or of the point of a housing at the distance `arm` (x, y, z) from its
+/// centre of mass, u + B z − Γ y, as entries over the coordinates. It is empty in a scene without axial motion.
+pub(super) fn axial_row(scene: &Scene, numbering: &Numbering, node: Node, [_, y, z]: [f64; 3]) -> Row {
+    let mut row: Row = numbering.displacement_along(node).map(|index| (index, 1.0)).into_iter().collect();
+    let housing = node.shaft.checked_sub(scene.shafts.len()).map(|index| &scene.housings[index]);
+    let rotates = scene.axial && housing.is_some_and(|housing| housing.inertia.is_some());
+    if let Some(first) = numbering.translation(node).filter(|_| rotates) {
+        // The coordinates are Γ and −B.
+        row.extend([(first + 2, -y), (first + 3, -z)]);
+    }
+    row
 }
 
 /// Displacements along y and z of the point of a housing at the distance `arm` (x, y, z) from its centre of mass, as

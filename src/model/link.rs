@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::housing::point_rows;
+use super::housing::{axial_row, point_rows};
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
 use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
@@ -166,7 +166,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     for (index, housing) in scene.housings.iter().enumerate() {
         let node = Node { shaft: scene.shafts.len() + index, node: 0 };
         if let Some(first) = numbering.translation(node) {
-            mounts(housing, first, &mut links);
+            mounts(housing, first, numbering.displacement_along(node), &mut links);
         }
     }
     for (number, coupling) in scene.couplings.iter().enumerate() {
@@ -193,26 +193,27 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     links
 }
 
-/// Springs and dampers of a bearing along the axis and against tilting. A support does not move along the axis and does not
-/// tilt; a housing that rotates does both at the place of the bearing.
+/// Springs and dampers of a bearing along the axis and against tilting, relative to what the bearing stands on: a support may
+/// move along the axis, and a housing that rotates moves along the axis at the place of the bearing and tilts.
 fn hold(scene: &Scene, numbering: &Numbering, (number, bearing): (usize, &Bearing), links: &mut Vec<Link>) {
     let name = format!("bearings[{number}]");
-    let base = bearing.attachment.as_ref().and_then(|Attachment { housing, arm }| {
-        let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
-        scene.housings[*housing].inertia.map(|_| (first, *arm))
+    let base = bearing.attachment.map(|Attachment { housing, arm }| {
+        (Node { shaft: scene.shafts.len() + housing, node: 0 }, arm, &scene.housings[housing])
     });
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
     if let Some(index) = numbering.displacement_along(bearing.node).filter(|_| bearing.axial != [0.0; 2]) {
         let mut row = vec![(index, 1.0)];
-        // The point of the housing moves by B z − Γ y along the axis.
-        row.extend(base.iter().flat_map(|(first, [_, y, z])| [(first + 2, *y), (first + 3, *z)]));
+        let under = base.map_or_else(Vec::new, |(node, arm, _)| axial_row(scene, numbering, node, arm));
+        row.extend(under.into_iter().map(|(index, coefficient)| (index, -coefficient)));
         let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
         let link = Link::new(name.clone(), vec![row], stiffness, damping);
         links.push(Link { thrust: Some(bearing.node), ..link });
     }
     if let Some(v) = numbering.translation(bearing.node).filter(|_| bearing.tilting != [0.0; 2]) {
         let row = |lane: usize| {
-            let base = base.iter().map(|(first, _)| (first + 2 + lane, -1.0));
+            let base = base.filter(|(.., housing)| housing.inertia.is_some());
+            let base = base.and_then(|(node, ..)| numbering.translation(node));
+            let base = base.map(|first| (first + 2 + lane, -1.0));
             std::iter::once((v + 2 + lane, 1.0)).chain(base).collect()
         };
         let [stiffness, damping] = bearing.tilting.map(isotropic);
@@ -265,8 +266,9 @@ fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut V
     }
 }
 
-/// Springs and dampers between a housing and the ground.
-fn mounts(housing: &Housing, first: usize, links: &mut Vec<Link>) {
+/// Springs and dampers between a housing and the ground. `first` is the index of v, `along` that of u.
+fn mounts(housing: &Housing, first: usize, along: Option<usize>, links: &mut Vec<Link>) {
+    let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
     let rows = vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]];
     let name = format!("the mount of \"{}\"", housing.name);
     links.push(Link::new(name.clone(), rows, housing.stiffness, housing.damping));
@@ -275,8 +277,10 @@ fn mounts(housing: &Housing, first: usize, links: &mut Vec<Link>) {
         // the rotation about y), Γ (about z) and θ (about x).
         for (axis, index) in [(0, first + 4), (1, first + 3), (2, first + 2)] {
             let (k, c) = (housing.rotational_stiffness[axis], housing.rotational_damping[axis]);
-            let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
             links.push(Link::new(name.clone(), vec![vec![(index, 1.0)]], single(k), single(c)));
         }
+    }
+    if let Some((index, [k, c])) = along.zip(housing.axial) {
+        links.push(Link::new(name, vec![vec![(index, 1.0)]], single(k), single(c)));
     }
 }

@@ -3,7 +3,7 @@
 //! Order of the core: for each shaft first bending, (v, w, Γ, −B) for each node, which is (u, φ) as complex numbers, then
 //! the internal coordinates of bending of each element, as complex numbers too; then torsion, θ for each node and the
 //! internal coordinates of the twist of each element; then axial motion, u in the same way. Last come supports and housings:
-//! v, w, and Γ, −B, θ if they rotate.
+//! v, w, and Γ, −B, θ if they rotate, and u if they move along the axis.
 //! User order: for each node u, v, w, B, Γ, θ; then for each element and
 //! each degree of its shape functions the same directions; then supports and housings. [`Numbering::dofs`] has this order.
 
@@ -119,7 +119,7 @@ impl Numbering {
             Block {
                 lateral: reserve(scene.lateral, if rotates { 4 } else { 2 }),
                 torsion: reserve(scene.lateral && rotates, 1),
-                axial: None,
+                axial: reserve(scene.axial && housing.axial.is_some(), 1),
             }
         }));
         let mut dofs = Vec::with_capacity(len);
@@ -252,6 +252,9 @@ fn push_node(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
 /// Appends the coordinates of a support or housing.
 fn push_housing(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
     let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: None, index, sign });
+    if let Some(range) = &block.axial {
+        push(DofKind::Axial, range.start, 1.0);
+    }
     if let Some(range) = &block.lateral {
         push(DofKind::V, range.start, 1.0);
         push(DofKind::W, range.start + 1, 1.0);

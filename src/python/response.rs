@@ -91,6 +91,12 @@ pub fn response_dict<'py>(
     }
     if model.scene.axial {
         dict.set_item("axial", table(py, record.axial, times, points)?)?;
+        if plan.velocity {
+            dict.set_item("axial_velocity", table(py, record.axial_velocity, times, points)?)?;
+        }
+        if plan.acceleration {
+            dict.set_item("axial_acceleration", table(py, record.axial_acceleration, times, points)?)?;
+        }
         dict.set_item("axial_bearing_force", table(py, record.axial_bearing_force, times, bearings)?)?;
     }
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;

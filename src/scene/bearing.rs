@@ -39,8 +39,16 @@ pub(super) fn bearings(
             nonlinear: nonlinear::nonlinear(bearing, &at)?,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
-            axial: coefficients([bearing.axial_stiffness, bearing.axial_damping], "axial", &at)?,
-            tilting: coefficients([bearing.tilting_stiffness, bearing.tilting_damping], "tilting", &at)?,
+            axial: coefficients(
+                [bearing.axial_stiffness, bearing.axial_damping],
+                ["axial_stiffness", "axial_damping"],
+                &at,
+            )?,
+            tilting: coefficients(
+                [bearing.tilting_stiffness, bearing.tilting_damping],
+                ["tilting_stiffness", "tilting_damping"],
+                &at,
+            )?,
             attachment: attachments[index],
         })
     };
@@ -50,10 +58,9 @@ pub(super) fn bearings(
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.
 fn coefficients(
     [stiffness, damping]: [Option<f64>; 2],
-    direction: &str,
+    names: [&str; 2],
     at: &EntryPath,
 ) -> Result<[f64; 2], SceneError> {
-    let read =
-        |given: Option<f64>, name: &str| at.field(&format!("{direction}_{name}")).non_negative(given.unwrap_or(0.0));
-    Ok([read(stiffness, "stiffness")?, read(damping, "damping")?])
+    let read = |given: Option<f64>, name: &str| at.field(name).non_negative(given.unwrap_or(0.0));
+    Ok([read(stiffness, names[0])?, read(damping, names[1])?])
 }

@@ -94,8 +94,9 @@ fn points(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Splin
         return Err(at.field("positions").error(format!("at least two points are needed, got {}", positions.len())));
     }
     let mut values = Vec::with_capacity(positions.len());
+    let list = at.field("positions");
     for (index, x) in positions.iter().enumerate() {
-        let place = at.field("positions").index(index);
+        let place = list.index(index);
         place.finite(*x)?;
         if *x < -1e-9 * length || *x > length * (1.0 + 1e-9) {
             return Err(place.error(format!("{x} m is outside the shaft, which is {length} m long")));

@@ -22,33 +22,42 @@ impl SceneError {
 }
 
 /// The path of an entry in the notation of Python.
-#[derive(Clone, Debug)]
-pub(crate) struct EntryPath(String);
+///
+/// A path refers to the path before it and becomes text only in a message, because a valid scene needs no text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EntryPath<'a> {
+    /// Path of the entry that contains this one; `None` at the top level of the description.
+    parent: Option<&'a EntryPath<'a>>,
+    /// Name of a field; empty for an entry of the list `parent`.
+    field: &'a str,
+    /// Index within the list.
+    index: Option<usize>,
+}
 
-impl EntryPath {
+impl<'a> EntryPath<'a> {
     /// A top-level entry of the description.
-    pub fn root(field: &str) -> Self {
-        Self(field.to_owned())
+    pub fn root(field: &'a str) -> Self {
+        Self { parent: None, field, index: None }
     }
 
     /// Entry `index` of the list `field`.
-    pub fn entry(field: &str, index: usize) -> Self {
-        Self(format!("{field}[{index}]"))
+    pub fn entry(field: &'a str, index: usize) -> Self {
+        Self { parent: None, field, index: Some(index) }
     }
 
     /// Field `field` of this entry.
-    pub fn field(&self, field: &str) -> Self {
-        Self(format!("{}.{field}", self.0))
+    pub fn field<'b>(&'b self, field: &'b str) -> EntryPath<'b> {
+        EntryPath { parent: Some(self), field, index: None }
     }
 
     /// Entry `index` of this list.
-    pub fn index(&self, index: usize) -> Self {
-        Self(format!("{}[{index}]", self.0))
+    pub fn index(&self, index: usize) -> EntryPath<'_> {
+        EntryPath { parent: Some(self), field: "", index: Some(index) }
     }
 
     /// Creates an error at this path.
     pub fn error(&self, message: impl fmt::Display) -> SceneError {
-        SceneError::new(&self.0, message)
+        SceneError::new(self, message)
     }
 
     /// Returns `value` if it is finite.
@@ -93,8 +102,13 @@ fn lower_case(value: f64) -> String {
     value.to_string().to_lowercase()
 }
 
-impl fmt::Display for EntryPath {
+impl fmt::Display for EntryPath<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.0)
+        if let Some(parent) = self.parent {
+            let dot = if self.field.is_empty() { "" } else { "." };
+            write!(formatter, "{parent}{dot}")?;
+        }
+        formatter.write_str(self.field)?;
+        self.index.map_or(Ok(()), |index| write!(formatter, "[{index}]"))
     }
 }

@@ -22,6 +22,8 @@ pub struct Housing {
     pub stiffness: Matrix2,
     /// Damping to the ground over (y, z), N s/m.
     pub damping: Matrix2,
+    /// Stiffness, N/m, and damping, N s/m, to the ground along the axis; `None` if it does not move along the axis.
+    pub axial: Option<[f64; 2]>,
     /// Stiffness to the ground about x, y and z, N m/rad.
     pub rotational_stiffness: [f64; 3],
     /// Damping to the ground about x, y and z, N m s/rad.
@@ -157,6 +159,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         centre: [0.0; 3],
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: [0.0; 3],
         rotational_damping: [0.0; 3],
         points: Vec::new(),
@@ -168,10 +171,10 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         let at = at.field(name);
         values.iter().flatten().enumerate().try_for_each(|(axis, value)| check(&at.index(axis), *value).map(drop))
     };
-    vector("inertia", given.inertia, EntryPath::positive)?;
-    vector("position", given.position, EntryPath::finite)?;
-    vector("rotational_stiffness", given.rotational_stiffness, EntryPath::non_negative)?;
-    vector("rotational_damping", given.rotational_damping, EntryPath::non_negative)?;
+    vector("inertia", given.inertia, |at, value| at.positive(value))?;
+    vector("position", given.position, |at, value| at.finite(value))?;
+    vector("rotational_stiffness", given.rotational_stiffness, |at, value| at.non_negative(value))?;
+    vector("rotational_damping", given.rotational_damping, |at, value| at.non_negative(value))?;
     for (name, values) in
         [("rotational_stiffness", given.rotational_stiffness), ("rotational_damping", given.rotational_damping)]
     {
@@ -182,8 +185,9 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         }
     }
     let centre = given.position.unwrap_or_default();
+    let points = at.field("points");
     let point = |(name, place): (&String, &[f64; 3])| {
-        let at = at.field("points").field(name);
+        let at = points.field(name);
         place.iter().enumerate().try_for_each(|(axis, value)| at.index(axis).finite(*value).map(drop))?;
         Ok((name.clone(), std::array::from_fn(|axis| place[axis] - centre[axis])))
     };
@@ -194,10 +198,24 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         centre,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
+        axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
         rotational_damping: given.rotational_damping.unwrap_or_default(),
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
     })
+}
+
+/// Stiffness and damping along the axis; `None` without a stiffness.
+fn axial([stiffness, damping]: [Option<f64>; 2], at: &EntryPath) -> Result<Option<[f64; 2]>, SceneError> {
+    let at_damping = at.field("axial_damping");
+    let damping = at_damping.non_negative(damping.unwrap_or(0.0))?;
+    match stiffness {
+        Some(stiffness) => Ok(Some([at.field("axial_stiffness").non_negative(stiffness)?, damping])),
+        None if damping > 0.0 => {
+            Err(at_damping.error("acts on axial motion, which needs axial_stiffness; give one, 0 for no spring"))
+        }
+        None => Ok(None),
+    }
 }
 
 fn mass(given: f64, at: &EntryPath) -> Result<f64, SceneError> {

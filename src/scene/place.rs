@@ -1,9 +1,27 @@
 //! Names of shafts, gears and disks, and the positions on shafts that need a node.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::description::{Base, Place, SceneDescription, Support};
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
+
+/// A position on a shaft that needs a node.
+#[derive(Clone, Copy)]
+pub(super) struct Station {
+    /// Position, m.
+    pub position: f64,
+    /// List, index and field of the entry that contains the position.
+    pub entry: (&'static str, usize, &'static str),
+}
+
+/// A name, with the list, index and field of its entry.
+struct NamePlace<'a> {
+    list: &'static str,
+    index: usize,
+    field: Cow<'static, str>,
+    name: &'a str,
+}
 
 /// The names of a description. Each name is unique.
 pub(super) struct Names<'a> {
@@ -21,20 +39,19 @@ impl<'a> Names<'a> {
             .map(|entry| ("shafts", entry))
             .chain(gears.enumerate().map(|entry| ("gears", entry)))
             .chain(disks.enumerate().map(|entry| ("disks", entry)));
-        let lists = lists.map(|(list, (index, name))| {
-            let at = EntryPath::entry(list, index);
-            (at.field("name"), at, name)
-        });
-        let lists = lists.chain(housing_names(system).map(|(at, name)| (at.clone(), at, name)));
-        let mut used: HashMap<&str, EntryPath> = HashMap::new();
-        for (field, at, name) in lists {
-            if name.is_empty() {
-                return Err(field.error("must not be empty"));
+        let lists = lists.map(|(list, (index, name))| NamePlace { list, index, field: Cow::Borrowed("name"), name });
+        let mut used: HashMap<&str, NamePlace> = HashMap::new();
+        for place in lists.chain(housing_names(system)) {
+            let field = |message: String| EntryPath::entry(place.list, place.index).field(&place.field).error(message);
+            if place.name.is_empty() {
+                return Err(field("must not be empty".to_owned()));
             }
-            if let Some(first) = used.get(name) {
-                return Err(field.error(format!("{first} has the name \"{name}\" too; names must be unique")));
+            if let Some(NamePlace { list, index, field: part, name }) = used.get(place.name) {
+                let first = EntryPath::entry(list, *index);
+                let first = if part == "name" { first.to_string() } else { first.field(part).to_string() };
+                return Err(field(format!("{first} has the name \"{name}\" too; names must be unique")));
             }
-            used.insert(name, at);
+            used.insert(place.name, place);
         }
         let gears = system.gears.iter().map(|gear| (gear.name.as_str(), (gear.shaft.as_str(), gear.position)));
         let disks = system.disks.iter().map(|disk| (disk.name.as_str(), (disk.shaft.as_str(), disk.position)));
@@ -84,8 +101,8 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Positions that need a node, m, with the path of the entry, for every shaft.
-    pub(super) fn stations(&self, system: &SceneDescription) -> Result<Vec<Vec<(f64, EntryPath)>>, SceneError> {
+    /// Positions that need a node, for every shaft.
+    pub(super) fn stations(&self, system: &SceneDescription) -> Result<Vec<Vec<Station>>, SceneError> {
         let mut stations = vec![Vec::new(); system.shafts.len()];
         let gears = system.gears.iter().map(|gear| (gear.shaft.as_str(), gear.position));
         let disks = system.disks.iter().map(|disk| (disk.shaft.as_str(), disk.position));
@@ -96,23 +113,22 @@ impl<'a> Names<'a> {
             .chain(disks.enumerate().map(|entry| ("disks", entry)))
             .chain(bearings.enumerate().map(|entry| ("bearings", entry)));
         for (list, (index, (shaft, position))) in lists {
-            let at = EntryPath::entry(list, index);
-            let shaft = self.shaft(shaft, &at.field("shaft"))?;
-            stations[shaft].push((position, at.field("position")));
+            let shaft = self.shaft(shaft, &EntryPath::entry(list, index).field("shaft"))?;
+            stations[shaft].push(Station { position, entry: (list, index, "position") });
         }
-        for (place, at) in places(system) {
+        for (place, list, index, field) in places(system) {
+            let entry = EntryPath::entry(list, index);
+            let at = entry.field(field);
             let (shaft, position) = self.shaft_and_position(place, &at)?;
-            stations[self.shaft(shaft, &at)?].push((position, at));
+            stations[self.shaft(shaft, &at)?].push(Station { position, entry: (list, index, field) });
         }
         Ok(stations)
     }
 }
 
-/// Places of torques, drives, forces and couplings, with their paths.
-fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, EntryPath)> {
-    let entry = |list: &'static str, field: &'static str| {
-        move |(index, place): (usize, _)| (place, EntryPath::entry(list, index).field(field))
-    };
+/// Places of torques, drives, forces and couplings, with list, index and field of each.
+fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, &'static str, usize, &'static str)> {
+    let entry = |list: &'static str, field: &'static str| move |(index, place): (usize, _)| (place, list, index, field);
     let torques = system.torques.iter().map(|torque| &torque.at).enumerate().map(entry("torques", "at"));
     let drives = system.drives.iter().map(|drive| &drive.at).enumerate().map(entry("drives", "at"));
     let forces = system.forces.iter().map(|force| &force.at).enumerate().map(entry("forces", "at"));
@@ -129,19 +145,20 @@ pub(super) fn own_supports(system: &SceneDescription) -> impl Iterator<Item = (u
     })
 }
 
-/// Names of all supports, housings and points of housings, with the path of each.
-fn housing_names(system: &SceneDescription) -> impl Iterator<Item = (EntryPath, &str)> {
+/// Names of all supports, housings and points of housings.
+fn housing_names(system: &SceneDescription) -> impl Iterator<Item = NamePlace<'_>> {
+    let place = |list, index, field: &'static str, name| NamePlace { list, index, field: Cow::Borrowed(field), name };
     let listed = system.supports.iter().enumerate();
-    let listed = listed
-        .filter_map(|(index, given)| Some((EntryPath::entry("supports", index).field("name"), given.name.as_deref()?)));
-    let own = own_supports(system).filter_map(|(index, given)| {
-        Some((EntryPath::entry("bearings", index).field("support").field("name"), given.name.as_deref()?))
-    });
-    let rigid = system.housings.iter().enumerate().flat_map(|(index, given)| {
-        let at = EntryPath::entry("housings", index);
-        let points = at.field("points");
-        let points = given.points.keys().map(move |name| (points.field(name), name.as_str()));
-        std::iter::once((at.field("name"), given.name.as_str())).chain(points)
+    let listed =
+        listed.filter_map(move |(index, given)| Some(place("supports", index, "name", given.name.as_deref()?)));
+    let own = own_supports(system)
+        .filter_map(move |(index, given)| Some(place("bearings", index, "support.name", given.name.as_deref()?)));
+    let rigid = system.housings.iter().enumerate().flat_map(move |(index, given)| {
+        let points = given.points.keys().map(move |name| {
+            let field = Cow::Owned(format!("points.{name}"));
+            NamePlace { list: "housings", index, field, name }
+        });
+        std::iter::once(place("housings", index, "name", given.name.as_str())).chain(points)
     });
     listed.chain(rigid).chain(own)
 }

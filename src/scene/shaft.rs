@@ -1,6 +1,7 @@
 //! Checks shafts and divides them into nodes and elements.
 
 use super::description::{self, STEEL, SceneDescription};
+use super::place::Station;
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 
 /// Positions closer than this fraction of the length of the shaft share a node.
@@ -72,7 +73,7 @@ impl Shaft {
 }
 
 /// Builds all shafts with a node at every station.
-pub(super) fn build(system: &SceneDescription, stations: &[Vec<(f64, EntryPath)>]) -> Result<Vec<Shaft>, SceneError> {
+pub(super) fn build(system: &SceneDescription, stations: &[Vec<Station>]) -> Result<Vec<Shaft>, SceneError> {
     let mut elements = 0;
     let mut shafts = Vec::with_capacity(system.shafts.len());
     for (index, given) in system.shafts.iter().enumerate() {
@@ -110,15 +111,16 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
         ("inner_diameter", given.inner_diameter.is_some()),
         ("elements", given.elements.is_some()),
     ];
-    let (segments, path): (_, Box<dyn Fn(usize) -> EntryPath>) = match &given.segments {
+    let list = at.field("segments");
+    let segments = match &given.segments {
         Some(segments) => {
             if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
                 return Err(at.field(name).error("cannot be combined with segments; give it in the segments"));
             }
             if segments.is_empty() {
-                return Err(at.field("segments").error("at least one segment is needed"));
+                return Err(list.error("at least one segment is needed"));
             }
-            (segments.clone(), Box::new(|index| at.field("segments").index(index)))
+            segments.clone()
         }
         None => {
             let needed =
@@ -129,11 +131,11 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
                 inner_diameter: given.inner_diameter.unwrap_or(0.0),
                 elements: given.elements,
             };
-            (vec![segment], Box::new(|_| at.clone()))
+            vec![segment]
         }
     };
     for (index, segment) in segments.iter().enumerate() {
-        let at = path(index);
+        let at = if given.segments.is_some() { list.index(index) } else { *at };
         at.field("length").positive(segment.length)?;
         at.field("outer_diameter").positive(segment.outer_diameter)?;
         at.field("inner_diameter").non_negative(segment.inner_diameter)?;
@@ -153,7 +155,7 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
 fn shaft(
     given: &description::Shaft,
     segments: &[description::Segment],
-    stations: &[(f64, EntryPath)],
+    stations: &[Station],
     at: &EntryPath,
 ) -> Result<Shaft, SceneError> {
     let length: f64 = segments.iter().map(|segment| segment.length).sum();
@@ -169,7 +171,9 @@ fn shaft(
         }
         start += segment.length;
     }
-    for (position, path) in stations {
+    for Station { position, entry: (list, index, field) } in stations {
+        let entry = EntryPath::entry(list, *index);
+        let path = entry.field(field);
         path.finite(*position)?;
         if *position < -tolerance || *position > length + tolerance {
             let millimetres = *position > 10.0 * length && position / 1e3 <= length + tolerance;

@@ -166,10 +166,11 @@ pub(super) fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, Sce
     let rows = given.rows();
     for (i, row) in rows.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
+            let row = at.index(i);
             let place = match given {
-                Coefficient::Full(_) => at.index(i).index(j),
-                Coefficient::Orthotropic(_) => at.index(i),
-                Coefficient::Isotropic(_) => at.clone(),
+                Coefficient::Full(_) => row.index(j),
+                Coefficient::Orthotropic(_) => row,
+                Coefficient::Isotropic(_) => *at,
             };
             if i == j {
                 place.non_negative(*value)?

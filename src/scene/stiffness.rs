@@ -50,7 +50,7 @@ impl StiffnessModel {
 struct Given<'a> {
     model: &'a description::StiffnessModel,
     pair: [&'a Gear; 2],
-    at: &'a EntryPath,
+    at: &'a EntryPath<'a>,
 }
 
 /// Checks a described model for the gears of `pair` on shafts of these outer radii, m.
@@ -128,6 +128,7 @@ impl Given<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<StiffnessModel, SceneError> {
         let radii = self.model.bore_radii.unwrap_or(shaft_radii);
+        let list = self.at.field("bore_radii");
         for (index, (radius, gear)) in radii.iter().zip(self.pair).enumerate() {
             let root = gear.root_radius();
             if root >= gear.tip_radius {
@@ -137,7 +138,7 @@ impl Given<'_> {
                 );
                 return Err(self.at.error(message));
             }
-            let at = self.at.field("bore_radii").index(index);
+            let at = list.index(index);
             if at.positive(*radius)? >= root {
                 let message = format!("{radius} m leaves no gear body below the root radius of {root} m");
                 return Err(at.error(message));

@@ -116,6 +116,42 @@ class Coordinates(Shown):
             moved[..., 1] += -b * x + twist * y
         return moved
 
+    def axial_displacement(self, values: Any, at: At) -> Any:
+        """Give the axial displacement of a place.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., n)
+            Displacements or amplitudes of all degrees of freedom [m, rad].
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Displacement u [m].
+
+        Raises
+        ------
+        SceneError
+            If there is no such place.
+        GearbowError
+            If the system has no axial motion, or the support or housing does not move along the
+            axis.
+        """
+        at = place(at)
+        if not isinstance(at, str) or at not in self.points:
+            return values[..., self.axial(at)]
+        housing, (_, y, z) = self.points[at]
+        node = self._node(housing)
+        turns = (*node, "twist") in self.dofs and any(kind == "u" for *_, kind in self.dofs)
+        # A housing that does not rotate has the motion of its centre of mass; without it, an error.
+        moved = 0.0 if turns and (*node, "u") not in self.dofs else values[..., self.axial(housing)]
+        if turns:
+            b, g = (values[..., self._index(housing, kind, "rotation")] for kind in ("B", "G"))
+            moved = moved + b * z - g * y
+        return moved
+
     def shaft(self, at: At) -> str:
         """Find the shaft of a place.
 
@@ -215,7 +251,7 @@ class Coordinates(Shown):
         if isinstance(at, str):
             if at in self.points:
                 raise SceneError(
-                    f'at: "{at}" is a point of a housing, which only `displacement` accepts; name '
+                    f'at: "{at}" is a point of a housing, which only displacements accept; name '
                     f'the housing "{self.points[at][0]}"'
                 )
             if at not in self.bodies:

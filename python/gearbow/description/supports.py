@@ -18,8 +18,9 @@ __all__ = ["Housing", "Support", "with_support"]
 class Support(Part):
     """A mass on a spring and a damper, between one or more bearings and the ground.
 
-    A support adds two coordinates, its displacements v and w. `Bearing(support=...)` takes a
-    support, or the name of one in the argument `supports` of `gearbow.RotorSystem`.
+    A support adds two coordinates, its displacements v and w, and with `axial_stiffness` its axial
+    displacement u. `Bearing(support=...)` takes a support, or the name of one in the argument
+    `supports` of `gearbow.RotorSystem`.
 
     Parameters
     ----------
@@ -33,6 +34,11 @@ class Support(Part):
         [[yy, yz], [zy, zz]].
     damping : float, pair or 2×2 array
         Damping to the ground [N s/m], in the same forms.
+    axial_stiffness : float, optional
+        Stiffness to the ground along the axis [N/m]; it acts in a system with axial motion. None:
+        the support does not move along the axis.
+    axial_damping : float
+        Damping to the ground along the axis [N s/m].
 
     Examples
     --------
@@ -46,6 +52,8 @@ class Support(Part):
     mass: float
     stiffness: ArrayLike
     damping: ArrayLike = 0.0
+    axial_stiffness: float | None = None
+    axial_damping: float = 0.0
 
 
 def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
@@ -72,8 +80,8 @@ class Housing(Part):
     """A rigid body on springs and dampers that carries several bearings.
 
     `Bearing(support=name)` puts a bearing on it. A housing adds two coordinates, its displacements
-    v and w, and with `inertia` three more: its rotations B, G about y, z and its roll "twist" about
-    x. The lever arms of the bearings follow from the positions of the shafts at rest: the first
+    v and w, with `inertia` three more: its rotations B, G about y, z and its roll "twist" about x,
+    and with `axial_stiffness` its axial displacement u. The lever arms of the bearings follow from the positions of the shafts at rest: the first
     shaft begins at the origin, meshes and couplings give the positions of the others.
 
     Parameters
@@ -87,6 +95,11 @@ class Housing(Part):
         or [[yy, yz], [zy, zz]].
     damping : float, pair or 2×2 array
         Damping to the ground at the centre of mass [N s/m], in the same forms.
+    axial_stiffness : float, optional
+        Stiffness to the ground along the axis at the centre of mass [N/m]; it acts in a system with
+        axial motion. None: the centre of mass does not move along the axis.
+    axial_damping : float
+        Damping to the ground along the axis at the centre of mass [N s/m].
     inertia : (float, float, float), optional
         Moments of inertia about the axes through the centre of mass parallel to x, y and z
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.
@@ -120,6 +133,8 @@ class Housing(Part):
     mass: float
     stiffness: ArrayLike
     damping: ArrayLike = 0.0
+    axial_stiffness: float | None = None
+    axial_damping: float = 0.0
     inertia: Sequence[float] | None = None
     position: Sequence[float] = (0.0, 0.0, 0.0)
     rotational_stiffness: Sequence[float] | None = None

@@ -223,6 +223,8 @@ def _support(
     below = _coefficients(file, ground_name, ground)
     if isinstance(below["stiffness"], dict) or isinstance(below["damping"], dict):
         raise file.error(ground_name, "a support has constant stiffness and damping")
-    if ground.get("n_link") is not None or set(below) - {"stiffness", "damping"}:
-        raise file.error(ground_name, "a support stands on the ground and has no axial stiffness")
+    if ground.get("n_link") is not None:
+        raise file.error(ground_name, "a support stands on the ground")
+    if "axial_damping" in below:
+        below.setdefault("axial_stiffness", 0.0)
     return {**_named(mass_name, mass), "mass": _mass(file, mass_name, mass), **below}

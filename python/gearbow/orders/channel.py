@@ -48,8 +48,8 @@ def channel(
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m]),
         "energy", or a probe or accelerometer.
     quantity : str, optional
-        "v", "w", "twist", "u", "velocity_v", "velocity_w", "twist_rate", "acceleration_v" or
-        "acceleration_w" of a place, "y", "z" or "x" of the force on a bearing, or a field of
+        "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
+        "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of the force on a bearing, or a field of
         `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
@@ -84,7 +84,13 @@ def channel(
         return Channel(f"{item[0]}/{item[1]} {name.replace('_', ' ')}", MESH[name], values)
     name, _ = _chosen(item, quantity, POINT)
     at = item if isinstance(item, str) else (item[0], float(item[1]))
-    single = {"twist": recording.twist, "u": recording.axial, "twist_rate": recording.twist_rate}
+    single = {
+        "twist": recording.twist,
+        "u": recording.axial,
+        "twist_rate": recording.twist_rate,
+        "velocity_u": recording.axial_velocity,
+        "acceleration_u": recording.axial_acceleration,
+    }
     lateral = {
         "": recording.displacement,
         "velocity": recording.velocity,

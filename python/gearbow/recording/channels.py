@@ -5,7 +5,7 @@ The core lists what a run can record of a mesh or a bearing (`Connection::channe
 
 from gearbow._core import connection_channels
 
-__all__ = ["BEARING", "MESH", "POINT", "RATES", "ROLLING"]
+__all__ = ["BEARING", "MESH", "POINT", "RATES", "RATE_UNITS", "ROLLING"]
 
 _CONNECTION = connection_channels()
 
@@ -14,12 +14,20 @@ RATES = {
     "velocity": ("velocity_v", "velocity_w"),
     "twist_rate": ("twist_rate",),
     "acceleration": ("acceleration_v", "acceleration_w"),
+    "axial_velocity": ("velocity_u",),
+    "axial_acceleration": ("acceleration_u",),
+}
+#: Units of recorded rates.
+RATE_UNITS = {
+    "velocity": "m/s",
+    "twist_rate": "rad/s",
+    "acceleration": "m/s²",
+    "axial_velocity": "m/s",
+    "axial_acceleration": "m/s²",
 }
 #: Quantities of a node.
 POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"} | {
-    quantity: {"velocity": "m/s", "twist_rate": "rad/s", "acceleration": "m/s²"}[array]
-    for array, quantities in RATES.items()
-    for quantity in quantities
+    quantity: RATE_UNITS[array] for array, quantities in RATES.items() for quantity in quantities
 }
 #: Quantities of a mesh: the fields of `MeshResponse`.
 MESH = _CONNECTION["mesh"]

@@ -139,13 +139,63 @@ class MotionRecording(BearingRecording):
         """
         return self._rate("acceleration", name)
 
+    def axial_velocity(self, name: At) -> Array:
+        """Axial velocity of a place.
+
+        It belongs to the state of the run; no difference of displacements is taken.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            Name of a gear, disk, support, housing or point of a housing, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Velocity of u [m/s].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record. If the system has no axial
+            motion.
+        """
+        return self._rate("axial_velocity", name)
+
+    def axial_acceleration(self, name: At) -> Array:
+        """Axial acceleration of a place.
+
+        It follows from the state and the equation of motion; no difference is taken. If the run
+        leaves out modes, it is the acceleration of the reduced model.
+
+        Parameters
+        ----------
+        name : str or tuple of (str, float)
+            Name of a gear, disk, support, housing or point of a housing, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Acceleration of u [m/s²].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record. If the system has no axial
+            motion.
+        """
+        return self._rate("axial_acceleration", name)
+
     def _rate(self, array: str, name: At) -> Array:
+        point = self._point(name)
+        if array.startswith("axial"):
+            self._axial("axial")
         found = optional_arrays(self._data).get(array)
         if found is None:
-            group = "acceleration" if array == "acceleration" else "velocity"
+            group = "acceleration" if array.endswith("acceleration") else "velocity"
             what = f"the {array.replace('_', ' ')} of {name!r}"
             raise self._missing(what, group)
-        return found[:, self._point(name)]
+        return found[:, point]
 
     def _point(self, name: At) -> int:
         points = self._data["points"]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearbow._extras import extra
 from gearbow._types import Array, RunData
 from gearbow.description.speed import plain_speed
-from gearbow.recording.channels import BEARING, MESH, POINT, RATES, ROLLING
+from gearbow.recording.channels import BEARING, MESH, POINT, RATE_UNITS, RATES, ROLLING
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.record import RunRecord
 
@@ -39,9 +39,10 @@ OPTIONAL = (*RATES, "axial", "axial_bearing_force", "bearing_displacement")
 CHANNELS = {
     "displacement": ("m", ("time", "point", "axis")),
     "twist": ("rad", ("time", "point")),
-    "velocity": ("m/s", ("time", "point", "axis")),
-    "twist_rate": ("rad/s", ("time", "point")),
-    "acceleration": ("m/s²", ("time", "point", "axis")),
+    **{
+        name: (RATE_UNITS[name], ("time", "point", "axis")[: 2 + (len(quantities) == 2)])
+        for name, quantities in RATES.items()
+    },
     "axial": ("m", ("time", "point")),
     "bearing_force": ("N", ("time", "bearing", "axis")),
     "bearing_displacement": ("m", ("time", "bearing", "axis")),

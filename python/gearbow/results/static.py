@@ -145,7 +145,7 @@ class Static(ReadOnly):
         Parameters
         ----------
         name : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
@@ -157,7 +157,7 @@ class Static(ReadOnly):
         GearbowError
             If there is no such place, or the system has no axial motion.
         """
-        return float(self.state[self.coordinates.axial(name)])
+        return float(self.coordinates.axial_displacement(self.state, name))
 
     def axial_bearing_force(self, shaft: str, position: float) -> float:
         """Force of a shaft on a bearing along the axis.

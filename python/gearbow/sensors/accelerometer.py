@@ -8,6 +8,7 @@ import numpy as np
 from gearbow._convert import number
 from gearbow._types import Array, At
 from gearbow.description.places import place, place_label
+from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
 from gearbow.sensors.sensor import SignalSensor, degrees_text
 
@@ -16,7 +17,7 @@ __all__ = ["Accelerometer"]
 
 @dataclass(frozen=True)
 class Accelerometer(SignalSensor):
-    """An accelerometer, which measures the lateral acceleration of a place in one direction.
+    """An accelerometer, which measures the acceleration of a place in one direction.
 
     Parameters
     ----------
@@ -24,12 +25,14 @@ class Accelerometer(SignalSensor):
         Name of a support, housing or point of a housing, of a gear or disk, or (shaft,
         position [m]), for example that of a bearing. Its acceleration must be recorded.
     angle : float
-        Direction, from y towards z [rad].
+        Lateral direction, from y towards z [rad].
+    axial : bool
+        Whether it measures along +x instead.
 
     Raises
     ------
     SceneError
-        If the place is invalid, or the angle is not finite.
+        If the place is invalid, the angle is not finite, or an axial sensor has an angle.
 
     Examples
     --------
@@ -41,12 +44,18 @@ class Accelerometer(SignalSensor):
     at: At
     _: KW_ONLY
     angle: float = 0.0
+    axial: bool = False
 
     unit: ClassVar[str] = "m/s²"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "at", place(self.at, "accelerometer.at"))
         object.__setattr__(self, "angle", number(self.angle, "accelerometer.angle"))
+        if self.axial and self.angle != 0.0:
+            raise SceneError(
+                f"accelerometer.angle: an axial accelerometer has none, got {self.angle}; leave out "
+                "angle or axial"
+            )
 
     @property
     def label(self) -> str:
@@ -57,7 +66,8 @@ class Accelerometer(SignalSensor):
         str
             Kind, place and direction.
         """
-        return f"accelerometer {place_label(self.at)}, {degrees_text(self.angle)}"
+        direction = "axial" if self.axial else degrees_text(self.angle)
+        return f"accelerometer {place_label(self.at)}, {direction}"
 
     def measure(self, recording: Recording) -> Array:
         """Measure a recorded motion.
@@ -75,8 +85,11 @@ class Accelerometer(SignalSensor):
         Raises
         ------
         ChannelError
-            If the acceleration was not recorded; the message says what to record.
+            If the acceleration was not recorded; the message says what to record. If an axial
+            sensor measures a system without axial motion.
         """
+        if self.axial:
+            return recording.axial_acceleration(self.at)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
         along: Array = recording.acceleration(self.at) @ direction
         return along

@@ -43,6 +43,9 @@ class Probe(SignalSensor):
     support : str, optional
         Name of the support, housing or point of a housing on which the probe stands. Its
         displacement is subtracted and must be recorded. None is the ground.
+    axial : bool
+        Whether it measures the axial displacement of the shaft, along +x, on a collar instead. The
+        run-out is then that of the face of the collar, positive along +x.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class Probe(SignalSensor):
     angle: float = 0.0
     run_out: RunOut | None = None
     support: str | None = None
+    axial: bool = False
 
     unit: ClassVar[str] = "m"
 
@@ -84,7 +88,8 @@ class Probe(SignalSensor):
         str
             Kind, place and direction.
         """
-        return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}"
+        axial = ", axial" if self.axial else ""
+        return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}{axial}"
 
     def measure(self, recording: Recording) -> Array:
         """Measure a recorded motion.
@@ -97,20 +102,23 @@ class Probe(SignalSensor):
         Returns
         -------
         ndarray, shape (k,)
-            Displacement towards the probe plus run-out [m].
+            Displacement towards the probe, or along +x, plus run-out [m].
 
         Raises
         ------
         ChannelError
-            If a motion was not recorded; the message says what to record.
+            If a motion was not recorded; the message says what to record. If an axial probe
+            measures a system without axial motion.
         SceneError
             If the function of the run-out gives no finite numbers.
         """
         place = (self.shaft, self.position)
-        motion = recording.displacement(place)
+        displacement = recording.axial if self.axial else recording.displacement
+        motion = displacement(place)
         if self.support is not None:
-            motion = motion - recording.displacement(self.support)
-        towards: Array = motion @ np.array([np.cos(self.angle), np.sin(self.angle)])
+            motion = motion - displacement(self.support)
+        direction = np.array([np.cos(self.angle), np.sin(self.angle)])
+        towards: Array = motion if self.axial else motion @ direction
         if self.run_out is None:
             return towards
         return towards + self._run_out(

@@ -257,7 +257,8 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     recorded: Any = {
         name: both(first[name], second[name])
         for name in (
-            *("time", "displacement", "twist", "velocity", "twist_rate", "acceleration", "axial"),
+            *("time", "displacement", "twist", "velocity", "twist_rate", "acceleration"),
+            *("axial", "axial_velocity", "axial_acceleration"),
             *("bearing_force", "axial_bearing_force", "bearing_displacement", "rolling_contact"),
             *("mesh", "energy", "energy_terms"),
         )

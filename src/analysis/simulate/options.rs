@@ -206,7 +206,7 @@ impl Options {
         }
         let slack = f64::EPSILON * 4.0 * (start.abs() + duration);
         for (index, time) in self.times.iter().enumerate() {
-            let at = EntryPath::root("times").index(index);
+            let at = EntryPath::entry("times", index);
             at.finite(*time)?;
             if *time < start - slack || *time > start + duration + slack {
                 return Err(at.error(format!("{time} s is outside the run from {start} s to {} s", start + duration)));

@@ -23,8 +23,12 @@ pub struct Record {
     pub twist_rate: Vec<f64>,
     /// (v̈, ẅ) of every point, m/s².
     pub acceleration: Vec<f64>,
-    /// u of every point, m; empty in a scene without axial motion.
+    /// u of every point, m; empty in a scene without axial motion, like the two following.
     pub axial: Vec<f64>,
+    /// u̇ of every point, m/s; empty where not asked for.
+    pub axial_velocity: Vec<f64>,
+    /// ü of every point, m/s²; empty where not asked for.
+    pub axial_acceleration: Vec<f64>,
     /// Axial force of the shaft on the bearings of every bearing node, N; empty in a scene without axial motion.
     pub axial_bearing_force: Vec<f64>,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
@@ -87,6 +91,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             twist_rate: room(if plan.velocity { plan.points.len() } else { 0 }),
             acceleration: room(if plan.acceleration { 2 * plan.points.len() } else { 0 }),
             axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
+            axial_velocity: room(if model.scene.axial && plan.velocity { plan.points.len() } else { 0 }),
+            axial_acceleration: room(if model.scene.axial && plan.acceleration { plan.points.len() } else { 0 }),
             axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
             bearing_force: room(2 * plan.bearings.len()),
             bearing_displacement: room(2 * plan.bearings.len()),
@@ -215,8 +221,15 @@ impl<'a, 'm> Recorder<'a, 'm> {
             }
         }
         if model.scene.axial {
-            let along = |point: &Point| model.numbering.displacement_along(point.node).map_or(0.0, |index| q[index]);
-            self.record.axial.extend(self.plan.points.iter().map(along));
+            let points = || self.plan.points.iter();
+            self.record.axial.extend(points().map(|point| along_row(&point.axial, q)));
+            if self.plan.velocity {
+                self.record.axial_velocity.extend(points().map(|point| along_row(&point.axial, v)));
+            }
+            if self.plan.acceleration {
+                let a = &self.acceleration[own];
+                self.record.axial_acceleration.extend(points().map(|point| along_row(&point.axial, a)));
+            }
             let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
             self.record.axial_bearing_force.extend(forces);
         }
@@ -252,5 +265,10 @@ fn lateral(model: &Model, point: &Point, values: &[f64]) -> [f64; 2] {
 
 /// Sums of values with the coefficients of each row.
 fn along_rows(rows: &[Row; 2], values: &[f64]) -> [f64; 2] {
-    rows.each_ref().map(|row| row.iter().map(|(index, factor)| factor * values[*index]).sum())
+    rows.each_ref().map(|row| along_row(row, values))
+}
+
+/// Sum of values with the coefficients of a row.
+fn along_row(row: &Row, values: &[f64]) -> f64 {
+    row.iter().map(|(index, factor)| factor * values[*index]).sum()
 }

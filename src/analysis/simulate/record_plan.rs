@@ -43,6 +43,8 @@ pub struct Point {
     pub names: Vec<String>,
     /// Displacements along y and z of a point of a housing over the coordinates; `None` for a node of a shaft.
     pub rows: Option<[Row; 2]>,
+    /// Displacement along the axis over the coordinates; empty if the point does not move along the axis.
+    pub axial: Row,
 }
 
 /// The quantities to record.
@@ -139,14 +141,16 @@ impl RecordPlan {
     fn add_point(&mut self, model: &Model, node: Node) {
         if self.points.iter().all(|point| point.node != node) {
             let bodies = model.scene.bodies().filter(|body| body.node == node);
-            self.points.push(Point { node, names: bodies.map(|body| body.name.clone()).collect(), rows: None });
+            let names = bodies.map(|body| body.name.clone()).collect();
+            self.points.push(Point { node, names, rows: None, axial: model.axial_row(node, [0.0; 3]) });
         }
     }
 
     fn add_housing_point(&mut self, model: &Model, name: &str) {
         let known = self.points.iter().any(|point| point.names.iter().any(|known| known == name));
         if let Some((node, arm)) = model.scene.housing_point(name).filter(|_| !known) {
-            self.points.push(Point { node, names: vec![name.to_owned()], rows: model.point_rows(node, arm) });
+            let (rows, axial) = (model.point_rows(node, arm), model.axial_row(node, arm));
+            self.points.push(Point { node, names: vec![name.to_owned()], rows, axial });
         }
     }
 
@@ -179,7 +183,7 @@ impl RecordPlan {
         };
         self.points.iter().for_each(|point| add_node(point.node));
         self.bearings.iter().for_each(|node| add_node(*node));
-        let rows = self.points.iter().flat_map(|point| &point.rows).flatten().flatten();
+        let rows = self.points.iter().flat_map(|point| point.rows.iter().flatten().chain([&point.axial])).flatten();
         let points: Vec<usize> = rows.map(|(index, _)| *index).collect();
         let bases: Vec<usize> = self.bearings.iter().flat_map(|node| model.bearing_coordinates(*node)).collect();
         let of_meshes: Vec<usize> = self.meshes.iter().flat_map(|mesh| model.meshes[*mesh].indices()).collect();

@@ -23,6 +23,12 @@ pub struct Support {
     /// Damping to the ground over (y, z), N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
+    /// Stiffness to the ground along the axis, N/m; without it, the support does not move along the axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness: Option<f64>,
+    /// Damping to the ground along the axis, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_damping: Option<f64>,
 }
 
 /// A rigid body on springs and dampers that carries several bearings.
@@ -38,6 +44,12 @@ pub struct Housing {
     /// Damping to the ground over (y, z) at the centre of mass, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
+    /// Stiffness to the ground along the axis, N/m; without it, the housing does not move along the axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness: Option<f64>,
+    /// Damping to the ground along the axis, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_damping: Option<f64>,
     /// Moments of inertia about the axes through the centre of mass parallel to x, y and z, kg m²; without them the
     /// housing does not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -86,7 +86,7 @@ fn check_shaft(
     found: &mut Findings,
 ) -> Result<(), SceneError> {
     let (length, diameter) = (shaft.length(), 2.0 * largest_radius(shaft));
-    let place = |field: &str| if given.segments.is_some() { at.field("segments") } else { at.field(field) };
+    let place = |field: &'static str| if given.segments.is_some() { at.field("segments") } else { at.field(field) };
     found.check(&place("length"), length, &LENGTH);
     found.check(&place("outer_diameter"), diameter, &DIAMETER);
     found.check(&place("length"), length / diameter, &SLENDERNESS);
@@ -173,8 +173,8 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     let radii = pair[0].pitch_radius + pair[1].pitch_radius;
     found.check(&at.field("centre_distance"), mesh.centre_distance / radii, &CENTRE_DISTANCE);
     for (gear, index) in pair.iter().zip([mesh.driver, mesh.driven]) {
-        let at = EntryPath::entry("gears", index).field("tip_radius");
-        found.check(&at, gear.tip_radius / mesh.centre_distance, &TIP_REACH);
+        let at = EntryPath::entry("gears", index);
+        found.check(&at.field("tip_radius"), gear.tip_radius / mesh.centre_distance, &TIP_REACH);
     }
     let place = at.field("stiffness");
     match &given.stiffness {
