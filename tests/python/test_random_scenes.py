@@ -400,6 +400,8 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     assert_moves_alike(scene)
 
 
+# A rolling bearing without load at the start has almost no stiffness: the slowest mode loses digits.
+@pytest.mark.filterwarnings("ignore:natural frequencies range")
 @examples(2)
 @given(
     drawn(),

@@ -87,8 +87,8 @@ class Balance(ReadOnly, Generic[S]):
         return float(np.linalg.norm(self.residual) / np.linalg.norm(self.before))
 
 
-def balance(
-    system: S,
+def balance(  # numpydoc ignore=PR01
+    self: S,
     planes: At | Sequence[At],
     speed: ArrayLike,
     *,
@@ -99,8 +99,6 @@ def balance(
 
     Parameters
     ----------
-    system : RotorSystem
-        The system.
     planes : str, tuple of (str, float), or sequence of them
         Balancing planes on one shaft: gears, disks or (shaft, position [m]).
     speed : array_like, shape (speeds,) or scalar
@@ -125,13 +123,13 @@ def balance(
     if target not in ("total", "elastic"):
         raise SceneError(f'target: must be "total" or "elastic", got {target!r}')
     chosen = places(planes, "planes")
-    shaft = _shaft(system, chosen)
+    shaft = _shaft(self, chosen)
     speeds = array(speed, "speed")
     if not np.all(speeds):
         raise SceneError(f"speed: must not be zero, got {speed!r}")
 
     # Influence coefficients are amplitudes per 1 kg m, in a system with a node at every plane.
-    base = _corrected(system, chosen, np.zeros(len(chosen), dtype=np.complex128))
+    base = _corrected(self, chosen, np.zeros(len(chosen), dtype=np.complex128))
     if points is None:
         nodes = dict.fromkeys(x for name, x, _ in nodal(base.dofs) if name == shaft)
         measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)

@@ -27,8 +27,8 @@ __all__ = ["animate"]
 MOST_FRAMES = 2000
 
 
-def animate(
-    response: Recording,
+def animate(  # numpydoc ignore=PR01
+    self: Recording,
     path: str | os.PathLike[str],
     *,
     mesh: tuple[str, str] | None = None,
@@ -45,8 +45,6 @@ def animate(
 
     Parameters
     ----------
-    response : Response
-        The run.
     path : str or path-like
         The file. Its name ends with ".gif", or with ".html" for a page that needs no other file.
     mesh : tuple of (str, str), optional
@@ -90,7 +88,7 @@ def animate(
             f"{MOST_FRAMES} are possible; give a shorter duration"
         )
     factor = None if magnify is None else _positive(magnify, "magnify")
-    motion = _motion(response, mesh, _span(response, times), count, length)
+    motion = _motion(self, mesh, _span(self, times), count, length)
     drawn = list(animation.frames(motion, factor))
     with replacing(path) as file:
         if ending == ".gif":

@@ -103,9 +103,9 @@ class Response(RunFigures):
         Returns
         -------
         Errors
-            A dictionary with the keys "displacement" and "mesh_force", where such signals were
-            recorded and vary. Each value has the attributes `elements`, `modes`, `integration` and
-            `total`.
+            A dictionary with the keys "displacement", "velocity", "acceleration" and "mesh_force",
+            where such signals were recorded and vary. Each value has the attributes `elements`,
+            `modes`, `integration` and `total`.
 
         Raises
         ------

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 
-def plot(system: SystemDescription, ax: Any = None, *, magnify: float | None = None) -> "Figure":
+def plot(  # numpydoc ignore=PR01
+    self: SystemDescription, ax: Any = None, *, magnify: float | None = None
+) -> "Figure":
     """Draw the train to scale, from the side and from the end.
 
     The side view shows shafts, gears, disks, bearings with what they stand on, couplings, drives,
@@ -29,8 +31,6 @@ def plot(system: SystemDescription, ax: Any = None, *, magnify: float | None = N
 
     Parameters
     ----------
-    system : RotorSystem
-        The system.
     ax : Axes or pair of Axes, optional
         Panel for the side view, or panels for side view and end view; None makes a new figure.
     magnify : float, optional
@@ -64,5 +64,5 @@ def plot(system: SystemDescription, ax: Any = None, *, magnify: float | None = N
         magnify = number(magnify, "magnify")
         if not magnify > 0.0:
             raise SceneError(f"magnify: must be positive, got {magnify!r}")
-    train = Train.of(system._model.description(), system.speed_ratios)
+    train = Train.of(self._model.description(), self.speed_ratios)
     return figures.draw(train, magnify, ax)

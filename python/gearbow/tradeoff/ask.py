@@ -13,8 +13,8 @@ from gearbow.tradeoff.result import Tradeoff
 __all__ = ["tradeoff"]
 
 
-def tradeoff(
-    system: S,
+def tradeoff(  # numpydoc ignore=PR01
+    self: S,
     duration: float,
     speed: float,
     signals: Any = None,
@@ -37,8 +37,6 @@ def tradeoff(
 
     Parameters
     ----------
-    system : RotorSystem
-        The system.
     duration : float
         Simulated time [s]; errors refer to the whole time.
     speed : float
@@ -108,7 +106,7 @@ def tradeoff(
     from gearbow.tradeoff.study import carry_out  # noqa: PLC0415
 
     made = plan(
-        system,
+        self,
         duration,
         speed,
         signals,
