@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, reject, settings, strategies as st
+from hypothesis import HealthCheck, assume, example, given, reject, settings, strategies as st
 
 import gearbow as gb
 
@@ -400,8 +400,6 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     assert_moves_alike(scene)
 
 
-# A rolling bearing without load at the start has almost no stiffness: the slowest mode loses digits.
-@pytest.mark.filterwarnings("ignore:natural frequencies range")
 @examples(2)
 @given(
     drawn(),
@@ -411,8 +409,9 @@ def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
 def test_trains_on_rolling_bearings_move_alike_by_two_methods_and_when_transformed(
     scene: Drawn, balls: tuple[int, float, float], speed: float
 ):
-    scene = replace(scene, balls=balls, speed=speed)
-    assert_moves_alike(scene)
+    # The bearings carry at least the weight: without load, the motion is that of round-off.
+    assume(abs(complex(*scene.gravity)) >= 0.1)
+    assert_moves_alike(replace(scene, balls=balls, speed=speed))
 
 
 @examples(3)
