@@ -22,7 +22,7 @@ class Duffing:
 
     STEPS = 100
 
-    def images(self, states: np.ndarray, value: float) -> np.ndarray:
+    def images(self, states: np.ndarray, value: float, *, adapt: bool = False) -> np.ndarray:
         step = 2 * np.pi / value / self.STEPS
 
         # A prediction may be far from the branch.
@@ -44,8 +44,14 @@ class Duffing:
             x = x + step / 6 * (a + 2 * b + 2 * c + d)
         return x.T
 
-    def observed(self, *_: Any) -> tuple[None, float]:
-        return None, np.inf
+    def observed(self, state: np.ndarray, value: float) -> tuple[np.ndarray, float]:
+        return state, np.inf
+
+    def multipliers(self, kept: np.ndarray, value: float) -> np.ndarray:
+        moved = kept + 1e-5 * np.vstack([np.eye(2), -np.eye(2)])
+        images = self.images(moved, value)
+        found = np.linalg.eigvals((images[:2] - images[2:]).T / 2e-5).astype(complex)
+        return found[np.argsort(-np.abs(found))]
 
 
 def test_a_branch_ends_at_the_bound_of_the_interval():
