@@ -257,10 +257,11 @@ class _Follower:
         self.scale = self.size(state)
         forward = np.zeros(state.size + 1)
         forward[-1] = np.sign(self.settings.stop - self.settings.start)
-        self.map.images(state[None], self.settings.start, adapt=True)
-        slope = self.slope(state, self.settings.start)
-        guess = BranchPoint(state, self.settings.start, self.scale, LowRank.identity(slope))
-        point = self.point(*self.corrected(guess, state, self.settings.start, forward)[:3], forward)
+        value = self.settings.start
+        image = self.map.images(state[None], value, adapt=True)[0]
+        derivative = LowRank.identity(self.slope(state, value, image))
+        guess = BranchPoint(state, value, self.scale, derivative)
+        point, _ = self.corrected(guess, state, value, forward)
         self.observe(point, KINDS)
         return point
 
@@ -287,24 +288,22 @@ class _Follower:
         along = last.tangent
         state = last.state + step * along[:-1] * last.scale
         value = last.value + step * along[-1] * self.settings.span
-        *found, count = self.corrected(last, state, value, along)
-        return self.point(*found, along), count
+        return self.corrected(last, state, value, along)
 
     def ended(self, last: BranchPoint, beyond: BranchPoint, value: float) -> BranchPoint:
         """Give the point at a bound of the interval, between two points."""
         part = (value - last.value) / (beyond.value - last.value)
         along = np.zeros(last.state.size + 1)
-        along[-1] = 1.0
+        along[-1] = np.sign(beyond.value - last.value)
         state = last.state + part * (beyond.state - last.state)
-        state, _, derivative, _ = self.corrected(beyond, state, value, along)
-        return self.point(state, value, derivative, last.tangent)
+        return self.corrected(beyond, state, value, along)[0]
 
     def corrected(
         self, base: BranchPoint, state: Array, value: float, along: Array
-    ) -> tuple[Array, float, LowRank, int]:
-        """Correct a predicted point in the plane across the branch.
+    ) -> tuple[BranchPoint, int]:
+        """Correct a predicted point in the plane across a direction.
 
-        Returns states, parameter, the derivative that was used last and the number of corrections.
+        Returns the point and its number of corrections.
         """
         size, scale, derivative = self.size(state), base.scale, base.derivative
         image = self.map.images(state[None], value, adapt=True)[0]
@@ -315,12 +314,15 @@ class _Follower:
             if count > 1:
                 derivative = derivative.updated(step, residual - last)
             if error <= self.settings.tolerance:
-                return state, value, derivative, count
+                # The largest motion so far, so that lengths are comparable along the branch.
+                self.scale = max(self.scale, size)
+                slope = self.slope(state, value, image)
+                return self.point(state, value, changed(derivative, slope=slope), along), count
             if not error < 10.0 * before:
                 break
             if error > _SLOW * before:
                 derivative, step = self.solved(
-                    (state, value, scale), derivative, (along, -residual, 0.0), _SOLVED
+                    (state, value), derivative, (along, -residual, 0.0), _SOLVED
                 )
             else:
                 step = derivative.solve(along, -residual, 0.0)
@@ -332,7 +334,7 @@ class _Follower:
 
     def solved(
         self,
-        at: tuple[Array, float, float],
+        at: tuple[Array, float],
         derivative: LowRank,
         system: tuple[Array, Array, float],
         rtol: float,
@@ -360,21 +362,18 @@ class _Follower:
                 break
         return derivative, derivative.solve(*system)
 
-    def change(self, at: tuple[Array, float, float], direction: Array) -> Array:
-        """Give the change of N(x) − x along a direction of unit length in the scaled states."""
-        state, value, scale = at
+    def change(self, at: tuple[Array, float], direction: Array) -> Array:
+        """Give the change of N(x) − x along a direction of unit length."""
+        state, value = at
         move = _DIFFERENCE * self.size(state) * direction
         ahead, behind = self.map.images(np.stack([state + move, state - move]), value)
         change: Array = (ahead - behind - 2.0 * move) / (2.0 * _DIFFERENCE * self.size(state))
         return change
 
-    def slope(self, state: Array, value: float) -> Array:
+    def slope(self, state: Array, value: float, image: Array) -> Array:
         """Give the change of N(x) − x with the parameter, in scaled unknowns."""
-        small = _PARAMETER * self.settings.span
-        ahead, behind = (
-            self.map.images(state[None], value + sign * small)[0] for sign in (1.0, -1.0)
-        )
-        slope: Array = (ahead - behind) / (2.0 * _PARAMETER * self.scale)
+        ahead = self.map.images(state[None], value + _PARAMETER * self.settings.span)[0]
+        slope: Array = (ahead - image) / (_PARAMETER * self.scale)
         return slope
 
     def size(self, state: Array) -> float:
@@ -384,14 +383,9 @@ class _Follower:
     def point(
         self, state: Array, value: float, derivative: LowRank, forward: Array
     ) -> BranchPoint:
-        """Give a fixed point with its tangent in the direction of another one."""
-        # The largest motion so far, so that lengths are comparable along the branch.
-        self.scale = max(self.scale, self.size(state))
-        derivative = changed(derivative, slope=self.slope(state, value))
-        at = (state, value, self.scale)
-        derivative, tangent = self.solved(
-            at, derivative, (forward, np.zeros(state.size), 1.0), _TANGENT
-        )
+        """Give a fixed point with its tangent in a direction."""
+        system = (forward, np.zeros(state.size), 1.0)
+        derivative, tangent = self.solved((state, value), derivative, system, _TANGENT)
         tangent = tangent / np.linalg.norm(tangent)
         return BranchPoint(state, value, self.scale, derivative, tangent)
 
