@@ -19,6 +19,7 @@ from unittest import mock
 import numpy as np
 
 import gearbow as gb
+from gearbow import _core
 from gearbow.study import Case, Settings
 from gearbow.study.case import system as study_system
 from gearbow.system import continuation
@@ -102,17 +103,17 @@ def branch_row(
     steady = system.steady_state(speed, initial="static", rtol=1e-8)
     alone = time.process_time() - begin
     periods = [0]
-    correct: Any = continuation.corrected_states
+    correct: Any = _core.corrected_states
 
     def counted(model: Any, *, states: Any, levels: Any, **options: Any) -> Any:
         # Without levels, one more period chooses them.
         periods[0] += len(states) + (levels is None)
         return correct(model, states=states, levels=levels, **options)
 
-    fixed = {} if parameter == "speed" else {"speed": speed}
+    fixed = None if parameter == "speed" else speed
     begin = time.process_time()
     with mock.patch.object(continuation, "corrected_states", counted):
-        branch = system.continuation(parameter, *interval, rtol=1e-8, max_points=8, **fixed)
+        branch = system.continuation(parameter, *interval, speed=fixed, rtol=1e-8, max_points=8)
     points = branch.values.size
     cost = (time.process_time() - begin - alone) / points
     return [

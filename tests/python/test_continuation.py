@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,11 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow import _core
 from gearbow.analysis.arclength import Settings, branch
+from gearbow.system import continuation
 from reference.teeth import Toothed
+from test_steady_state import train
 
 #: Mean stiffness [N/m], half backlash [m] and damping ratio of the pair with clearance.
 MEAN, HALF, ZETA = 2e8, 1e-5, 0.05
@@ -22,7 +26,7 @@ class Duffing:
 
     STEPS = 100
 
-    def images(self, states: np.ndarray, value: float, *, adapt: bool = False) -> np.ndarray:
+    def images(self, states: np.ndarray, value: float, **_: Any) -> np.ndarray:
         step = 2 * np.pi / value / self.STEPS
 
         # A prediction may be far from the branch.
@@ -44,7 +48,7 @@ class Duffing:
             x = x + step / 6 * (a + 2 * b + 2 * c + d)
         return x.T
 
-    def observed(self, state: np.ndarray, value: float) -> tuple[np.ndarray, float]:
+    def observed(self, state: np.ndarray, _: float) -> tuple[np.ndarray, float]:
         return state, np.inf
 
     def multipliers(self, kept: np.ndarray, value: float) -> np.ndarray:
@@ -84,6 +88,38 @@ def test_the_folds_of_duffings_equation():
         largest = np.abs(point.multipliers[0])
         assert (largest > 1) == (at[0] < i < at[1]) or i in at
     assert len(points) < 200
+
+
+def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPatch):
+    speed, rtol, periods = 100.0, 1e-8, 0
+    system = train()
+    correct = _core.corrected_states
+
+    def counted(model: Any, *, states: Any, levels: Any, **options: Any) -> Any:
+        nonlocal periods
+        periods += len(states) + (levels is None)
+        return correct(model, states=states, levels=levels, **options)
+
+    monkeypatch.setattr(continuation, "corrected_states", counted)
+    found = system.continuation("bow", 1.0, 1.1, speed=speed, rtol=rtol, step=0.05, max_points=4)
+    assert found.values.size == 5
+    assert found.stable.all()
+    # A dense derivative takes 4 periods for each degree of freedom, of which there are over 200.
+    assert len(system.dofs) > 200
+    assert periods < 15 * found.values.size
+    last = found_at(system, found.values[-1], speed, rtol)
+    for pair in (("g1", "g2"), ("g3", "g4")):
+        force = last.response.mesh(*pair).force
+        assert found.statistic("max", pair, "force")[-1] == pytest.approx(force.max(), rel=1e-7)
+
+
+def found_at(system: gb.RotorSystem, factor: float, speed: float, rtol: float) -> gb.SteadyState:
+    """Return the steady state of a train with scaled bows, recorded at the instants of a branch."""
+    shafts = [
+        replace(shaft, bow=shaft.bow and replace(shaft.bow, amplitude=factor * shaft.bow.amplitude))
+        for shaft in system.shafts
+    ]
+    return system.replace(shafts=shafts).steady_state(speed, rtol=rtol)
 
 
 def clearance(**changes: Any) -> gb.RotorSystem:

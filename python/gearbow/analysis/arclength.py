@@ -380,9 +380,7 @@ class _Follower:
         """Give the size of a state that is not zero."""
         return max(float(np.linalg.norm(state)), self.settings.floor)
 
-    def point(
-        self, state: Array, value: float, derivative: LowRank, forward: Array
-    ) -> BranchPoint:
+    def point(self, state: Array, value: float, derivative: LowRank, forward: Array) -> BranchPoint:
         """Give a fixed point with its tangent in a direction."""
         system = (forward, np.zeros(state.size), 1.0)
         derivative, tangent = self.solved((state, value), derivative, system, _TANGENT)

@@ -29,7 +29,7 @@ class LowRank:
     left, right : ndarray, shape (n, k)
         L and R; the columns of R are orthonormal.
     slope : ndarray, shape (n,)
-        s, the derivative with respect to the parameter.
+        Derivative s with respect to the parameter.
     """
 
     left: Array
@@ -43,7 +43,7 @@ class LowRank:
         Parameters
         ----------
         slope : ndarray, shape (n,)
-            The derivative with respect to the parameter.
+            Derivative with respect to the parameter.
 
         Returns
         -------
