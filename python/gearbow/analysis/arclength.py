@@ -8,20 +8,19 @@ differences along few directions, and passed on from point to point.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from dataclasses import replace as changed
 from typing import Any, Protocol
 
 import numpy as np
 
 from gearbow._types import Array, ComplexArray
+from gearbow.analysis.branch_point import KINDS, BranchPoint, critical
 from gearbow.analysis.low_rank import LowRank
 from gearbow.errors import ConvergenceError, GearbowError
 
-__all__ = ["KINDS", "BranchPoint", "Map", "Settings", "branch", "critical"]
+__all__ = ["Map", "Settings", "branch"]
 
-#: Kinds of located points.
-KINDS = ("fold", "flip", "contact loss")
 #: Difference of states for a derivative, relative to the size of the state: the central difference
 #: has an error of its square, and the rounding error of the map divided by it.
 _DIFFERENCE = 1e-5
@@ -143,43 +142,6 @@ class Settings:
         return abs(self.stop - self.start)
 
 
-@dataclass
-class BranchPoint:
-    """A fixed point with its derivative.
-
-    Parameters
-    ----------
-    state : ndarray, shape (n,)
-        The fixed point.
-    value : float
-        The parameter.
-    scale : float
-        Size of the states.
-    derivative : LowRank
-        Derivative of N(x) − x over states / scale and parameter / interval.
-    tangent : ndarray, shape (n + 1,)
-        Unit tangent of the branch over the same.
-    margin : float
-        Distance from the first contact loss.
-    kept : object
-        What the map keeps of the point.
-    multipliers : ndarray
-        The largest multipliers.
-    kind : str
-        "" or one of `KINDS` for a located point.
-    """
-
-    state: Array
-    value: float
-    scale: float
-    derivative: LowRank
-    tangent: Array = field(default_factory=lambda: np.zeros(0))
-    margin: float = np.inf
-    kept: Any = None
-    multipliers: ComplexArray = field(default_factory=lambda: np.zeros(0, complex))
-    kind: str = ""
-
-
 def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]:
     """Follow a branch until the parameter leaves the interval.
 
@@ -220,29 +182,6 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
         if ends:
             return
         last = found
-
-
-def critical(point: BranchPoint, kind: str) -> float:
-    """Give the function whose sign changes at a kind of special points.
-
-    Parameters
-    ----------
-    point : BranchPoint
-        A point.
-    kind : str
-        One of `KINDS`.
-
-    Returns
-    -------
-    float
-        Its value.
-    """
-    if kind == "fold":
-        return float(point.tangent[-1])
-    if kind == "contact loss":
-        return point.margin
-    negative = point.multipliers.real[(point.multipliers.imag == 0.0)]
-    return 1.0 + float(min(negative, default=0.0))
 
 
 class _Follower:

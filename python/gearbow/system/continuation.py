@@ -17,7 +17,8 @@ from gearbow._core import (
 )
 from gearbow._progress import reported
 from gearbow._types import Array, ComplexArray, Progress, Record, RunData
-from gearbow.analysis.arclength import BranchPoint, Settings, branch
+from gearbow.analysis.arclength import Settings, branch
+from gearbow.analysis.branch_point import BranchPoint
 from gearbow.analysis.protocol import variant
 from gearbow.description.bow import Bow
 from gearbow.description.kinematics import Kinematics
