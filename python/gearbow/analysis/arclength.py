@@ -174,7 +174,7 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
         ends = not low <= found.value <= high
         if ends:
             found = follower.ended(last, found, low if found.value < low else high)
-        follower.observe(found, KINDS)
+            follower.observe(found, KINDS)
         for kind in KINDS:
             if critical(last, kind) * critical(found, kind) < 0.0:
                 yield follower.located(last, found, kind)
@@ -211,6 +211,7 @@ class _Follower:
                 point, count = self.step(last, step)
                 if point.tangent @ last.tangent < _TURN and step > 16.0 * self.settings.smallest:
                     raise ConvergenceError("the branch turns too much")
+                self.observe(point, KINDS)
             except GearbowError as error:
                 step /= 3.0
                 if step < self.settings.smallest:
@@ -235,7 +236,10 @@ class _Follower:
         along = np.zeros(last.state.size + 1)
         along[-1] = np.sign(beyond.value - last.value)
         state = last.state + part * (beyond.state - last.state)
-        return self.corrected(beyond, state, value, along)[0]
+        point, _ = self.corrected(beyond, state, value, along)
+        if point.tangent @ last.tangent < 0.0:
+            point.tangent = -point.tangent
+        return point
 
     def corrected(
         self, base: BranchPoint, state: Array, value: float, along: Array
