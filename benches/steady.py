@@ -4,20 +4,26 @@ Both begin at the same state and have the same tolerance. Running in ends at the
 signals differ from the steady state by at most the stated error (RMS of the difference / RMS of the
 signal about its mean, for the worst displacement of a gear or mesh force). The times are CPU times
 of one process. `python benches/steady.py` takes some minutes; --quick leaves out 0.2 % damping.
+--continuation prints a second table instead: the cost of a point of a branch over that of a steady
+state, and its number of periods without those of the multipliers.
 """
 
 import argparse
 import importlib.util
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 import gearbow as gb
+from gearbow import _core
 from gearbow.study import Case, Settings
 from gearbow.study.case import system as study_system
+from gearbow.system import continuation
 
 GEARS = ("g1", "g2", "g3", "g4")
 PAIRS = (("g1", "g2"), ("g3", "g4"))
@@ -34,6 +40,12 @@ def demo() -> gb.RotorSystem:
     spec.loader.exec_module(example)
     found: gb.RotorSystem = example.train(0.05 * example.RADIUS)
     return found
+
+
+def smooth(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Return the train with tooth pairs that engage smoothly, over a fifth of the base pitch."""
+    stiffness = gb.Stiffness.square(1.5e8, engagement=0.2)
+    return system.replace(meshes=[replace(mesh, stiffness=stiffness) for mesh in system.meshes])
 
 
 def study() -> gb.RotorSystem:
@@ -90,15 +102,71 @@ def row(
     ]
 
 
+def branch_row(
+    name: str, system: gb.RotorSystem, parameter: str, interval: tuple[float, float], speed: float
+) -> list[str]:
+    """Measure the points of a branch; the speed is that of its start."""
+    begin = time.process_time()
+    steady = system.steady_state(speed, initial="static", rtol=1e-8)
+    alone = time.process_time() - begin
+    periods = [0]
+    correct: Any = _core.corrected_states
+
+    def counted(model: Any, *, states: Any, levels: Any, **options: Any) -> Any:
+        # Without levels, one more period chooses them.
+        periods[0] += len(states) + (levels is None)
+        return correct(model, states=states, levels=levels, **options)
+
+    fixed = None if parameter == "speed" else speed
+    begin = time.process_time()
+    with mock.patch.object(continuation, "corrected_states", counted):
+        branch = system.continuation(parameter, *interval, speed=fixed, rtol=1e-8, max_points=8)
+    points = branch.values.size
+    cost = (time.process_time() - begin - alone) / points
+    return [
+        name,
+        parameter,
+        f"{speed:g}",
+        str(2 * len(system.dofs)),
+        f"{steady.periods}",
+        f"{periods[0] / points:.1f}",
+        f"{alone:.2f}",
+        f"{cost:.2f}",
+        f"{cost / alone:.1f}",
+    ]
+
+
+def branches() -> None:
+    """Print the table of branches."""
+    head = ["train, damping", "parameter", "speed [rad/s]", "states", "periods of a steady state"]
+    head += ["of a point", "steady state [s]", "point [s]", "ratio"]
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    one, two = demo().replace(modal_damping=0.01), study().replace(modal_damping=0.02)
+    for name, system, speed in (("demo train, 1 %", one, 100.0), ("study train, 2 %", two, 1000.0)):
+        for parameter, interval in (("speed", (speed, 1.3 * speed)), ("bow", (0.5, 2.0))):
+            print("| " + " | ".join(branch_row(name, system, parameter, interval, speed)) + " |")
+            sys.stdout.flush()
+
+
 def main() -> None:
-    """Print the table."""
+    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--quick", action="store_true", help="leave out 0.2 % damping")
-    quick: bool = parser.parse_args().quick
+    parser.add_argument("--continuation", action="store_true", help="measure branches")
+    given = parser.parse_args()
+    if given.continuation:
+        branches()
+        return
+    quick: bool = given.quick
     cases: list[tuple[str, gb.RotorSystem, float, float, str, float]] = []
     one = demo().replace(modal_damping=0.01)
     cases += [("demo train, 1 %", one, 100.0, 1e-8, "frozen", 1e-10)]
     cases += [("demo train, 1 %", one, 100.0, 1e-6, "live", 1e-10)]
+    teeth = smooth(one)
+    for speed in (100.0, 300.0, 1000.0):
+        for geometry in ("frozen", "live"):
+            cases.append(("demo train, smooth teeth, 1 %", teeth, speed, 2e-6, geometry, 1e-7))
     for damping in (0.02,) if quick else (0.02, 0.002):
         damped = study().replace(modal_damping=damping)
         for speed in (100.0, 1000.0):

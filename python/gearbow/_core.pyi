@@ -32,9 +32,10 @@ __all__ = [
     "check_speed",
     "common_period",
     "connection_channels",
+    "corrected_states",
     "film_coefficients",
     "multipliers",
-    "period_map",
+    "recorded_period",
     "rolling_coefficients",
     "steady_state",
     "user_order",
@@ -116,15 +117,23 @@ def steady_state(
     **options: Unpack[RunOptions],
 ) -> tuple[RunData, dict[str, Any]]: ...
 def user_order(model: Model, state: Array) -> Array: ...
-def period_map(
+def corrected_states(
     model: Model,
     *,
     initial: str | dict[str, Any],
     states: Array,
+    levels: bytes | None,
+    **options: Unpack[RunOptions],
+) -> tuple[Array, bytes]: ...
+def recorded_period(
+    model: Model,
+    *,
+    initial: str | dict[str, Any],
+    state: Array,
     samples: int,
     record: list[Record],
     **options: Unpack[RunOptions],
-) -> tuple[Array, RunData | None]: ...
+) -> RunData: ...
 def multipliers(
     model: Model,
     *,

@@ -35,9 +35,11 @@ mod _core {
     #[pymodule_export]
     use super::steady::common_period;
     #[pymodule_export]
+    use super::steady::corrected_states;
+    #[pymodule_export]
     use super::steady::multipliers;
     #[pymodule_export]
-    use super::steady::period_map;
+    use super::steady::recorded_period;
     #[pymodule_export]
     use super::steady::steady_state;
     #[pymodule_export]

@@ -1,11 +1,11 @@
-//! `_core.steady_state`, `multipliers` and `period_map`: steady states of a model, found without the interpreter lock.
+//! `_core.steady_state`, `multipliers` and what branches need: steady states of a model, found without the interpreter lock.
 
 use std::sync::Arc;
 
 use nalgebra::Complex;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use pythonize::pythonize;
 use serde::Serialize;
 
@@ -17,9 +17,6 @@ use super::response::response_dict;
 use crate::analysis::simulate::RecordPlan;
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
 use crate::scene::{EntryPath, SceneError};
-
-/// States after a period, one row each, and the recorded period.
-type Images<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyDict>>);
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
 #[derive(Serialize)]
@@ -108,39 +105,69 @@ pub fn multipliers<'py>(
     Ok(PyArray1::from_vec(py, finished(outcome, raised)?))
 }
 
-/// States after one period and the recorded period from the first state; see [`steady::period_map`].
+/// Corrects states, one a row, by one step of the fixed-point iteration, with given step levels; see
+/// [`steady::corrected_states`].
 ///
 /// # Errors
 /// The reason for which a run ends early, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, states, samples, record, **options))]
+#[pyo3(signature = (model, *, initial, states, levels, **options))]
 #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
-pub fn period_map<'py>(
+pub fn corrected_states<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     states: PyReadonlyArray2<'py, f64>,
+    levels: Option<Vec<u8>>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyBytes>)> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
+    let given = states.as_array();
+    let states = given.rows().into_iter().map(|row| core_order(owner, &row.to_vec()));
+    let states = states.collect::<PyResult<Vec<Vec<f64>>>>()?;
+    let cached = Arc::clone(&owner.cached);
+    let (outcome, raised) = background::run(py, None, move |_, watch| {
+        steady::corrected_states(&cached, &options, (&states, levels.as_deref()), watch)
+    })?;
+    let found = finished(outcome, raised)?;
+    let numbering = &owner.model().numbering;
+    let rows: Vec<Vec<f64>> = found.states.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
+    Ok((PyArray2::from_vec2(py, &rows)?, PyBytes::new(py, &found.levels)))
+}
+
+/// Records a number of samples of the period that begins in a state.
+///
+/// # Errors
+/// The reason for which the run ends early, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, state, samples, record, **options))]
+#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+pub fn recorded_period<'py>(
+    model: &Bound<'py, PyModel>,
+    initial: &Bound<'py, PyAny>,
+    state: PyReadonlyArray1<'py, f64>,
     samples: usize,
     record: Vec<RecordEntry>,
     options: Option<&Bound<'py, PyDict>>,
-) -> PyResult<Images<'py>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
-    let numbering = &owner.model().numbering;
-    let states = states.as_array();
-    if states.ncols() != 2 * numbering.len() {
-        return Err(SceneError::new("states", format!("must have {} columns", 2 * numbering.len())).into());
-    }
-    let states = states.rows().into_iter().map(|row| by_halves(&row.to_vec(), |q| numbering.in_core_order(q)));
-    let states: Vec<Vec<f64>> = states.collect();
+    let state = core_order(owner, state.as_slice()?)?;
     let plan = record_plan(owner, record)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, None, move |_, watch| {
-        steady::period_map(&cached, &options, (&recorded, samples), &states, watch)
+        steady::recorded_period(&cached, &options, (&recorded, samples), &state, watch)
     })?;
-    let (images, response) = finished(outcome, raised)?;
-    let images: Vec<Vec<f64>> = images.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
-    let response = response.map(|response| response_dict(owner, py, &plan, response)).transpose()?;
-    Ok((PyArray2::from_vec2(py, &images)?, response))
+    response_dict(owner, py, &plan, finished(outcome, raised)?)
+}
+
+/// Displacements and velocities in the order of the core.
+fn core_order(owner: &PyModel, state: &[f64]) -> PyResult<Vec<f64>> {
+    let numbering = &owner.model().numbering;
+    if state.len() != 2 * numbering.len() {
+        return Err(SceneError::new("state", format!("must have {} entries", 2 * numbering.len())).into());
+    }
+    Ok(by_halves(state, |q| numbering.in_core_order(q)))
 }
 
 /// Displacements and velocities of the core in the order of the degrees of freedom that users see.

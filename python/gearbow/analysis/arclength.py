@@ -2,23 +2,26 @@
 
 The method of H. B. Keller (*Numerical solution of bifurcation and nonlinear eigenvalue problems*,
 in Applications of Bifurcation Theory, Academic Press 1977) follows a branch x(s), λ(s) by its
-length s, so that it passes folds. The Jacobian is dense and taken from differences at each point.
-It is the matrix of the corrector, its eigenvalues are the multipliers, and its null vector is the
-tangent.
+length s, so that it passes folds. The map N is the step of an iteration that almost converges: the
+derivative of N(x) − x is minus the identity plus a matrix of low rank. This matrix is found from
+differences along few directions, and passed on from point to point.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import replace as changed
 from typing import Any, Protocol
 
 import numpy as np
 
 from gearbow._types import Array, ComplexArray
+from gearbow.analysis.branch_point import KINDS, BranchPoint, critical
+from gearbow.analysis.low_rank import LowRank
 from gearbow.errors import ConvergenceError, GearbowError
 
-__all__ = ["BranchPoint", "Map", "Settings", "branch", "critical"]
+__all__ = ["Map", "Settings", "branch"]
 
-#: Difference of states for the Jacobian, relative to the size of the state: the central difference
+#: Difference of states for a derivative, relative to the size of the state: the central difference
 #: has an error of its square, and the rounding error of the map divided by it.
 _DIFFERENCE = 1e-5
 #: Difference of the parameter for the tangent, relative to the interval.
@@ -26,6 +29,15 @@ _PARAMETER = 1e-6
 #: Number of corrections of one point, and that at which the steps keep their length.
 _CORRECTIONS = 12
 _USUAL = 7
+#: Reduction of the residual by a correction that is too little.
+_SLOW = 0.3
+#: Largest residual of the linear system of a correction that was too little, and of the tangent.
+_SOLVED = 0.1
+_TANGENT = 1e-4
+#: Largest number of directions in which a derivative is taken for one linear system.
+_DIRECTIONS = 40
+#: Part of a direction that is not in the span of the others, below which it is round-off.
+_DEPENDENT = 1e-8
 #: Largest angle between two tangents [cos].
 _TURN = 0.9
 #: Relative accuracy of a located point.
@@ -36,7 +48,7 @@ _LOCATIONS = 40
 class Map(Protocol):
     """A map of states over a parameter."""
 
-    def images(self, states: Array, value: float) -> Array:
+    def images(self, states: Array, value: float, *, adapt: bool = False) -> Array:
         """Give the images of states at one value of the parameter.
 
         Parameters
@@ -45,11 +57,13 @@ class Map(Protocol):
             States.
         value : float
             The parameter.
+        adapt : bool
+            Choose the steps of the integration for the first state, and keep them.
 
         Returns
         -------
         ndarray, shape (k, n)
-            Their images, by the same steps.
+            Their images.
         """
 
     def observed(self, state: Array, value: float) -> tuple[Any, float]:
@@ -70,6 +84,22 @@ class Map(Protocol):
             Distance from the first contact loss.
         """
 
+    def multipliers(self, kept: Any, value: float) -> ComplexArray:
+        """Compute the largest multipliers of a fixed point.
+
+        Parameters
+        ----------
+        kept : object
+            What `observed` gave.
+        value : float
+            The parameter.
+
+        Returns
+        -------
+        ndarray
+            Multipliers, the largest first: all outside the unit circle and those near it.
+        """
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -84,7 +114,7 @@ class Settings:
     max_points : int
         Largest number of points.
     tolerance : float
-        Largest |P(x) − x| over |x|.
+        Largest |N(x) − x| over |x|.
     floor : float
         Smallest |x| that differences and tolerances are relative to.
     largest, smallest : float
@@ -110,67 +140,6 @@ class Settings:
             |stop − start|.
         """
         return abs(self.stop - self.start)
-
-
-@dataclass
-class BranchPoint:
-    """A fixed point with its derivative.
-
-    Parameters
-    ----------
-    state : ndarray, shape (n,)
-        The fixed point.
-    value : float
-        The parameter.
-    jacobian : ndarray, shape (n, n)
-        Derivative of the map.
-    slope : ndarray, shape (n,)
-        Derivative of the map with respect to the parameter, times the interval.
-    scale : float
-        Size of the states.
-    tangent : ndarray, shape (n + 1,)
-        Unit tangent of the branch over states / scale and parameter / interval.
-    margin : float
-        Distance from the first contact loss.
-    kept : object
-        What the map keeps of the point.
-    kind : str
-        "" or "fold", "flip", "contact loss" for a located point.
-    """
-
-    state: Array
-    value: float
-    jacobian: Array
-    slope: Array
-    scale: float
-    tangent: Array = field(default_factory=lambda: np.zeros(0))
-    margin: float = np.inf
-    kept: Any = None
-    kind: str = ""
-
-    @property
-    def multipliers(self) -> ComplexArray:
-        """List the eigenvalues of the derivative.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            The largest first.
-        """
-        values: ComplexArray = np.linalg.eigvals(self.jacobian).astype(complex)
-        return values[np.argsort(-np.abs(values))]
-
-    @property
-    def flip(self) -> float:
-        """Give a function that changes its sign where a multiplier passes −1.
-
-        Returns
-        -------
-        float
-            Determinant of the derivative plus the identity, as the n-th root of its magnitude.
-        """
-        sign, logarithm = np.linalg.slogdet(self.jacobian + np.eye(self.state.size))
-        return float(sign * np.exp(logarithm / self.state.size))
 
 
 def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]:
@@ -205,33 +174,14 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
         ends = not low <= found.value <= high
         if ends:
             found = follower.ended(last, found, low if found.value < low else high)
-        for name in ("fold", "flip", "contact loss"):
-            if critical(last, name) * critical(found, name) < 0.0:
-                yield follower.located(last, found, name)
+            follower.observe(found, KINDS)
+        for kind in KINDS:
+            if critical(last, kind) * critical(found, kind) < 0.0:
+                yield follower.located(last, found, kind)
         yield found
         if ends:
             return
         last = found
-
-
-def critical(point: BranchPoint, name: str) -> float:
-    """Give the function whose sign changes at a kind of special points.
-
-    Parameters
-    ----------
-    point : BranchPoint
-        A point.
-    name : str
-        "fold", "flip" or "contact loss".
-
-    Returns
-    -------
-    float
-        Its value.
-    """
-    if name == "fold":
-        return float(point.tangent[-1])
-    return point.flip if name == "flip" else point.margin
 
 
 class _Follower:
@@ -243,14 +193,15 @@ class _Follower:
 
     def first(self, state: Array) -> BranchPoint:
         """Correct the first point at the start of the interval."""
-        point = self.derived(state, self.settings.start)
-        along = np.zeros(state.size + 1)
-        along[-1] = 1.0
-        state, value, _ = self.corrected(point, point.state, point.value, along)
-        point = self.derived(state, value)
+        self.scale = self.size(state)
         forward = np.zeros(state.size + 1)
         forward[-1] = np.sign(self.settings.stop - self.settings.start)
-        self.complete(point, forward)
+        value = self.settings.start
+        image = self.map.images(state[None], value, adapt=True)[0]
+        derivative = LowRank.identity(self.slope(state, value, image))
+        guess = BranchPoint(state, value, self.scale, derivative)
+        point, _ = self.corrected(guess, state, value, forward)
+        self.observe(point, KINDS)
         return point
 
     def advance(self, last: BranchPoint, step: float) -> tuple[BranchPoint, float]:
@@ -260,6 +211,7 @@ class _Follower:
                 point, count = self.step(last, step)
                 if point.tangent @ last.tangent < _TURN and step > 16.0 * self.settings.smallest:
                     raise ConvergenceError("the branch turns too much")
+                self.observe(point, KINDS)
             except GearbowError as error:
                 step /= 3.0
                 if step < self.settings.smallest:
@@ -276,89 +228,128 @@ class _Follower:
         along = last.tangent
         state = last.state + step * along[:-1] * last.scale
         value = last.value + step * along[-1] * self.settings.span
-        state, value, count = self.corrected(last, state, value, along)
-        point = self.derived(state, value)
-        self.complete(point, along)
-        return point, count
+        return self.corrected(last, state, value, along)
 
     def ended(self, last: BranchPoint, beyond: BranchPoint, value: float) -> BranchPoint:
         """Give the point at a bound of the interval, between two points."""
         part = (value - last.value) / (beyond.value - last.value)
         along = np.zeros(last.state.size + 1)
-        along[-1] = 1.0
+        along[-1] = np.sign(beyond.value - last.value)
         state = last.state + part * (beyond.state - last.state)
-        state, _, _ = self.corrected(beyond, state, value, along)
-        point = self.derived(state, value)
-        self.complete(point, last.tangent)
+        point, _ = self.corrected(beyond, state, value, along)
+        if point.tangent @ last.tangent < 0.0:
+            point.tangent = -point.tangent
         return point
 
     def corrected(
         self, base: BranchPoint, state: Array, value: float, along: Array
-    ) -> tuple[Array, float, int]:
-        """Correct a predicted point in the plane across the branch."""
-        matrix = self.bordered(base, along)
-        size = max(float(np.linalg.norm(state)), self.settings.floor)
-        before = np.inf
+    ) -> tuple[BranchPoint, int]:
+        """Correct a predicted point in the plane across a direction.
+
+        Returns the point and its number of corrections.
+        """
+        size, scale, derivative = self.size(state), base.scale, base.derivative
+        image = self.map.images(state[None], value, adapt=True)[0]
+        before, last, step = np.inf, np.zeros(0), np.zeros(0)
         for count in range(1, _CORRECTIONS + 1):
-            defect = self.map.images(state[None], value)[0] - state
-            error = float(np.linalg.norm(defect)) / size
+            residual = (image - state) / scale
+            error = float(np.linalg.norm(residual)) * scale / size
+            if count > 1:
+                derivative = derivative.updated(step, residual - last)
             if error <= self.settings.tolerance:
-                return state, value, count
+                # The largest motion so far, so that lengths are comparable along the branch.
+                self.scale = max(self.scale, size)
+                slope = self.slope(state, value, image)
+                return self.point(state, value, changed(derivative, slope=slope), along), count
             if not error < 10.0 * before:
                 break
-            if error > 0.3 * before and count % 3 == 0:
-                base = self.derived(state, value)
-                matrix = self.bordered(base, along)
-            change = np.linalg.solve(matrix, np.append(-defect / base.scale, 0.0))
-            state = state + change[:-1] * base.scale
-            value = value + change[-1] * self.settings.span
-            before = error
+            if error > _SLOW * before:
+                derivative, step = self.solved(
+                    (state, value), derivative, (along, -residual, 0.0), _SOLVED
+                )
+            else:
+                step = derivative.solve(along, -residual, 0.0)
+            state = state + step[:-1] * scale
+            value = value + step[-1] * self.settings.span
+            image = self.map.images(state[None], value)[0]
+            before, last = error, residual
         raise ConvergenceError(f"the corrections do not converge (residual {error:.1e})")
 
-    def bordered(self, base: BranchPoint, along: Array) -> Array:
-        """Give the Jacobian of P(x) − x and of the plane across the branch, in scaled unknowns."""
-        n = base.state.size
-        matrix = np.zeros((n + 1, n + 1))
-        matrix[:n, :n] = base.jacobian - np.eye(n)
-        matrix[:n, n] = base.slope / base.scale
-        matrix[n] = along
-        return matrix
+    def solved(
+        self,
+        at: tuple[Array, float],
+        derivative: LowRank,
+        system: tuple[Array, Array, float],
+        rtol: float,
+    ) -> tuple[LowRank, Array]:
+        """Solve with the derivative at a point, which is measured along the solution.
 
-    def derived(self, state: Array, value: float) -> BranchPoint:
-        """Take the derivatives of the map at a state."""
-        n = state.size
-        size = max(float(np.linalg.norm(state)), self.settings.floor)
-        # The largest motion so far, so that lengths are comparable along the branch.
-        self.scale = max(self.scale, size)
-        width = _DIFFERENCE * size
-        moved = np.concatenate([state + width * np.eye(n), state - width * np.eye(n)])
-        images = self.map.images(np.concatenate([state[None], moved]), value)[1:]
-        jacobian = (images[:n] - images[n:]).T / (2.0 * width)
-        small = _PARAMETER * self.settings.span
-        sides = [self.map.images(state[None], value + sign * small)[0] for sign in (1.0, -1.0)]
-        slope = (sides[0] - sides[1]) / (2.0 * _PARAMETER)
-        return BranchPoint(state, value, jacobian, slope, self.scale)
+        The derivative is exact in the space of the measured directions, in which the solution
+        comes to lie: the method is a Krylov method that begins with a known matrix of low rank.
+        """
+        measured = np.zeros((derivative.slope.size, 0))
+        for _ in range(_DIRECTIONS):
+            step = derivative.solve(*system)
+            direction = step[:-1]
+            for _ in range(2):
+                direction = direction - measured @ (measured.T @ direction)
+            length, whole = np.linalg.norm(direction), np.linalg.norm(step[:-1])
+            if length <= _DEPENDENT * whole:
+                break
+            unit = np.append(direction / length, 0.0)
+            change = self.change(at, unit[:-1])
+            residual = length * np.linalg.norm(change - derivative.product(unit))
+            derivative = derivative.updated(unit, change)
+            measured = np.column_stack([measured, unit[:-1]])
+            if residual <= rtol * whole:
+                break
+        return derivative, derivative.solve(*system)
 
-    def complete(self, point: BranchPoint, forward: Array) -> None:
-        """Add the tangent, in the direction of another one, and what the map observes."""
-        matrix = self.bordered(point, forward)
-        right = np.zeros(point.state.size + 1)
-        right[-1] = 1.0
-        tangent = np.linalg.solve(matrix, right)
-        point.tangent = tangent / np.linalg.norm(tangent)
+    def change(self, at: tuple[Array, float], direction: Array) -> Array:
+        """Give the change of N(x) − x along a direction of unit length."""
+        state, value = at
+        move = _DIFFERENCE * self.size(state) * direction
+        ahead, behind = self.map.images(np.stack([state + move, state - move]), value)
+        change: Array = (ahead - behind - 2.0 * move) / (2.0 * _DIFFERENCE * self.size(state))
+        return change
+
+    def slope(self, state: Array, value: float, image: Array) -> Array:
+        """Give the change of N(x) − x with the parameter, in scaled unknowns."""
+        ahead = self.map.images(state[None], value + _PARAMETER * self.settings.span)[0]
+        slope: Array = (ahead - image) / (_PARAMETER * self.scale)
+        return slope
+
+    def size(self, state: Array) -> float:
+        """Give the size of a state that is not zero."""
+        return max(float(np.linalg.norm(state)), self.settings.floor)
+
+    def point(self, state: Array, value: float, derivative: LowRank, forward: Array) -> BranchPoint:
+        """Give a fixed point with its tangent in a direction."""
+        system = (forward, np.zeros(state.size), 1.0)
+        derivative, tangent = self.solved((state, value), derivative, system, _TANGENT)
+        tangent = tangent / np.linalg.norm(tangent)
+        return BranchPoint(state, value, self.scale, derivative, tangent)
+
+    def observe(self, point: BranchPoint, kinds: tuple[str, ...]) -> None:
+        """Add what the map observes, as far as the kinds need it."""
+        if kinds == ("fold",):
+            return
         point.kept, point.margin = self.map.observed(point.state, point.value)
+        if "flip" in kinds:
+            point.multipliers = self.map.multipliers(point.kept, point.value)
 
-    def located(self, last: BranchPoint, after: BranchPoint, name: str) -> BranchPoint:
+    def located(self, last: BranchPoint, after: BranchPoint, kind: str) -> BranchPoint:
         """Locate a special point between two points, by false position with halved weights."""
         chord = (after.state - last.state) @ last.tangent[:-1] / last.scale
         chord += (after.value - last.value) / self.settings.span * last.tangent[-1]
-        ends = [(0.0, critical(last, name)), (float(chord), critical(after, name))]
+        ends = [(0.0, critical(last, kind)), (float(chord), critical(after, kind))]
         best, side = after, 0
         for _ in range(_LOCATIONS):
             (a, f), (b, g) = ends
             at = (a * g - b * f) / (g - f)
             found, _ = self.step(last, at)
-            new = critical(found, name)
+            self.observe(found, (kind,))
+            new = critical(found, kind)
             done = abs(found.value - best.value) <= _LOCATED * abs(found.value)
             best = found
             if done or new == 0.0:
@@ -368,5 +359,6 @@ class _Follower:
             else:
                 # The end that stays for a second time counts half (the Illinois algorithm).
                 ends, side = [(a, f / 2.0 if side else f), (at, new)], 1
-        best.kind = name
+        self.observe(best, KINDS)
+        best.kind = kind
         return best

@@ -8,17 +8,24 @@ from typing import Any
 import numpy as np
 
 from gearbow._convert import number, text, whole
-from gearbow._core import common_period, period_map, user_order
+from gearbow._core import (
+    common_period,
+    corrected_states,
+    multipliers,
+    recorded_period,
+    user_order,
+)
 from gearbow._progress import reported
-from gearbow._types import Array, Progress, Record, RunData
-from gearbow.analysis.arclength import BranchPoint, Settings, branch
+from gearbow._types import Array, ComplexArray, Progress, Record, RunData
+from gearbow.analysis.arclength import Settings, branch
+from gearbow.analysis.branch_point import BranchPoint
 from gearbow.analysis.protocol import variant
 from gearbow.description.bow import Bow
 from gearbow.description.kinematics import Kinematics
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
-from gearbow.results.steady import SteadyState
+from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.system.run import requests
 from gearbow.system.steady import SteadyAnalyses
 
@@ -260,7 +267,7 @@ class _Modes:
 
 
 class _Motion:
-    """The period map over the unknowns of the first system: a `gearbow.analysis.arclength.Map`."""
+    """Steady states over the unknowns of the first system: a `gearbow.analysis.arclength.Map`."""
 
     def __init__(
         self,
@@ -274,6 +281,7 @@ class _Motion:
         self.rtol, self.geometry = run
         self.periods, self.longest = period
         self.modes = _Modes.of(family.base, family.fixed)
+        self._levels: bytes | None = None
 
     def unknowns(self, found: SteadyState) -> Array:
         """Give the unknowns of the first steady state."""
@@ -282,14 +290,27 @@ class _Motion:
         unknowns: Array = self.modes.unknowns(state[None])[0]
         return unknowns
 
-    def images(self, states: Array, value: float) -> Array:
-        """Give the unknowns after a period."""
-        return self._run(states, value, 0)[0]
+    def images(self, states: Array, value: float, *, adapt: bool = False) -> Array:
+        """Give the unknowns after one step of the iteration for the steady state."""
+        system, options = self._options(value)
+        corrected, self._levels = corrected_states(
+            system._model,
+            states=np.ascontiguousarray(self.modes.states(states)),
+            levels=None if adapt else self._levels,
+            **options,
+        )
+        return self.modes.unknowns(corrected)
 
     def observed(self, state: Array, value: float) -> tuple[RunData, float]:
         """Give the recorded period, and the smallest deflection of a mesh with backlash."""
-        data = self._run(state[None], value, self.samples)[1]
-        assert data is not None
+        system, options = self._options(value)
+        data = recorded_period(
+            system._model,
+            state=self.modes.states(state[None])[0],
+            samples=self.samples,
+            record=self.record,
+            **options,
+        )
         meshes = {(mesh.driver, mesh.driven): mesh for mesh in self.family.base.meshes}
         margin = math.inf
         for column, pair in enumerate(data["meshes"]):
@@ -297,34 +318,32 @@ class _Motion:
                 margin = min(margin, _smallest(data["mesh"]["deflection"][:, column]))
         return data, margin
 
-    def _run(self, unknowns: Array, value: float, samples: int) -> tuple[Array, RunData | None]:
+    def multipliers(self, kept: RunData, value: float) -> ComplexArray:
+        """Compute the multipliers as those of a steady state."""
+        system, options = self._options(value)
+        last = kept["final"]
+        options |= {"initial": last, "start": last["time"]}
+        return multipliers(
+            system._model, **options, smallest=SMALLEST_MULTIPLIER, record=[], progress=None
+        )
+
+    def _options(self, value: float) -> tuple[SteadyAnalyses, dict[str, Any]]:
+        """Give the system at a value, and the options of its runs."""
         system, speed = self.family.system(value), self.family.speed(value)
         period = self.periods * common_period(system._model, speed, None, self.longest)
-        images, data = period_map(
-            system._model,
-            initial="static",
-            states=np.ascontiguousarray(self.modes.states(unknowns)),
-            samples=samples,
-            record=self.record,
-            duration=period,
-            speed=speed,
-            method="exponential",
-            step=None,
-            rtol=self.rtol,
-            stages=None,
-            modes=None,
-            reduction=None,
-            geometry=self.geometry,
-            start=0.0,
-        )
-        after = self.modes.unknowns(images)
-        if self.modes.rigid:
-            # A rigid-body position has returned if its velocity has this correction.
-            n, rigid = self.modes.frequencies.size, self.modes.rigid
-            drift = images[:, :n] @ self.modes.inverse[:rigid].T
-            place = slice(n - rigid, n)
-            after[:, place] = unknowns[:, place] - drift / period
-        return after, data
+        return system, {
+            "initial": "static",
+            "duration": period,
+            "speed": speed,
+            "method": "exponential",
+            "step": None,
+            "rtol": self.rtol,
+            "stages": None,
+            "modes": None,
+            "reduction": None,
+            "geometry": self.geometry,
+            "start": 0.0,
+        }
 
     def result(self, points: list[BranchPoint], message: str) -> Continuation:
         """Give the points as a result."""

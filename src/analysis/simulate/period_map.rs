@@ -198,6 +198,21 @@ impl PeriodMap<'_> {
         Ok(state.y)
     }
 
+    /// Step levels of [`Self::apply`].
+    pub fn levels(&self) -> &[u8] {
+        &self.levels
+    }
+
+    /// Sets the step levels of [`Self::apply`], one for each longest step. Returns whether their number is right; otherwise
+    /// they stay as they are.
+    pub fn plan(&mut self, levels: &[u8]) -> bool {
+        let fits = levels.len() == self.levels.len();
+        if fits {
+            self.levels = levels.into();
+        }
+        fits
+    }
+
     /// Makes the step levels of [`Self::apply`] fine enough for the motion from another state too.
     ///
     /// # Errors

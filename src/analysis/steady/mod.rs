@@ -17,6 +17,7 @@ use super::AnalysisError;
 use super::simulate::{Options, RecordPlan, Response, with_period_map};
 use crate::modal::CachedModel;
 pub use period::common_period;
+use preconditioner::Preconditioner;
 use solver::Solver;
 
 /// A steady state.
@@ -48,32 +49,60 @@ pub fn steady_state(
     with_period_map(cached, options, plan, watch, |map| Solver::new(map, samples)?.solve())
 }
 
-/// States after one period, displacements then velocities, for given states of this length at its beginning. The steps meet
-/// the tolerance for the first state and are the same for all. With `samples`, this number of instants of the period from the
-/// first state is recorded.
+/// States after one step of the fixed-point iteration.
+#[derive(Clone, Debug)]
+pub struct Corrected {
+    /// z + (I − e^{AT})⁻¹ (P(z) − z) for each given state z, as displacements then velocities.
+    pub states: Vec<Vec<f64>>,
+    /// Step levels of the period.
+    pub levels: Vec<u8>,
+}
+
+/// Corrects given states at the beginning of a period, displacements then velocities, by one step of the fixed-point
+/// iteration. All periods have the same steps: those of `levels`, or, without them or if the period has another number of
+/// longest steps, such that they meet the tolerance for the first state.
 ///
 /// # Errors
 /// [`AnalysisError`] if a run ends early.
-pub fn period_map(
+pub fn corrected_states(
+    cached: &CachedModel,
+    options: &Options,
+    (states, levels): (&[Vec<f64>], Option<&[u8]>),
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Corrected, AnalysisError> {
+    with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
+        let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+        let mut has_levels = levels.is_some_and(|levels| map.plan(levels));
+        let mut corrected = Vec::with_capacity(states.len());
+        for state in states {
+            let mut z = map.modal(state);
+            if !has_levels {
+                map.adapt(&z)?;
+                has_levels = true;
+            }
+            let image = map.apply(&z)?;
+            let defect: Vec<f64> = image.iter().zip(&z).map(|(image, z)| image - z).collect();
+            z.iter_mut().zip(preconditioner.correct(&defect)).for_each(|(z, correction)| *z += correction);
+            corrected.push(map.physical(z));
+        }
+        Ok(Corrected { states: corrected, levels: map.levels().to_vec() })
+    })
+}
+
+/// Records `samples` instants of the period that begins in a state, displacements then velocities.
+///
+/// # Errors
+/// [`AnalysisError`] if the run ends early.
+pub fn recorded_period(
     cached: &CachedModel,
     options: &Options,
     (plan, samples): (&RecordPlan, usize),
-    states: &[Vec<f64>],
+    state: &[f64],
     watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<(Vec<Vec<f64>>, Option<Response>), AnalysisError> {
+) -> Result<Response, AnalysisError> {
     with_period_map(cached, options, plan, watch, |map| {
-        let (mut images, mut response) = (Vec::with_capacity(states.len()), None);
-        for (index, state) in states.iter().enumerate() {
-            let z = map.modal(state);
-            if index == 0 && samples > 0 {
-                response = Some(map.record(&z, samples)?.0);
-            } else if index == 0 {
-                map.adapt(&z)?;
-            }
-            let image = map.apply(&z)?;
-            images.push(map.physical(image));
-        }
-        Ok((images, response))
+        let z = map.modal(state);
+        Ok(map.record(&z, samples)?.0)
     })
 }
 

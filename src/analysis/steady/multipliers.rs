@@ -13,8 +13,8 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
 /// of about its square, and the round-off of the stage equations (1e-13) divided by it.
 const DIFFERENCE: f64 = 1e-5;
-/// Size of the disturbance that the steps resolve, relative to the motion.
-const DISTURBANCE: f64 = 0.1;
+/// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
+const DISTURBANCES: [f64; 3] = [0.1, 0.01, 0.001];
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
 const REST: f64 = 1e-3;
 /// Energy norm below which there is no motion.
@@ -35,7 +35,14 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
-    map.refine(&disturbed(map, &z, &unknown, size))?;
+    for part in DISTURBANCES {
+        match map.refine(&disturbed(map, &z, &unknown, part * size)) {
+            Ok(()) => break,
+            Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
+            // A disturbance may end the contact geometry, as where the base circles come to overlap.
+            Err(_) => {}
+        }
+    }
     let base = if is_affine { map.apply(&z)? } else { image };
     let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
     let found = eigenvalues(&operator, smallest);
@@ -48,14 +55,14 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     Ok(values)
 }
 
-/// A state whose difference to `z` is a tenth of the motion: its steps also resolve how a disturbance moves, which a steady
-/// motion need not contain. Slow modes have the largest part.
+/// A state at a distance `size` from `z`: its steps also resolve how a disturbance moves, which a steady motion need not
+/// contain. Slow modes have the largest part.
 fn disturbed(map: &PeriodMap<'_>, z: &[f64], unknown: &[usize], size: f64) -> Vec<f64> {
     let linear = map.linear();
     let rate =
         |entry: usize| linear.blocks.iter().filter_map(|list| list.get(entry % linear.slots)).map(|x| x * x).sum();
     let parts: Vec<f64> = unknown.iter().map(|entry| 1.0 / (1.0 + f64::sqrt(rate(*entry)) * map.period())).collect();
-    let factor = DISTURBANCE * size / norm(&parts).max(f64::MIN_POSITIVE);
+    let factor = size / norm(&parts).max(f64::MIN_POSITIVE);
     let mut state = z.to_vec();
     for (entry, part) in unknown.iter().zip(&parts) {
         state[*entry] += factor * part;
