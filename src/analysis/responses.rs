@@ -80,7 +80,7 @@ impl<'a> Responses<'a> {
         let damped = self.damped[model.rotation(speed) as usize]
             .get_or_init(|| RotatingResponse::new(model, speed, self.cached.spectral_range(speed)?));
         match damped.as_ref().map_err(|error| *error)?.solve([speed, spin], &force) {
-            Some(found) => Ok(found),
+            Some((found, _)) => Ok(found),
             None if model.len() <= MAX_DENSE => synchronous_of(self.cached, speed, speed, source, part),
             None => Err(AnalysisError::Convergence(format!(
                 "the synchronous response at {speed} rad/s with modal damping has no accurate solution; change the speed or the modal damping, or use at most {MAX_DENSE} degrees of freedom, for which dense matrices are used"

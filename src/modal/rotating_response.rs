@@ -55,14 +55,9 @@ impl<'m> RotatingResponse<'m> {
         })
     }
 
-    /// Phasors of the response to `force`, N and N m, at the speed and the spin of the force, rad/s, in m and rad; `None` if
-    /// round-off or the iteration leaves no accurate solution.
-    pub fn solve(&self, speeds: [f64; 2], force: &DVector<Complex64>) -> Option<DVector<Complex64>> {
-        self.iterate(speeds, force).map(|(found, _)| found)
-    }
-
-    /// The same with the number of iterations.
-    fn iterate(&self, [speed, spin]: [f64; 2], force: &DVector<Complex64>) -> Option<(DVector<Complex64>, usize)> {
+    /// Phasors of the response to `force`, N and N m, at the speed and the spin of the force, rad/s: n entries, m and rad.
+    /// Second: the number of iterations. `None` if round-off or the iteration leaves no accurate solution.
+    pub fn solve(&self, [speed, spin]: [f64; 2], force: &DVector<Complex64>) -> Option<(DVector<Complex64>, usize)> {
         let (square, damping) = (spin * spin, Complex64::new(0.0, self.model.scene.modal_damping * spin.signum()));
         let weights = Weights {
             stiffness: 1.0 + damping,
