@@ -27,6 +27,6 @@ pub use memory::Dense;
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use resolution::{Choice, Resolved, expected_error, resolve};
-pub use responses::{Responses, memory_of_responses};
+pub use responses::{Responses, memory_of_responses, synchronous};
 pub use stability::Spectrum;
-pub use synchronous::{ExcitationPart, bearing_forces, bow, synchronous};
+pub use synchronous::{ExcitationPart, bearing_forces, bow};

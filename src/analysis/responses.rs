@@ -24,6 +24,18 @@ pub fn memory_of_responses(model: &Model) -> Dense {
     }
 }
 
+/// Phasors of the synchronous response at one speed, as [`Responses::all`].
+///
+/// # Errors
+/// As [`Responses::all`].
+pub fn synchronous(
+    cached: &CachedModel,
+    speed: f64,
+    part: ExcitationPart,
+) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    Responses::new(cached).all(speed, part)
+}
+
 /// Synchronous responses of a model. The meshes are linearised at rest.
 pub struct Responses<'a> {
     cached: &'a CachedModel,

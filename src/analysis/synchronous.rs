@@ -5,7 +5,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{AnalysisError, Dense, Responses};
+use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledBands, Singular, solve_complex};
 use crate::modal::{CachedModel, Pins, Projected, null_motions};
 use crate::model::{Excitation, Model, Weights};
@@ -31,19 +31,6 @@ fn unsolved(speed: f64) -> AnalysisError {
     AnalysisError::Convergence(format!(
         "the synchronous response at {speed} rad/s has no accurate solution: it is an undamped critical speed; add damping or change the speed"
     ))
-}
-
-/// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core. The
-/// meshes are linearised at rest.
-///
-/// # Errors
-/// [`AnalysisError`] if a response has no accurate solution.
-pub fn synchronous(
-    cached: &CachedModel,
-    speed: f64,
-    part: ExcitationPart,
-) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    Responses::new(cached).all(speed, part)
 }
 
 /// Phasors of the bow of all shafts, each over the coordinates of its own shaft, in the coordinate order of the core, m.
