@@ -23,6 +23,8 @@ MODAL_DAMPING = 0.02  # damping ratio of every mode
 UNDAMPED = 100  # undamped modes on which the residual has modal damping
 CHECKED = (0, 10, 19)  # speeds of the Campbell diagram with a reference
 SAMPLE = slice(None, None, 111)  # speeds of the synchronous response with a reference
+FEW_SPEEDS = np.linspace(1.0, 300.0, 50)  # of the response with modal damping, rad/s
+FEW_SAMPLES = slice(None, None, 12)  # of these, with a reference
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,19 @@ def scipy_response(sparse: Any, speeds: Array, refinements: int = 0) -> Any:
     found = sparse.responses(speeds, refinements)
     if len(speeds) == len(SPEEDS):
         found = found[SAMPLE]
+    rows = [[sparse.index[(shaft, x, d)] for d in "vw"] for shaft, x in lateral(sparse.system)]
+    return np.moveaxis(found[..., rows], 2, 0)
+
+
+def modally_damped_response(system: gb.RotorSystem) -> Any:
+    """Return the displacements of the gears and disks with modal damping."""
+    found = system.replace(modal_damping=MODAL_DAMPING).synchronous(FEW_SPEEDS)
+    return np.array([found.displacement(place) for place in lateral(system)])[:, FEW_SAMPLES]
+
+
+def modally_damped_reference(sparse: Any) -> Any:
+    """Return the same, with modal damping on the lowest undamped modes."""
+    found = sparse.modally_damped(FEW_SPEEDS[FEW_SAMPLES], MODAL_DAMPING, UNDAMPED)
     rows = [[sparse.index[(shaft, x, d)] for d in "vw"] for shaft, x in lateral(sparse.system)]
     return np.moveaxis(found[..., rows], 2, 0)
 
@@ -291,6 +306,13 @@ ANALYSES = {
         },
         exactly(lambda sparse: scipy_response(sparse, SPEEDS[SAMPLE], 2)),
         relative_error,
+    ),
+    "modal-synchronous": Analysis(
+        f"Synchronous response at {len(FEW_SPEEDS)} speeds, modal damping {MODAL_DAMPING:g}",
+        {"gearbow": of_gearbow(modally_damped_response)},
+        exactly(modally_damped_reference),
+        relative_error,
+        TRAINS,
     ),
     "static": Analysis(
         "Static equilibrium, live geometry",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
-from scipy.sparse.linalg import LinearOperator, eigs, splu
+from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
 import gearbow as gb
 from programs.dense import Pair, bow_force, torques
@@ -110,6 +110,25 @@ class Sparse:
                 found[i, j] = factors.solve(force)
                 for _ in range(refinements):
                     found[i, j] += factors.solve(residual(dynamic, found[i, j], force))
+        return found
+
+    def modally_damped(self, speeds: Sequence[float], ratio: float, count: int) -> Complex:
+        """Return the same with modal damping on the lowest `count` undamped modes.
+
+        The modal damping D = B diag(2ζω) Bᵀ of rank `count` changes the response by Woodbury's
+        formula.
+        """
+        squares, shapes = eigsh(self.stiffness, count, self.mass, sigma=-(SHIFT**2))
+        momenta = self.mass @ shapes[:, squares > SHIFT]
+        rates = 2.0 * ratio * np.sqrt(squares[squares > SHIFT])
+        found = self.responses(speeds, 2)
+        for i, speed in enumerate(speeds):
+            damping = self.damping + speed * self.gyroscopic
+            for j, omega in enumerate(speed * np.array(self.ratios)):
+                dynamic = csc_matrix(self.stiffness - omega**2 * self.mass + 1j * omega * damping)
+                motions = splu(dynamic).solve(momenta.astype(complex))
+                small = np.diag(1.0 / (1j * omega * rates)) + momenta.T @ motions
+                found[i, j] -= motions @ np.linalg.solve(small, momenta.T @ found[i, j])
         return found
 
     def static(self, tolerance: float, *, extended: bool = False) -> Array:

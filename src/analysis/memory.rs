@@ -14,9 +14,11 @@ use crate::scene::SceneError;
 pub enum Dense {
     /// Band matrices of the shafts and vectors of a Krylov space: no dense matrix.
     Bands,
+    /// The same, and the factors of the square root for modal damping: no dense matrix.
+    SquareRoot,
     /// Mass, stiffness, damping and gyroscopic matrix.
     Matrices,
-    /// Undamped modes, also for synchronous response with modal damping and critical speeds.
+    /// Undamped modes, also for critical speeds.
     Undamped,
     /// Damped modes: eigenvalues and eigenvectors of a (2n, 2n) matrix.
     Damped,
@@ -27,7 +29,7 @@ impl Dense {
     /// cross-coupled bearings: 5; 18 (critical speeds); 42 (modes) to 52 (Campbell diagram).
     const fn count(self) -> u64 {
         match self {
-            Self::Bands => 0,
+            Self::Bands | Self::SquareRoot => 0,
             Self::Matrices => 6,
             Self::Undamped => 20,
             Self::Damped => 56,
@@ -37,8 +39,10 @@ impl Dense {
     /// Memory of the matrices for `n` degrees of freedom, bytes.
     pub const fn bytes(self, n: usize) -> u64 {
         let n = n as u64;
-        if matches!(self, Self::Bands) {
-            return BYTES_OF_BANDS.saturating_mul(n);
+        match self {
+            Self::Bands => return BYTES_OF_BANDS.saturating_mul(n),
+            Self::SquareRoot => return BYTES_OF_ROOT.saturating_mul(n),
+            _ => {}
         }
         self.count().saturating_mul(8).saturating_mul(n.saturating_mul(n))
     }
@@ -58,6 +62,8 @@ impl Dense {
 
 /// Memory of band matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
 const BYTES_OF_BANDS: u64 = 8192;
+/// Memory of the factors of up to 45 band matrices with up to 13 entries in a row, for each degree of freedom, bytes.
+const BYTES_OF_ROOT: u64 = 32_768;
 /// Required memory up to which nothing is checked, bytes.
 const UNCHECKED: u64 = 64 << 20;
 /// Assumed available memory if the system does not provide it, bytes.
@@ -122,6 +128,7 @@ mod tests {
         assert!(Dense::Damped.bytes(45_005) > 700_000_000_000);
         assert_eq!(Dense::Damped.bytes(usize::MAX), u64::MAX);
         assert_eq!(Dense::Bands.bytes(45_005), 45_005 * 8192);
+        assert_eq!(Dense::SquareRoot.bytes(45_005), 45_005 * 32_768);
     }
 
     #[test]

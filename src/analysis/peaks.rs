@@ -8,8 +8,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Complex;
 
-use super::synchronous::synchronous_of;
-use super::{AnalysisError, ExcitationPart, Interrupt};
+use super::{AnalysisError, ExcitationPart, Interrupt, Responses};
 use crate::modal::CachedModel;
 
 /// Relative tolerance of the speed of a peak. A maximum is flat; round-off prevents a smaller tolerance.
@@ -46,16 +45,17 @@ pub struct Peak {
 /// Finds the peaks between ascending `speeds`. Each is a local maximum of the response at these speeds.
 ///
 /// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found, or `interrupt` requests a stop.
+/// [`AnalysisError`] if a response has no accurate solution, or `interrupt` requests a stop.
 pub fn peaks(
     cached: &CachedModel,
     probe: Probe,
     speeds: &[f64],
     interrupt: &Interrupt,
 ) -> Result<Vec<Peak>, AnalysisError> {
+    let responses = Responses::new(cached);
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
         interrupt.check()?;
-        let amplitudes = synchronous_of(cached, speed, speed, probe.source, probe.part)?;
+        let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0];
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
     let run_out = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();

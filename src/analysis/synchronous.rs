@@ -24,32 +24,13 @@ pub enum ExcitationPart {
 }
 
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
-const MAX_DENSE: usize = 2000;
+pub(super) const MAX_DENSE: usize = 2000;
 
 /// The error of a speed without an accurate response, rad/s.
 fn unsolved(speed: f64) -> AnalysisError {
     AnalysisError::Convergence(format!(
         "the synchronous response at {speed} rad/s has no accurate solution: it is an undamped critical speed; add damping or change the speed"
     ))
-}
-
-/// Memory that a synchronous response needs at first.
-pub fn memory_of_response(model: &Model) -> Dense {
-    if model.scene.modal_damping == 0.0 { Dense::Bands } else { Dense::Undamped }
-}
-
-/// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core. The
-/// meshes are linearised at rest.
-///
-/// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found.
-pub fn synchronous(
-    cached: &CachedModel,
-    speed: f64,
-    part: ExcitationPart,
-) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let columns = (0..cached.model.shafts.len()).map(|source| synchronous_of(cached, speed, speed, source, part));
-    Ok(DMatrix::from_columns(&columns.collect::<Result<Vec<_>, _>>()?))
 }
 
 /// Phasors of the bow of all shafts, each over the coordinates of its own shaft, in the coordinate order of the core, m.
@@ -102,8 +83,8 @@ pub(super) fn synchronous_of(
     let Some(force) = rotating_force(model, spin, source, part) else {
         return Ok(DVector::zeros(model.len()));
     };
-    // The matrix of modal damping is full.
-    if model.scene.modal_damping == 0.0 {
+    // The matrix of modal damping is full; at standstill it has no effect.
+    if model.scene.modal_damping == 0.0 || spin == 0.0 {
         match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
             Some(found) => return Ok(found),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
@@ -139,7 +120,12 @@ pub(super) fn synchronous_in(
 }
 
 /// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
-fn rotating_force(model: &Model, spin: f64, source: usize, part: ExcitationPart) -> Option<DVector<Complex<f64>>> {
+pub(super) fn rotating_force(
+    model: &Model,
+    spin: f64,
+    source: usize,
+    part: ExcitationPart,
+) -> Option<DVector<Complex<f64>>> {
     let shaft = &model.shafts[source];
     let acting = |excitation: &Excitation| match part {
         ExcitationPart::Both => excitation.amplitude(spin, 0.0),

@@ -8,7 +8,7 @@
 //!
 //! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
 //! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`) and the lowest and
-//! highest undamped frequency (`spectral_range`).
+//! highest undamped frequency (`spectral_range`). `rotating_response` is the response to bow and unbalance with modal damping.
 
 mod balanced;
 mod cached;
@@ -33,6 +33,7 @@ mod quadratic;
 mod real;
 mod recent;
 mod rigid_body;
+mod rotating_response;
 mod shift_invert;
 mod spectral_range;
 mod square_root;
@@ -53,6 +54,7 @@ pub use projected::Projected;
 pub use quadratic::Quadratic;
 pub use real::{RealModes, null_motions};
 pub use recent::Recent;
+pub use rotating_response::RotatingResponse;
 pub use spectral_range::SpectralRange;
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

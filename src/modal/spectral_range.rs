@@ -155,7 +155,8 @@ impl Operator for MassInverse<'_> {
 /// (K + s²M)⁻¹M with a shift s, rad/s.
 pub(super) struct ShiftInverse<'m> {
     model: &'m Model,
-    factors: CoupledFactors,
+    /// Factors of K + s²M in circular coordinates.
+    pub factors: CoupledFactors,
     /// s, rad/s.
     pub shift: f64,
 }

@@ -12,7 +12,8 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 use super::spectral_range::ShiftInverse;
 use crate::linalg::DecompositionError;
@@ -49,6 +50,21 @@ impl<'m> SquareRoot<'m> {
             sum += (columns - inverse.solve_columns(&momenta)? * shift) * *weight;
         }
         Ok(self.model.mass_times(&sum))
+    }
+
+    /// √(M⁻¹K) x, n entries. The solutions are not refined: their round-off is far below the error of the quadrature.
+    pub fn apply(&self, x: &DVector<Complex64>) -> DVector<Complex64> {
+        let momentum = self.model.product(x, |x, out| self.model.multiply_mass(x, out));
+        let momentum = self.model.to_circular(momentum.as_slice());
+        let (mut sum, mut total) = (vec![Complex64::ZERO; x.len()], 0.0);
+        for (weight, inverse) in &self.terms {
+            let factor = weight * inverse.shift * inverse.shift;
+            let mut solution = momentum.clone();
+            inverse.factors.solve_once(&mut solution);
+            sum.iter_mut().zip(&solution).for_each(|(sum, value)| *sum += value * factor);
+            total += weight;
+        }
+        x * Complex64::from(total) - DVector::from_vec(self.model.from_circular(&sum))
     }
 }
 

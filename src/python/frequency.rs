@@ -99,14 +99,15 @@ pub fn synchronous<'py>(
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
-    let memory = analysis::memory_of_response(model.model());
+    let memory = analysis::memory_of_responses(model.model());
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let worker_speeds = speeds.clone();
     let amplitudes = model.run(py, memory, move |cached, interrupt| {
+        let responses = analysis::Responses::new(cached);
         let at = |speed: &f64| {
             interrupt.check()?;
-            analysis::synchronous(cached, *speed, part)
+            responses.all(*speed, part)
         };
         worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()
     })?;
@@ -153,7 +154,7 @@ pub fn peaks(
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    let memory = analysis::memory_of_response(model.model());
+    let memory = analysis::memory_of_responses(model.model());
     let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;
     let row =

@@ -1,9 +1,10 @@
-//! The modes of lowest frequency from the band matrices of the shafts, against those of dense matrices.
+//! The modes of lowest frequency and responses with modal damping from the band matrices of the shafts, against those of
+//! dense matrices.
 
-use gearbow::modal::{self, CachedModel, Mode};
+use gearbow::modal::{self, CachedModel, Mode, RotatingResponse};
 use gearbow::model::Model;
 use gearbow::scene::{Scene, SceneDescription};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use crate::common::TRAIN;
@@ -170,5 +171,41 @@ fn an_intersection_is_the_same_in_physical_and_in_modal_coordinates() {
                 &[&Mode { eigenvalue: other.eigenvalue, shape: other.shape, whirl: modal::Whirl::Coupled }]
             ) > 1.0 - 1e-6
         );
+    }
+}
+
+#[test]
+fn responses_with_modal_damping_take_as_many_iterations_on_fine_as_on_coarse_meshes() {
+    for (ratio, most) in [(0.001, 4), (0.02, 7), (0.3, 14)] {
+        for elements in [6, 60] {
+            let damped = |text: String| format!("modal_damping = {ratio}\n{text}");
+            let cached = train(elements, damped);
+            let model = &cached.model;
+            for speed in [-800.0, 1.0, 150.0, 2000.0] {
+                let range = cached.spectral_range(speed).unwrap();
+                let damped = RotatingResponse::new(model, speed, range).unwrap();
+                let mut force = DVector::zeros(model.len());
+                let place = model.translations().next().unwrap();
+                (force[place], force[place + 1]) = (Complex64::ONE, -Complex64::I);
+                let (found, iterations) = damped.solve([speed, speed], &force).unwrap();
+                assert!(
+                    iterations <= most,
+                    "{iterations} iterations with {ratio} at {speed} rad/s, n = {}",
+                    model.len()
+                );
+                if elements > 6 {
+                    continue;
+                }
+                let rate = cached.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
+                let elastic = model.stiffness_matrix(speed) - model.mass_matrix() * (speed * speed);
+                let dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
+                    Complex64::new(elastic[(i, j)], speed * rate[(i, j)])
+                });
+                let wanted = dynamic.lu().solve(&force).unwrap();
+                let round_off = f64::EPSILON * (range.fastest / speed.abs().min(range.slowest.unwrap())).powi(2);
+                let largest = |x: &DVector<Complex64>| x.map(|value| value.norm()).max();
+                assert!(largest(&(found - &wanted)) <= (10.0 * round_off).max(1e-9) * largest(&wanted));
+            }
+        }
     }
 }
