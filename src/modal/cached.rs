@@ -60,6 +60,8 @@ pub struct CachedModel {
     equilibria: Recent<(Geometry, EquilibriumSpeeds), DVector<f64>>,
     /// Results of runs; their type belongs to a later folder.
     run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
+    /// The model of which this one is a variation.
+    base: Option<Arc<CachedModel>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -91,7 +93,21 @@ impl CachedModel {
             at_speeds: Recent::default(),
             equilibria: Recent::default(),
             run_results: OnceLock::new(),
+            base: None,
         }
+    }
+
+    /// Wraps a model that differs from `base` in loads only: it shares the modes and state-space models of `base`, and its
+    /// runs use the reduction of `base` where this keeps their accuracy.
+    pub fn variation(model: Model, base: &Arc<Self>) -> Self {
+        let variation = Self { base: Some(Arc::clone(base)), ..Self::new(model) };
+        variation.share(base);
+        variation
+    }
+
+    /// The model of which this one is a variation.
+    pub fn base(&self) -> Option<&Self> {
+        self.base.as_deref()
     }
 
     /// Shares the modes and state-space models of `other`, which has the same linear part. Has no effect after the first

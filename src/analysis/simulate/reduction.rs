@@ -22,7 +22,7 @@ use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::run_cache::RunCache;
-use super::{RecordPlan, Run};
+use super::{RecordPlan, Run, variation};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
@@ -87,6 +87,14 @@ pub(super) fn set_up<'m>(
         let reduced = || setup.with_linear(model, Arc::clone(&known.linear), plan.selection(model));
         return Ok((if is_reduced { reduced() } else { setup }, known.reduction));
     }
+    if let Some(key) = &key
+        && let Some(shared) = variation::reduction_of_base(run, key, plan, observer)?
+        && let Some((setup, known_reduction)) = adopt(run, &motion, start, plan, shared, observer)?
+    {
+        let reduction = known_reduction.reduction;
+        known.reductions.insert(key.clone(), known_reduction);
+        return Ok((setup, reduction));
+    }
     let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
         if options.modes.is_some() {
             let message = "cannot be left out: nearly parallel modes do not carry the motion";
@@ -94,7 +102,7 @@ pub(super) fn set_up<'m>(
         }
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
-    let projected = Arc::clone(&reducer.projected);
+    let (projected, components) = (Arc::clone(&reducer.projected), reducer.components);
     let (setup, reduction) = match (options.modes, options.reduction) {
         (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer)?,
         (None, _) => reducer.unreduced(),
@@ -105,10 +113,49 @@ pub(super) fn set_up<'m>(
         }
     };
     if let Some(key) = key {
-        let linear = Arc::clone(&setup.linear);
-        known.reductions.insert(key, KnownReduction { projected, linear, reduction });
+        let (linear, components) = (Arc::clone(&setup.linear), components);
+        known.reductions.insert(key, KnownReduction { projected, linear, components, reduction });
     }
     Ok((setup, reduction))
+}
+
+/// The set-up of a variation with the reduction of its system; `None` if the errors of the variation exceed the target. The
+/// errors are those of the system, or those of the first part of this run if they are larger.
+fn adopt<'m>(
+    run: &Run<'m>,
+    motion: &EquationOfMotion<'m>,
+    start: &Start,
+    plan: &RecordPlan,
+    shared: KnownReduction,
+    observer: &mut impl Observer,
+) -> Result<Option<(ModalSetup<'m>, KnownReduction)>, AnalysisError> {
+    let unreduced = run.complete(motion.clone(), start, plan, Some(&shared.projected))?;
+    if Arc::ptr_eq(&unreduced.linear, &shared.linear) {
+        return Ok(Some((unreduced, shared)));
+    }
+    let model = &run.cached.model;
+    let setup = unreduced.with_linear(model, Arc::clone(&shared.linear), plan.selection(model));
+    let mut reducer = Reducer {
+        run,
+        start,
+        plan,
+        pilot: Rc::new(Pilot::check(run, start)),
+        projected: Arc::clone(&shared.projected),
+        unreduced,
+        exact: Record::default(),
+        components: shared.components,
+        directions: OnceCell::new(),
+    };
+    reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
+    let own = reducer.measured(&setup, observer)?;
+    if run.options.reduction.is_some_and(|target| reducer.excess(own.errors, target) > 1.0) {
+        return Ok(None);
+    }
+    let reduction = shared.reduction.map_or(own, |known| Reduction {
+        errors: std::array::from_fn(|kind| known.errors[kind].max(own.errors[kind])),
+        ..own
+    });
+    Ok(Some((setup, KnownReduction { reduction: Some(reduction), ..shared })))
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.

@@ -1,6 +1,6 @@
 //! Results that the runs of one system share: a repeated run computes them once.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use nalgebra::{Complex, DMatrix};
 
@@ -29,6 +29,8 @@ pub(super) struct RunCache {
     pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
+    /// Held by the variation that finds the reduction of this model; other variations wait for it.
+    pub choice: Mutex<()>,
 }
 
 /// A linear motion as a key, which does not keep its matrices in memory.

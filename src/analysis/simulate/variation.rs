@@ -1,0 +1,43 @@
+//! The reduction that the variations of a system share: that of the same run of the system itself.
+//!
+//! It depends on the system and the options alone, so that the runs of variations are the same in any order and with any
+//! number of threads. Each variation checks it with its own loads.
+
+use std::sync::PoisonError;
+
+use super::known_reduction::{KnownReduction, ReductionKey};
+use super::run_cache::RunCache;
+use super::{RecordPlan, Run, initial, motion, of_run, reduction};
+use crate::analysis::{AnalysisError, Spectrum};
+use crate::integrate::Observer;
+
+/// The reduction of the run of a key of the system of which the model is a variation. `None` if the model is no variation,
+/// or the run of the system fails or is not reduced.
+pub(super) fn reduction_of_base(
+    run: &Run<'_>,
+    key: &ReductionKey,
+    plan: &RecordPlan,
+    observer: &mut impl Observer,
+) -> Result<Option<KnownReduction>, AnalysisError> {
+    let Some(Ok(base)) = run.base.map(|base| of_run(base, run.options)) else {
+        return Ok(None);
+    };
+    let known = base.run_results::<RunCache>();
+    // One variation finds the reduction, while the others wait. The lock guards no data that a panic could leave half-written.
+    let _choice = known.choice.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = known.reductions.get(key) {
+        return Ok(Some(found));
+    }
+    let mut find = || {
+        let spectrum = Spectrum::new(&base, run.options.fastest())?;
+        let start = initial::start(&base, run.options, &spectrum, &mut |_| true)?;
+        let motion = motion(&base, run.options, plan, &start)?;
+        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor: start.floor, ..*run };
+        reduction::set_up(&run, motion, &start, plan, observer).map(|_| ())
+    };
+    match find() {
+        Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+        Err(_) => Ok(None),
+        Ok(()) => Ok(known.reductions.get(key)),
+    }
+}
