@@ -38,7 +38,10 @@ impl PyModel {
     /// Checks and assembles a variation of another system. If the two differ in loads only, the variation has the elements of
     /// the other one where they meet the level, and shares its modes and the reduction of its runs.
     pub fn build_variation(description: SceneDescription, base: &Self) -> Result<Self, SceneError> {
-        let resolved = if description.without_loads() == base.description.without_loads() {
+        let resolution = |description: &SceneDescription| description.resolution.unwrap_or_default();
+        let resolved = if linear_part(&description) == linear_part(&base.description)
+            && resolution(&description) == resolution(&base.description)
+        {
             analysis::resolve_variation(&description, &base.resolved)?
         } else {
             None
@@ -46,7 +49,7 @@ impl PyModel {
         let resolved = resolved.map_or_else(|| analysis::resolve(&description), Ok)?;
         let scene = || Scene::new(&resolved.description);
         if base.model().nonlinear_bearings.is_empty()
-            && linear_part(&resolved) == linear_part(&base.resolved)
+            && linear_part(&resolved.description) == linear_part(&base.resolved.description)
             && let Some(model) = base.model().with_loads(scene()?)?
         {
             let shares = model.has_coordinates_of(base.model());
@@ -77,7 +80,7 @@ impl PyModel {
     pub fn share_linear_part(&self, other: &Self) -> bool {
         let shares = self.model().nonlinear_bearings.is_empty()
             && self.model().has_coordinates_of(other.model())
-            && linear_part(&self.resolved) == linear_part(&other.resolved);
+            && linear_part(&self.resolved.description) == linear_part(&other.resolved.description);
         if shares {
             self.cached.share(&other.cached);
         }
@@ -125,7 +128,8 @@ impl PyModel {
     }
 }
 
-/// The description without loads. It contains the elements, which are all that the option `resolution` determines.
-fn linear_part(resolved: &Resolved) -> SceneDescription {
-    SceneDescription { resolution: None, ..resolved.description.without_loads() }
+/// The description without loads and without the option `resolution`. A resolved description contains the elements, which
+/// are all that this option determines.
+fn linear_part(description: &SceneDescription) -> SceneDescription {
+    SceneDescription { resolution: None, ..description.without_loads() }
 }

@@ -120,7 +120,7 @@ pub fn simulate(
         statistics = checkpoint.statistics;
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
-    let run = Run { cached, base, options, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base, options, error_share: 1.0, spectrum: &spectrum, floor: start.floor, end };
     let Ended { state, condition, reduction, outcome } =
         run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
     // A run that was stopped continues from the state that it reached.
@@ -199,6 +199,8 @@ struct Run<'a> {
     /// The model of which the model of this run is a variation.
     base: Option<&'a CachedModel>,
     options: &'a Options,
+    /// Share of the permitted errors that a chosen number of modes may cause.
+    error_share: f64,
     spectrum: &'a Spectrum,
     /// Smallest energy norm that a tolerance is relative to.
     floor: f64,

@@ -9,7 +9,7 @@ use crate::exponential::PropagatorCache;
 use crate::modal::{ModalStateSpace, Recent};
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
-const SETTINGS: usize = 2;
+pub(super) const SETTINGS: usize = 2;
 
 /// What the synchronous motion at the start of a run depends on: speed, and speed of the flanks in contact, rad/s, and
 /// whether modal damping acts in component modes.
@@ -29,8 +29,8 @@ pub(super) struct RunCache {
     pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
-    /// Held by the variation that finds the reduction of this model; other variations wait for it.
-    pub choice: Mutex<()>,
+    /// Reductions that variations of the model share; `None` marks a run that fails or is not reduced.
+    pub shared_reductions: Mutex<Vec<(ReductionKey, Option<KnownReduction>)>>,
 }
 
 /// A linear motion as a key, which does not keep its matrices in memory.

@@ -6,10 +6,13 @@
 use std::sync::PoisonError;
 
 use super::known_reduction::{KnownReduction, ReductionKey};
-use super::run_cache::RunCache;
+use super::run_cache::{RunCache, SETTINGS};
 use super::{RecordPlan, Run, initial, motion, of_run, reduction};
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;
+
+/// Share of the permitted errors that the number of modes of a system may cause, so that it also suffices for other loads.
+const ERROR_SHARE: f64 = 0.25;
 
 /// The reduction of the run of a key of the system of which the model is a variation. `None` if the model is no variation,
 /// or the run of the system fails or is not reduced.
@@ -23,21 +26,26 @@ pub(super) fn reduction_of_base(
         return Ok(None);
     };
     let known = base.run_results::<RunCache>();
-    // One variation finds the reduction, while the others wait. The lock guards no data that a panic could leave half-written.
-    let _choice = known.choice.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(found) = known.reductions.get(key) {
-        return Ok(Some(found));
+    // One variation finds the reduction, while the others wait. A panic cannot leave the list half-written.
+    let mut shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, known)) = shared.iter().find(|(known, _)| known == key) {
+        return Ok(known.clone());
     }
     let mut find = || {
         let spectrum = Spectrum::new(&base, run.options.fastest())?;
         let start = initial::start(&base, run.options, &spectrum, &mut |_| true)?;
         let motion = motion(&base, run.options, plan, &start)?;
-        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor: start.floor, ..*run };
-        reduction::set_up(&run, motion, &start, plan, observer).map(|_| ())
+        let floor = start.floor;
+        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor, error_share: ERROR_SHARE, ..*run };
+        Ok(reduction::find(&run, &motion, &start, plan, observer)?.map(|(_, found)| found))
     };
-    match find() {
-        Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
-        Err(_) => Ok(None),
-        Ok(()) => Ok(known.reductions.get(key)),
+    let found = match find() {
+        Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
+        found => found.unwrap_or_default(),
+    };
+    if shared.len() >= SETTINGS {
+        shared.remove(0);
     }
+    shared.push((key.clone(), found.clone()));
+    Ok(found)
 }
