@@ -26,7 +26,7 @@ pub use interrupt::Interrupt;
 pub use memory::Dense;
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
-pub use resolution::{Choice, Resolved, expected_error, resolve};
+pub use resolution::{Choice, Resolved, expected_error, resolve, resolve_variation};
 pub use responses::{Responses, memory_of_responses, synchronous};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, bearing_forces, bow};

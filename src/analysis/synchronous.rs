@@ -6,7 +6,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{AnalysisError, Dense};
-use crate::linalg::{CoupledBands, Singular, solve_complex};
+use crate::linalg::{CoupledFactors, Singular, solve_complex};
 use crate::modal::{CachedModel, Pins, Projected, null_motions};
 use crate::model::{Excitation, Model, Weights};
 use crate::scene::Node;
@@ -85,7 +85,7 @@ pub(super) fn synchronous_of(
     };
     // The matrix of modal damping is full; at standstill it has no effect.
     if model.scene.modal_damping == 0.0 || spin == 0.0 {
-        match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
+        match without_modal_damping(&cached, [speed, spin], flank_speed, &force)? {
             Some(found) => return Ok(found),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
@@ -112,7 +112,7 @@ pub(super) fn synchronous_in(
     let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
         return Ok(DVector::zeros(model.len()));
     };
-    match without_modal_damping(model, [speed, spin], flank_speed, &force)? {
+    match without_modal_damping(&at_speed, [speed, spin], flank_speed, &force)? {
         Some(found) if model.scene.modal_damping == 0.0 => Ok(found),
         Some(found) => Ok(subspace.with_modal_damping(model, spin, found)),
         None => synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both),
@@ -147,32 +147,36 @@ pub(super) fn rotating_force(
 
 /// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution. `speed` and `spin` in rad/s.
 fn without_modal_damping(
-    model: &Model,
+    cached: &CachedModel,
     [speed, spin]: [f64; 2],
     flank_speed: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<DVector<Complex<f64>>>, AnalysisError> {
+    let model = &cached.model;
     let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-    let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-    let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-    let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
-    pins.add_to(model, &mut matrix);
-    let Ok(mut found) = solve_structured(model, matrix, if spin < 0.0 { -1.0 } else { 1.0 }, force) else {
+    let factors = cached.dynamic_factors([speed, spin, flank_speed], || {
+        let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
+        let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
+        let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+        pins.add_to(model, &mut matrix);
+        matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 })
+    });
+    let solution = factors.and_then(|factors| solve_structured(model, &factors, force));
+    let Ok(mut found) = solution else {
         return Ok(None);
     };
     pins.remove_null_motions(&mut found);
     Ok(Some(found))
 }
 
-/// Solves S x = f for the band matrices of the shafts.
+/// Solves S x = f with the factors of the band matrices of the shafts.
 fn solve_structured(
     model: &Model,
-    matrix: CoupledBands,
-    sense: f64,
+    factors: &CoupledFactors,
     force: &DVector<Complex<f64>>,
 ) -> Result<DVector<Complex<f64>>, Singular> {
     let mut x = model.to_circular(force.as_slice());
-    matrix.factor(sense)?.solve(&mut x)?;
+    factors.solve(&mut x)?;
     Ok(DVector::from_vec(model.from_circular(&x)))
 }
 

@@ -75,53 +75,76 @@ impl SmallLu {
 
     /// Factorises the matrix by elimination with partial pivoting. Returns whether it is regular.
     pub fn factor(&mut self) -> bool {
-        let n = self.size;
-        for column in 0..n {
-            let (mut pivot, mut value) = (column, 0.0_f64);
-            for (row, line) in self.matrix.chunks_exact(n).enumerate().skip(column) {
-                let entry = line[column];
-                if entry.abs() >= value.abs() || entry.is_nan() {
-                    (pivot, value) = (row, entry);
-                }
-            }
-            if value == 0.0 || !value.is_finite() {
-                return false;
-            }
-            let (above, below) = self.matrix.split_at_mut((column + 1) * n);
-            let line = &mut above[column * n..];
-            if pivot != column {
-                line.swap_with_slice(&mut below[(pivot - column - 1) * n..(pivot - column) * n]);
-            }
-            self.pivots[column] = pivot;
-            for row in below.chunks_exact_mut(n) {
-                let factor = row[column] / value;
-                // The factor takes the place of the eliminated entry.
-                row[column] = factor;
-                if factor != 0.0 {
-                    for (entry, above) in row[column + 1..].iter_mut().zip(&line[column + 1..]) {
-                        *entry -= factor * above;
-                    }
-                }
-            }
+        let Self { size, matrix, pivots, .. } = self;
+        match *size {
+            TWO_MESHES => factor(TWO_MESHES, matrix, pivots),
+            size => factor(size, matrix, pivots),
         }
-        true
     }
 
     /// Solves the factorised system.
     pub fn substitute(&mut self) {
-        let n = self.size;
-        for (column, pivot) in self.pivots.iter().enumerate() {
-            self.right.swap(column, *pivot);
+        let Self { size, matrix, pivots, right, .. } = self;
+        match *size {
+            TWO_MESHES => substitute(TWO_MESHES, matrix, pivots, right),
+            size => substitute(size, matrix, pivots, right),
         }
-        for (row, line) in self.matrix.chunks_exact(n.max(1)).enumerate() {
-            let (known, unknown) = self.right.split_at_mut(row);
-            let taken: f64 = line[..row].iter().zip(known).map(|(factor, known)| factor * *known).sum();
-            unknown[0] -= taken;
+    }
+}
+
+/// Unknowns of two meshes at three stages. The compiler unrolls the loops for this size.
+const TWO_MESHES: usize = 6;
+
+/// Factorises a matrix of `n` rows in place.
+#[inline(always)]
+fn factor(n: usize, matrix: &mut [f64], pivots: &mut [usize]) -> bool {
+    let (matrix, pivots) = (&mut matrix[..n * n], &mut pivots[..n]);
+    for column in 0..n {
+        let (mut pivot, mut value) = (column, 0.0_f64);
+        for (row, line) in matrix.chunks_exact(n).enumerate().skip(column) {
+            let entry = line[column];
+            if entry.abs() >= value.abs() || entry.is_nan() {
+                (pivot, value) = (row, entry);
+            }
         }
-        for (row, line) in self.matrix.chunks_exact(n.max(1)).enumerate().rev() {
-            let (unknown, known) = self.right.split_at_mut(row + 1);
-            let taken: f64 = line[row + 1..].iter().zip(known).map(|(entry, known)| entry * *known).sum();
-            unknown[row] = (unknown[row] - taken) / line[row];
+        if value == 0.0 || !value.is_finite() {
+            return false;
         }
+        let (above, below) = matrix.split_at_mut((column + 1) * n);
+        let line = &mut above[column * n..];
+        if pivot != column {
+            line.swap_with_slice(&mut below[(pivot - column - 1) * n..(pivot - column) * n]);
+        }
+        pivots[column] = pivot;
+        for row in below.chunks_exact_mut(n) {
+            let factor = row[column] / value;
+            // The factor takes the place of the eliminated entry.
+            row[column] = factor;
+            if factor != 0.0 {
+                for (entry, above) in row[column + 1..].iter_mut().zip(&line[column + 1..]) {
+                    *entry -= factor * above;
+                }
+            }
+        }
+    }
+    true
+}
+
+/// Solves a factorised system of `n` unknowns in place.
+#[inline(always)]
+fn substitute(n: usize, matrix: &[f64], pivots: &[usize], right: &mut [f64]) {
+    let (matrix, pivots, right) = (&matrix[..n * n], &pivots[..n], &mut right[..n]);
+    for (column, pivot) in pivots.iter().enumerate() {
+        right.swap(column, *pivot);
+    }
+    for (row, line) in matrix.chunks_exact(n.max(1)).enumerate() {
+        let (known, unknown) = right.split_at_mut(row);
+        let taken: f64 = line[..row].iter().zip(known).map(|(factor, known)| factor * *known).sum();
+        unknown[0] -= taken;
+    }
+    for (row, line) in matrix.chunks_exact(n.max(1)).enumerate().rev() {
+        let (unknown, known) = right.split_at_mut(row + 1);
+        let taken: f64 = line[row + 1..].iter().zip(known).map(|(entry, known)| entry * *known).sum();
+        unknown[row] = (unknown[row] - taken) / line[row];
     }
 }

@@ -142,18 +142,18 @@ fn uncoupled_blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     blocks
 }
 
-/// LU factors, with partial pivoting, of a square real matrix.
+/// LU factors, with partial pivoting, of a square matrix.
 #[derive(Clone, Debug)]
-pub struct LuFactors(PartialPivLu<f64>);
+pub struct LuFactors<T = f64>(PartialPivLu<T>);
 
-impl LuFactors {
+impl<T: ComplexField + Copy + nalgebra::Scalar> LuFactors<T> {
     /// Factorizes a matrix.
-    pub fn new(matrix: &DMatrix<f64>) -> Self {
+    pub fn new(matrix: &DMatrix<T>) -> Self {
         Self(view(matrix).partial_piv_lu())
     }
 
     /// Solves A X = B for B = `right`.
-    pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn solve(&self, right: &DMatrix<T>) -> DMatrix<T> {
         copy(self.0.solve(view(right)).as_ref())
     }
 }
@@ -193,5 +193,5 @@ pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Solves the complex system A X = B by LU decomposition with partial pivoting.
 pub fn solve_complex(matrix: &DMatrix<Complex<f64>>, right: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-    copy(view(matrix).partial_piv_lu().solve(view(right)).as_ref())
+    LuFactors::new(matrix).solve(right)
 }

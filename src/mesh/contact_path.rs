@@ -35,6 +35,31 @@ impl ContactPath {
     /// First and last pair between the ends; last < first if there is none.
     pub fn engaged(&self) -> (i64, i64) {
         let [low, high] = self.ends();
-        (low.ceil() as i64, high.floor() as i64)
+        (ceil(low), floor(high))
+    }
+}
+
+/// ⌈x⌉. For x86-64 without extensions, `f64::ceil` is a call of the library.
+fn ceil(x: f64) -> i64 {
+    let whole = x as i64;
+    if (whole as f64) < x { whole.saturating_add(1) } else { whole }
+}
+
+/// ⌊x⌋.
+fn floor(x: f64) -> i64 {
+    let whole = x as i64;
+    if (whole as f64) > x { whole.saturating_sub(1) } else { whole }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ceil, floor};
+
+    #[test]
+    fn numbers_are_rounded_as_by_the_library() {
+        let sizes = [0.0, 1e-300, 0.3, 1.0, 2.5, 4e15, 1e18, 1e19, f64::INFINITY, f64::NAN];
+        for x in sizes.into_iter().flat_map(|x| [x, -x]) {
+            assert_eq!([ceil(x), floor(x)], [x.ceil() as i64, x.floor() as i64], "{x}");
+        }
     }
 }

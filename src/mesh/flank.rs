@@ -11,7 +11,7 @@ use crate::scene::Phase;
 /// Kinematics of the gears, shared by both flanks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GearKinematics<'a> {
-    pose: MeshPose<'a>,
+    pose: &'a MeshPose<'a>,
     pub position: RelativeMotion,
     velocity: RelativeMotion,
     /// Run-out vectors of both gears, m, and the relative velocity of the centres that the spins cause, m/s.
@@ -38,7 +38,7 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     #[inline(always)]
-    pub(super) fn gear_kinematics<'a>(&self, pose: &MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
+    pub(super) fn gear_kinematics<'a>(&self, pose: &'a MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
         let &MeshPose { geometry, phases, mut position, mut velocity, .. } = pose;
         let eccentric = self.eccentric(phases, position.twist);
         let mut run_out_velocity = [0.0; 2];
@@ -53,7 +53,7 @@ impl GearMesh {
             run_out_velocity = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
         }
         let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
-        Ok(GearKinematics { pose: *pose, position, velocity, eccentric, run_out_velocity, centre_geometry })
+        Ok(GearKinematics { pose, position, velocity, eccentric, run_out_velocity, centre_geometry })
     }
 
     /// Kinematics of the drive flank or of the back flank.
@@ -96,7 +96,7 @@ impl GearMesh {
         flank: &FlankKinematics,
         contact_mode: &ContactMode,
     ) -> Contact {
-        let path = || self.path_of(&gears.pose, flank);
+        let path = || self.path_of(gears.pose, flank);
         let engaged = contact_mode.engaged[usize::from(flank.back)];
         self.flank_force(gears, flank, self.teeth.elastic_state(path, engaged, flank.deflection))
     }

@@ -14,7 +14,7 @@ use super::real::RealModes;
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
-use crate::linalg::DecompositionError;
+use crate::linalg::{CoupledFactors, DecompositionError};
 use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError};
@@ -28,6 +28,10 @@ type Key = (f64, bool);
 /// What a subspace depends on: speed of the reference shaft, rad/s, highest frequency, rad/s, and the scalars of its loads
 /// and signals as entries (index, coefficient).
 type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
+
+/// What the dynamic stiffness without modal damping depends on: speed of the reference shaft, spin of the source shaft and
+/// speed of the flanks in contact, rad/s.
+type DynamicKey = [f64; 3];
 
 /// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
 /// effect on it, their damping.
@@ -43,6 +47,8 @@ struct LinearPart {
     components: OnceLock<Result<ComponentModes, DecompositionError>>,
     /// Subspaces.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
+    /// Factors of the dynamic stiffness at the last speeds.
+    dynamic: Recent<DynamicKey, Arc<CoupledFactors>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<LinearPart>>,
 }
@@ -60,6 +66,8 @@ pub struct CachedModel {
     equilibria: Recent<(Geometry, EquilibriumSpeeds), DVector<f64>>,
     /// Results of runs; their type belongs to a later folder.
     run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
+    /// The model of which this one is a variation.
+    base: Option<Arc<CachedModel>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -91,7 +99,21 @@ impl CachedModel {
             at_speeds: Recent::default(),
             equilibria: Recent::default(),
             run_results: OnceLock::new(),
+            base: None,
         }
+    }
+
+    /// Wraps a model that differs from `base` in loads only: it shares the modes and state-space models of `base`, and its
+    /// runs use the reduction of `base` where this keeps their accuracy.
+    pub fn variation(model: Model, base: &Arc<Self>) -> Self {
+        let variation = Self { base: Some(Arc::clone(base)), ..Self::new(model) };
+        variation.share(base);
+        variation
+    }
+
+    /// The model of which this one is a variation.
+    pub fn base(&self) -> Option<&Self> {
+        self.base.as_deref()
     }
 
     /// Shares the modes and state-space models of `other`, which has the same linear part. Has no effect after the first
@@ -272,6 +294,18 @@ impl CachedModel {
         let found = Arc::new(find(&key.2)?);
         subspaces.insert(key, Arc::clone(&found));
         Ok(found)
+    }
+
+    /// Factors of the dynamic stiffness of a key; `find` computes them, unless they are known.
+    ///
+    /// # Errors
+    /// Those of `find`.
+    pub fn dynamic_factors<E>(
+        &self,
+        key: DynamicKey,
+        find: impl FnOnce() -> Result<CoupledFactors, E>,
+    ) -> Result<Arc<CoupledFactors>, E> {
+        self.linear_part().dynamic.get_or_try(key, || find().map(Arc::new))
     }
 
     /// First-order form of the complete system at `speed` of the reference shaft, rad/s.

@@ -11,8 +11,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::components::ComponentModes;
 use super::first_order::FirstOrder;
 use super::real::RealModes;
+use super::recent::Recent;
 use super::state_space::ModalStateSpace;
-use crate::linalg::{DecompositionError, solve_complex, symmetric_pencil};
+use crate::linalg::{DecompositionError, LuFactors, symmetric_pencil};
 use crate::model::Model;
 
 /// Undamped modes of a subspace, with the other linear forces in their coordinates η.
@@ -28,6 +29,8 @@ pub struct Projected {
     undamped: bool,
     /// State-space model, computed at the first use.
     linear: OnceLock<Arc<ModalStateSpace>>,
+    /// Factors of the dynamic stiffness with modal damping at the last spins, rad/s.
+    dynamic: Arc<Recent<f64, Arc<LuFactors<Complex<f64>>>>>,
 }
 
 impl Projected {
@@ -59,6 +62,7 @@ impl Projected {
             undamped: rate.is_zero() && skew_part.is_zero() && ratio == 0.0,
             modes,
             linear: OnceLock::new(),
+            dynamic: Arc::default(),
         }
     }
 
@@ -76,11 +80,12 @@ impl Projected {
         let force = DMatrix::from_fn(size, 1, |mode, _| {
             Complex::new(im[mode], -re[mode]) * (spin * 2.0 * ratio * self.modes.frequencies[mode])
         });
-        let dynamic = DMatrix::from_fn(size, size, |i, j| {
+        let entry = |i: usize, j: usize| {
             let diagonal = if i == j { self.modes.frequencies[i].powi(2) - spin * spin } else { 0.0 };
             Complex::new(diagonal + self.skew_part[(i, j)], spin * self.damping[(i, j)])
-        });
-        let change = solve_complex(&dynamic, &force);
+        };
+        let factors = || LuFactors::new(&DMatrix::from_fn(size, size, entry));
+        let change = self.dynamic.get_or(spin, || Arc::new(factors())).solve(&force);
         let [re, im] = [|value: Complex<f64>| value.re, |value: Complex<f64>| value.im]
             .map(|of| &self.modes.vectors * change.map(of));
         bare.zip_zip_map(&re.column(0), &im.column(0), |value, re, im| value + Complex::new(re, im))
@@ -118,7 +123,8 @@ impl Projected {
         let transposed = coordinates.transpose();
         let project = |matrix: &DMatrix<f64>| &transposed * (matrix * &coordinates);
         let (damping, skew_part) = (project(&self.damping), project(&self.skew_part));
-        Ok(Self { modes, damping, skew_part, undamped: self.undamped, linear: OnceLock::new() })
+        let (linear, dynamic) = (OnceLock::new(), Arc::default());
+        Ok(Self { modes, damping, skew_part, undamped: self.undamped, linear, dynamic })
     }
 
     /// State-space model of the subspace.

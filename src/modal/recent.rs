@@ -1,5 +1,6 @@
 //! A small list of results with the keys from which they follow.
 
+use std::convert::Infallible;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Number of results that are kept by default. A parameter study asks repeatedly for a few speeds.
@@ -32,6 +33,11 @@ impl<K: PartialEq, V: Clone, const CAPACITY: usize> Recent<K, V, CAPACITY> {
         let found = compute()?;
         self.insert(key, found.clone());
         Ok(found)
+    }
+
+    /// The result of a key, if it is known; otherwise the result of `compute`, which is kept.
+    pub fn get_or(&self, key: K, compute: impl FnOnce() -> V) -> V {
+        self.get_or_try(key, || Ok::<V, Infallible>(compute())).unwrap_or_else(|never| match never {})
     }
 
     /// The result that was used last among those that match.

@@ -41,8 +41,9 @@ pub(super) fn shape(
             let (value, slope) = at(*x);
             shape.extend([value, slope]);
         }
+        let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(POINTS) };
         for (element, blocks) in stiffness.internal.iter().enumerate() {
-            shape.extend(internal(shaft, bow, curvature, element, &blocks.block));
+            shape.extend(internal(shaft, bow, curvature, (element, &rule), &blocks.block));
         }
         shape
     };
@@ -63,22 +64,21 @@ pub(super) fn shape(
     })
 }
 
-/// Internal coordinates of bending of one element of a shaft, for a bow with the curvature b''(x), 1/m. `stiffness` is the
-/// stiffness matrix of these coordinates.
+/// Internal coordinates of bending of one element of a shaft, for a bow with the curvature b''(x), 1/m. `rule` holds
+/// points and weights on (0, 1), `stiffness` is the stiffness matrix of these coordinates.
 fn internal(
     shaft: &Shaft,
     bow: &Bow,
     curvature: &dyn Fn(f64) -> Complex64,
-    element: usize,
+    (element, rule): (usize, &[(f64, f64)]),
     stiffness: &DMatrix<f64>,
 ) -> Vec<Complex64> {
     let functions = BendingFunction::all(shaft.degree, shaft.shear);
     let (start, length) = (shaft.nodes[element], shaft.elements[element].length);
     let rigidity = flexural_rigidity(&shaft.elements[element], &shaft.material);
-    let rule = gauss(POINTS);
     let mut forces = DMatrix::<f64>::zeros(functions.len(), 2);
     for piece in bow.pieces(start, start + length).windows(2) {
-        for (at, weight) in &rule {
+        for (at, weight) in rule {
             let x = piece[0] + at * (piece[1] - piece[0]);
             let moment = curvature(x) * (rigidity * weight * (piece[1] - piece[0]));
             for (i, function) in functions.iter().enumerate() {

@@ -179,9 +179,8 @@ impl Model {
             })
             .collect();
         check_stiffness(&meshes)?;
-        let constant_load = DVector::zeros(numbering.len());
         let mut model = Self {
-            constant_load,
+            constant_load: DVector::default(),
             links: link::links(&scene, &numbering),
             housings: HousingInertia::new(&scene, &numbering),
             sigma_standing: Vec::new(),
@@ -196,11 +195,32 @@ impl Model {
             loads: Vec::new(),
         };
         model.set_initial_stiffness();
-        model.loads = model.varying_loads();
-        model.add_turning_forces();
-        model.constant_load = model.assemble_constant_load();
-        model.sigma_standing = model.sigma_at_rest();
+        model.add_loads();
         Ok(model)
+    }
+
+    /// Adds the forces and torques of the scene.
+    fn add_loads(&mut self) {
+        self.loads = self.varying_loads();
+        self.add_turning_forces();
+        self.constant_load = self.assemble_constant_load();
+        self.sigma_standing = self.sigma_at_rest();
+    }
+
+    /// The model of a scene that differs from that of this model in loads only; `None` if the loads change the coordinates.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the bearings do not define the sag of a bow.
+    pub fn with_loads(&self, scene: Scene) -> Result<Option<Self>, SceneError> {
+        if !has_same_coordinates(&self.scene, &scene) {
+            return Ok(None);
+        }
+        let mut model = Self { scene, ..self.clone() };
+        for (index, shaft) in model.shafts.iter_mut().enumerate() {
+            shaft.set_bow_and_unbalance(&model.scene, index)?;
+        }
+        model.add_loads();
+        Ok(Some(model))
     }
 
     /// Number of degrees of freedom n.
@@ -216,9 +236,7 @@ impl Model {
     /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
     /// depend on the loads of a scene.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
-        let kinds = |model: &Self| (model.scene.lateral, model.scene.torsion, model.scene.axial);
-        let nodes = |model: &Self| model.scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
-        kinds(self) == kinds(other) && nodes(self) == nodes(other) && self.sigma_standing == other.sigma_standing
+        has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
     }
 
     /// The same model with springs between its coordinates.
@@ -360,6 +378,13 @@ impl Model {
         }
         weighted
     }
+}
+
+/// Whether two scenes have the same nodes and the same kinds of coordinates.
+fn has_same_coordinates(first: &Scene, second: &Scene) -> bool {
+    let kinds = |scene: &Scene| (scene.lateral, scene.torsion, scene.axial);
+    let nodes = |scene: &Scene| scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
+    kinds(first) == kinds(second) && nodes(first) == nodes(second)
 }
 
 /// Checks that every mesh stiffness is positive; a negative one would pull the flanks together.

@@ -148,7 +148,6 @@ impl ShaftModel {
             shaft.elements.iter().map(|element| Beam::new(element, &shaft.material, shaft.shear)).collect();
         let inner = InternalBeam::of_shaft(shaft);
         let mut gyroscopic = ChainMatrix::zeros(nodes);
-        let mut bow_shape = None;
 
         let bending = match numbering.lateral(index) {
             None => None,
@@ -162,7 +161,6 @@ impl ShaftModel {
                     mass.nodal.add_at_node(body.node.node, 1, 1, body.diametral_inertia);
                     gyroscopic.nodal.add_at_node(body.node.node, 1, 1, body.polar_inertia);
                 }
-                bow_shape = bow::shape(scene, index, &mass, &stiffness)?;
                 let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.bending).collect();
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
@@ -175,16 +173,22 @@ impl ShaftModel {
             start.map(|start| rod(scene, index, start, parts, (&beams, &inner))).transpose()
         };
         let (twist, axial) = (rod(numbering.torsion(index), &twist)?, rod(numbering.axial(index), &axial)?);
-        let excitations = bending.as_ref().map(|chain| excitations(scene, index, chain, bow_shape.as_deref()));
-        Ok(Self {
-            ratio: scene.speed_ratios[index],
-            excitations: excitations.unwrap_or_default(),
-            bending,
-            gyroscopic,
-            twist,
-            axial,
-            bow: bow_shape,
-        })
+        let ratio = scene.speed_ratios[index];
+        let mut shaft = Self { ratio, bending, gyroscopic, twist, axial, excitations: Vec::new(), bow: None };
+        shaft.set_bow_and_unbalance(scene, index)?;
+        Ok(shaft)
+    }
+
+    /// Sets bow and unbalance to those of shaft `index` of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the bearings do not define the sag of the bow.
+    pub fn set_bow_and_unbalance(&mut self, scene: &Scene, index: usize) -> Result<(), SceneError> {
+        if let Some(chain) = &self.bending {
+            self.bow = bow::shape(scene, index, &chain.mass, &chain.stiffness)?;
+            self.excitations = excitations(scene, index, chain, self.bow.as_deref());
+        }
+        Ok(())
     }
 
     /// Chains of torsion and of axial motion.

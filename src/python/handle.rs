@@ -32,13 +32,42 @@ impl PyModel {
     pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
         let resolved = analysis::resolve(&description)?;
         let model = Model::new(Scene::new(&resolved.description)?)?;
-        Ok(Self {
+        Ok(Self::of_model(description, resolved, CachedModel::new(model)))
+    }
+
+    /// Checks and assembles a variation of another system. If the two differ in loads only, the variation has the elements of
+    /// the other one where they meet the level, and shares its modes and the reduction of its runs.
+    pub fn build_variation(description: SceneDescription, base: &Self) -> Result<Self, SceneError> {
+        let resolution = |description: &SceneDescription| description.resolution.unwrap_or_default();
+        let resolved = if linear_part(&description) == linear_part(&base.description)
+            && resolution(&description) == resolution(&base.description)
+        {
+            analysis::resolve_variation(&description, &base.resolved)?
+        } else {
+            None
+        };
+        let resolved = resolved.map_or_else(|| analysis::resolve(&description), Ok)?;
+        let scene = || Scene::new(&resolved.description);
+        if base.model().nonlinear_bearings.is_empty()
+            && linear_part(&resolved.description) == linear_part(&base.resolved.description)
+            && let Some(model) = base.model().with_loads(scene()?)?
+        {
+            let shares = model.has_coordinates_of(base.model());
+            let cached = if shares { CachedModel::variation(model, &base.cached) } else { CachedModel::new(model) };
+            return Ok(Self::of_model(description, resolved, cached));
+        }
+        let model = Model::new(scene()?)?;
+        Ok(Self::of_model(description, resolved, CachedModel::new(model)))
+    }
+
+    fn of_model(description: SceneDescription, resolved: Resolved, cached: CachedModel) -> Self {
+        Self {
             description,
             resolved,
-            cached: Arc::new(CachedModel::new(model)),
+            cached: Arc::new(cached),
             warned: AtomicBool::new(false),
             expected_error: OnceLock::new(),
-        })
+        }
     }
 
     /// The assembled model.
@@ -49,14 +78,9 @@ impl PyModel {
     /// Uses the modes and state-space models of another system, if the two differ in loads only. The stiffness of nonlinear
     /// bearings depends on the loads, so that systems with them share nothing. Returns whether the two share.
     pub fn share_linear_part(&self, other: &Self) -> bool {
-        // The resolved description contains the elements, which are all that the option `resolution` determines.
-        let plain = |model: &Self| {
-            let description = model.resolved.description.without_loads();
-            SceneDescription { resolution: None, ..description }
-        };
         let shares = self.model().nonlinear_bearings.is_empty()
             && self.model().has_coordinates_of(other.model())
-            && plain(self) == plain(other);
+            && linear_part(&self.resolved.description) == linear_part(&other.resolved.description);
         if shares {
             self.cached.share(&other.cached);
         }
@@ -102,4 +126,10 @@ impl PyModel {
     pub fn place(&self, node: Node) -> (&str, f64) {
         self.model().scene.place(node)
     }
+}
+
+/// The description without loads and without the option `resolution`. A resolved description contains the elements, which
+/// are all that this option determines.
+fn linear_part(description: &SceneDescription) -> SceneDescription {
+    SceneDescription { resolution: None, ..description.without_loads() }
 }

@@ -50,6 +50,13 @@ impl PyModel {
         Ok(py.detach(|| Self::build(description))?)
     }
 
+    /// A variation of this system. If the two differ in loads only, the variation has the elements of this system where they
+    /// meet the level, and shares its modes and the reduction of its runs.
+    fn variation(&self, py: Python<'_>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
+        Ok(py.detach(|| Self::build_variation(description, self))?)
+    }
+
     /// Uses the modes and state-space models of another system, if the two differ in loads only; returns whether it does.
     fn share(&self, other: &Self) -> bool {
         self.share_linear_part(other)

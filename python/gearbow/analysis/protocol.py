@@ -38,6 +38,9 @@ class System(Protocol):
     def replace(self, **changes: Any) -> Any:
         """Make a system with other parts or options."""
 
+    def _variation(self, **changes: Any) -> Any:
+        """Make a system that uses elements and modes of this one, if only loads change."""
+
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
         """Find the static equilibrium."""
 

@@ -28,7 +28,10 @@ def simulate_many(
     """Simulate variations of this system in parallel.
 
     Variations that differ from the system in loads only (torques, forces, bows, unbalance, gravity)
-    share its modes and state-space models. The responses have the bits of
+    share its elements, its modes and the number of modes that `accuracy` needs. These are chosen
+    for a run of the system itself, and each variation checks them with its own loads: where they
+    do not keep the accuracy, it chooses its own. The responses depend neither on the order of the
+    variations nor on the number of workers. Without a choice to share, they have the bits of
     ``system.replace(**variation).simulate(duration, speed, **options)``.
 
     Parameters
@@ -111,7 +114,7 @@ def _variation(entry: object, number: int) -> dict[str, Any]:
 def _simulate(
     system: System, changes: dict[str, Any], duration: float, speed: Any, options: dict[str, Any]
 ) -> Response:
-    return system.replace(**changes).simulate(duration, speed, **options)  # type: ignore[no-any-return]
+    return system._variation(**changes).simulate(duration, speed, **options)  # type: ignore[no-any-return]
 
 
 def _named(error: BaseException, number: int, changes: dict[str, Any]) -> BaseException:

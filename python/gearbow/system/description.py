@@ -94,9 +94,6 @@ class SystemDescription(CheckedKeywords, Shown):
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces)
-        for (key, kind), given in zip(PARTS.items(), lists, strict=True):
-            listed = enumerate(parts(given, kind, key, *_OTHERS.get(key, ())))
-            setattr(self, key, tuple(part._in_si(f"{key}[{i}]") for i, part in listed))
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -105,6 +102,16 @@ class SystemDescription(CheckedKeywords, Shown):
             "motion": motion,
             "resolution": resolution,
         }
+        self._model = Model(self._read(lists, options))
+        warn(self._model)
+
+    def _read(
+        self, lists: Sequence[Sequence[Part]], options: Mapping[str, object]
+    ) -> dict[str, Plain]:
+        """Keep parts, in the order of `PARTS`, and options; return them as plain data."""
+        for (key, kind), given in zip(PARTS.items(), lists, strict=True):
+            listed = enumerate(parts(given, kind, key, *_OTHERS.get(key, ())))
+            setattr(self, key, tuple(part._in_si(f"{key}[{i}]") for i, part in listed))
         description: dict[str, Plain] = {
             key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]
             for key in PARTS
@@ -114,8 +121,7 @@ class SystemDescription(CheckedKeywords, Shown):
             setattr(self, key, tuples(converted))
             if converted is not None and converted != _DEFAULTS.get(key):
                 description[key] = converted
-        self._model = Model(description)
-        warn(self._model)
+        return description
 
     @classmethod
     def _from_model(cls, model: Model) -> "Self":
@@ -211,15 +217,32 @@ class SystemDescription(CheckedKeywords, Shown):
         >>> system.replace(gravity=None).gravity is None
         True
         """
+        system = type(self)(**self._changed(changes))
+        system._model.share(self._model)
+        return system
+
+    def _variation(self, **changes: Any) -> "Self":
+        """Make a system as `replace`. If only loads change, it also uses elements and modes of this.
+
+        It does so where they keep the accuracy with its own loads.
+        """
+        given = self._changed(changes)
+        system = type(self).__new__(type(self))
+        lists = [given[key] for key in PARTS]
+        description = system._read(lists, {key: given[key] for key in _OPTIONS})
+        system._model = self._model.variation(description)
+        warn(system._model)
+        return system
+
+    def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Give all parts and options with some of them changed."""
         names = (*PARTS, *_OPTIONS)
         for key in changes:
             if key not in names:
                 raise SceneError(
                     f"replace: {key!r} is not a parameter of a system{nearest(key, names)}"
                 )
-        system = type(self)(**{**{key: getattr(self, key) for key in names}, **changes})
-        system._model.share(self._model)
-        return system
+        return {**{key: getattr(self, key) for key in names}, **changes}
 
     @property
     def description(self) -> dict[str, Plain]:

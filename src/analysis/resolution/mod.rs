@@ -10,10 +10,15 @@
 
 mod excited_modes;
 mod layout;
+mod variation;
+
+pub use variation::resolve_variation;
 
 use super::AnalysisError;
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
+use std::sync::Arc;
+use variation::Probe;
 
 use crate::element::{BendingFunction, rod_degrees};
 use crate::modal::CachedModel;
@@ -56,6 +61,8 @@ pub struct Resolved {
     pub description: SceneDescription,
     /// The chosen elements; `None` if the scene gives all numbers.
     pub choice: Option<Choice>,
+    /// The model whose modes were examined; `None` if none were.
+    probe: Option<Arc<Probe>>,
 }
 
 /// The chosen elements.
@@ -80,7 +87,7 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     let automatic: Vec<usize> =
         given.shafts.iter().enumerate().filter(|(_, shaft)| shaft.is_automatic()).map(|(index, _)| index).collect();
     if automatic.is_empty() {
-        return Ok(Resolved { description: given.clone(), choice: None });
+        return Ok(Resolved { description: given.clone(), choice: None, probe: None });
     }
     let level = given.resolution.unwrap_or_default();
     // One element between any two places of parts; this scene is checked as the final one.
@@ -99,12 +106,12 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     });
     let model = Model::new(Scene::new(&probe)?)?;
     let permitted_error = permitted(level, model.meshes.is_empty());
-    let known = at_tabulated_speed(model).map(CachedModel::new).ok();
+    let known = at_tabulated_speed(model.clone()).map(CachedModel::new).ok();
     let known = known.and_then(|cached| excitation(&cached).ok().map(|excitation| (cached, excitation)));
     let Some((cached, excitation)) = known else {
         // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
         let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
-        return Ok(Resolved { description: probe, choice: Some(choice) });
+        return Ok(Resolved { description: probe, choice: Some(choice), probe: None });
     };
     let weight = displacement_weight(level, &cached.model);
     let search = Search {
@@ -124,7 +131,9 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
         highest_frequency: (0..layouts.len()).map(highest).fold(f64::INFINITY, f64::min),
     };
     let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), best.degrees[i]));
-    Ok(Resolved { description, choice: Some(choice) })
+    let (counts, degrees) = (best.counts, best.degrees);
+    let probe = Probe { description: probe, model, cached, automatic, layouts, counts, degrees };
+    Ok(Resolved { description, choice: Some(choice), probe: Some(Arc::new(probe)) })
 }
 
 /// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness

@@ -193,7 +193,9 @@ fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMa
         let limit = DAMPED * model.max_speed_ratio() * speed.abs();
         let model = &at_speed.model;
         let loaded = model.coupled_coordinates(flank_speed);
-        Some(Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit)?)
+        // No signal adds to the coordinates of this subspace.
+        let find = || Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit);
+        Some(at_speed.subspace((speed, limit, Vec::new()), |_| find())?)
     } else {
         None
     };

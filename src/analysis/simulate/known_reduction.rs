@@ -62,5 +62,7 @@ pub(super) struct KnownReduction {
     pub projected: Arc<Projected>,
     /// The reduced motion.
     pub linear: Arc<ModalStateSpace>,
+    /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
+    pub components: Option<[f64; 2]>,
     pub reduction: Option<Reduction>,
 }

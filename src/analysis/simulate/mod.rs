@@ -17,6 +17,7 @@ mod record;
 mod record_plan;
 mod reduction;
 mod run_cache;
+mod variation;
 
 use std::time::{Duration, Instant};
 
@@ -97,17 +98,12 @@ pub fn simulate(
     for speed in options.speed.magnitudes() {
         cached.model.check_speed(speed)?;
     }
+    let base = cached.base();
     let cached = &*of_run(cached, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
-    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
-    if plan.energy || !options.in_modes(&cached.model) {
-        motion = motion.with_modal_damping(cached)?;
-    }
-    if options.method == Method::Exponential {
-        motion.join_smooth_pieces();
-    }
+    let motion = motion(cached, options, plan, &start)?;
     if !motion.accepts_contact_modes(&start.state.contact_modes) {
         return Err(foreign_contact_modes(&start).into());
     }
@@ -124,7 +120,7 @@ pub fn simulate(
         statistics = checkpoint.statistics;
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
-    let run = Run { cached, options, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base, options, error_share: 1.0, spectrum: &spectrum, floor: start.floor, end };
     let Ended { state, condition, reduction, outcome } =
         run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
     // A run that was stopped continues from the state that it reached.
@@ -152,6 +148,23 @@ fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>,
         Speed::Constant(_) => cached.at_speed(options.fastest()),
         Speed::Changing(_) => cached.with_points_of(options.fastest()),
     }
+}
+
+/// The equation of motion of a run.
+fn motion<'a>(
+    cached: &'a CachedModel,
+    options: &Options,
+    plan: &RecordPlan,
+    start: &Start,
+) -> Result<EquationOfMotion<'a>, AnalysisError> {
+    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
+    if plan.energy || !options.in_modes(&cached.model) {
+        motion = motion.with_modal_damping(cached)?;
+    }
+    if options.method == Method::Exponential {
+        motion.join_smooth_pieces();
+    }
+    Ok(motion)
 }
 
 /// Relative tolerance that the motion of a run follows; zero without connections, where it is exact, and with fixed steps.
@@ -183,7 +196,11 @@ struct Ended {
 /// Constants of a run.
 struct Run<'a> {
     cached: &'a CachedModel,
+    /// The model of which the model of this run is a variation.
+    base: Option<&'a CachedModel>,
     options: &'a Options,
+    /// Share of the permitted errors that a chosen number of modes may cause.
+    error_share: f64,
     spectrum: &'a Spectrum,
     /// Smallest energy norm that a tolerance is relative to.
     floor: f64,
@@ -237,7 +254,7 @@ impl Run<'_> {
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<Result<(), Halted>, AnalysisError> {
-        let Self { cached, options, spectrum, floor, end } = *self;
+        let Self { cached, options, spectrum, floor, end, .. } = *self;
         let len = system.len();
         if options.method == Method::Rk4 {
             let step = fixed_step(cached, options, spectrum)?;

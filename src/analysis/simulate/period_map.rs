@@ -77,7 +77,7 @@ pub fn with_period_map<T>(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = start.state.elapsed + several.duration;
-    let run = Run { cached, options: &several, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base: None, options: &several, error_share: 1.0, spectrum: &spectrum, floor: start.floor, end };
     let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
     let (setup, reduction) = reduction::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
     let setup = if setup.linear.includes_meshes {

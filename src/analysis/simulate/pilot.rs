@@ -18,6 +18,8 @@ pub(super) const PILOT_DURATION: f64 = 0.1;
 const DECIDING: (f64, f64) = (1.0 / 3.0, 0.03);
 /// The same where it only measures the error.
 const MEASURING: (f64, f64) = (0.1, 0.01);
+/// Duration, s, where it compares a run with its system: several periods of the teeth.
+const CHECK_DURATION: f64 = 0.03;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.
@@ -36,9 +38,19 @@ pub(super) struct Pilot {
 impl Pilot {
     /// Chooses the part of a run; `decides` says whether the number of modes follows from the pilot runs.
     pub fn new(run: &Run<'_>, start: &Start, decides: bool) -> Self {
-        let Run { cached, options, .. } = *run;
         let (part, shortest) = if decides { DECIDING } else { MEASURING };
-        let duration = (part * options.duration).clamp(shortest, PILOT_DURATION).min(options.duration);
+        Self::lasting(run, start, (part * run.options.duration).clamp(shortest, PILOT_DURATION))
+    }
+
+    /// Chooses the part of a run that checks whether a known number of modes keeps the accuracy.
+    pub fn check(run: &Run<'_>, start: &Start) -> Self {
+        Self::lasting(run, start, CHECK_DURATION)
+    }
+
+    /// Chooses a part of this duration, s, or the whole run if it is shorter.
+    fn lasting(run: &Run<'_>, start: &Start, duration: f64) -> Self {
+        let Run { cached, options, .. } = *run;
+        let duration = duration.min(options.duration);
         let end = options.start + options.duration;
         let fastest = options.speed.time_of_fastest(options.start, end);
         let first = (fastest - duration / 2.0).min(end - duration).max(options.start);

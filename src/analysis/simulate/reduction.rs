@@ -22,7 +22,7 @@ use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::run_cache::RunCache;
-use super::{RecordPlan, Run};
+use super::{RecordPlan, Run, variation};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
@@ -70,11 +70,9 @@ pub(super) fn set_up<'m>(
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
     let (options, model) = (run.options, &run.cached.model);
-    let is_large = is_large(model);
-    let is_short = is_short(run, start, &motion);
     let keeps_all = match (options.modes, options.reduction) {
         (Some(count), _) => count >= model.len(),
-        (None, Some(_)) => plan.energy || !is_large && is_short,
+        (None, Some(_)) => plan.energy || !is_large(model) && is_short(run, start, &motion),
         (None, None) => true,
     };
     if keeps_all {
@@ -82,21 +80,49 @@ pub(super) fn set_up<'m>(
     }
     let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
     if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
-        let setup = run.complete(motion, start, plan, Some(&known.projected))?;
-        let is_reduced = !Arc::ptr_eq(&setup.linear, &known.linear);
-        let reduced = || setup.with_linear(model, Arc::clone(&known.linear), plan.selection(model));
-        return Ok((if is_reduced { reduced() } else { setup }, known.reduction));
+        let (unreduced, reduced) = known.set_ups(run, motion, start, plan)?;
+        return Ok((reduced.unwrap_or(unreduced), known.reduction));
     }
-    let Some(mut reducer) = Reducer::new(run, &motion, start, plan, observer)? else {
+    let of_base = key.as_ref().map(|key| variation::reduction_of_base(run, key, plan, observer)).transpose()?;
+    let adopted = of_base.flatten().map(|reduction| adopt(run, &motion, start, plan, reduction, observer)).transpose()?;
+    let found = match adopted.flatten() {
+        Some(adopted) => Some(adopted),
+        None => find(run, &motion, start, plan, observer)?,
+    };
+    let Some((setup, reduction)) = found else {
+        return Ok((run.complete(motion, start, plan, None)?, None));
+    };
+    let measured = reduction.reduction;
+    if let Some(key) = key {
+        known.reductions.insert(key, reduction);
+    }
+    Ok((setup, measured))
+}
+
+/// A set-up with its reduction.
+type Reduced<'m> = (ModalSetup<'m>, KnownReduction);
+
+/// Finds the reduction that the options of a run ask for; `None` if the modes are nearly parallel.
+pub(super) fn find<'m>(
+    run: &Run<'m>,
+    motion: &EquationOfMotion<'m>,
+    start: &Start,
+    plan: &RecordPlan,
+    observer: &mut impl Observer,
+) -> Result<Option<Reduced<'m>>, AnalysisError> {
+    let options = run.options;
+    let Some(mut reducer) = Reducer::new(run, motion, start, plan, observer)? else {
         if options.modes.is_some() {
             let message = "cannot be left out: nearly parallel modes do not carry the motion";
             return Err(SceneError::new("modes", message).into());
         }
-        return Ok((run.complete(motion, start, plan, None)?, None));
+        return Ok(None);
     };
-    let projected = Arc::clone(&reducer.projected);
+    let (projected, components) = (Arc::clone(&reducer.projected), reducer.components);
     let (setup, reduction) = match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short && reducer.choice_pays() => reducer.choose(target, observer)?,
+        (None, Some(target)) if !is_short(run, start, motion) && reducer.choice_pays() => {
+            reducer.choose(target.map(|error| run.error_share * error), observer)?
+        }
         (None, _) => reducer.unreduced(),
         (Some(count), _) => {
             let setup = reducer.reduced(count)?;
@@ -104,11 +130,61 @@ pub(super) fn set_up<'m>(
             (setup, Some(reduction))
         }
     };
-    if let Some(key) = key {
-        let linear = Arc::clone(&setup.linear);
-        known.reductions.insert(key, KnownReduction { projected, linear, reduction });
+    let linear = Arc::clone(&setup.linear);
+    Ok(Some((setup, KnownReduction { projected, linear, components, reduction })))
+}
+
+/// Sets up a variation with the reduction of its system; `None` if the errors of the variation exceed the permitted ones. The
+/// errors are those of the system, or those of a part of this run if they are larger.
+fn adopt<'m>(
+    run: &Run<'m>,
+    motion: &EquationOfMotion<'m>,
+    start: &Start,
+    plan: &RecordPlan,
+    known: KnownReduction,
+    observer: &mut impl Observer,
+) -> Result<Option<Reduced<'m>>, AnalysisError> {
+    let (unreduced, setup) = match known.set_ups(run, motion.clone(), start, plan)? {
+        (unreduced, Some(reduced)) => (unreduced, reduced),
+        (unreduced, None) => return Ok(Some((unreduced, known))),
+    };
+    let mut reducer = Reducer {
+        run,
+        start,
+        plan,
+        pilot: Rc::new(Pilot::check(run, start)),
+        projected: Arc::clone(&known.projected),
+        unreduced,
+        exact: Record::default(),
+        components: known.components,
+        directions: OnceCell::new(),
+    };
+    reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
+    let own = reducer.measured(&setup, observer)?;
+    if run.options.reduction.is_some_and(|target| reducer.excess(own.errors, target) > 1.0) {
+        return Ok(None);
     }
-    Ok((setup, reduction))
+    let of_system = known.reduction.map_or([0.0; 2], |reduction| reduction.errors);
+    let errors = std::array::from_fn(|kind| own.errors[kind].max(of_system[kind]));
+    Ok(Some((setup, KnownReduction { reduction: Some(Reduction { errors, ..own }), ..known })))
+}
+
+impl KnownReduction {
+    /// The set-up of a run with the modes of the components, or all modes, and that with the reduced motion, if it differs.
+    fn set_ups<'m>(
+        &self,
+        run: &Run<'m>,
+        motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
+        let unreduced = run.complete(motion, start, plan, Some(&self.projected))?;
+        let model = &run.cached.model;
+        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &self.linear);
+        let reduced =
+            is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&self.linear), plan.selection(model)));
+        Ok((unreduced, reduced))
+    }
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.

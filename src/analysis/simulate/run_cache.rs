@@ -1,6 +1,6 @@
 //! Results that the runs of one system share: a repeated run computes them once.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use nalgebra::{Complex, DMatrix};
 
@@ -9,7 +9,7 @@ use crate::exponential::PropagatorCache;
 use crate::modal::{ModalStateSpace, Recent};
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
-const SETTINGS: usize = 2;
+pub(super) const SETTINGS: usize = 2;
 
 /// What the synchronous motion at the start of a run depends on: speed, and speed of the flanks in contact, rad/s, and
 /// whether modal damping acts in component modes.
@@ -29,6 +29,8 @@ pub(super) struct RunCache {
     pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
+    /// Reductions that variations of the model share; `None` marks a run that fails or is not reduced.
+    pub shared_reductions: Mutex<Vec<(ReductionKey, Option<KnownReduction>)>>,
 }
 
 /// A linear motion as a key, which does not keep its matrices in memory.

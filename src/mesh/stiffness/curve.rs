@@ -8,6 +8,8 @@ pub struct UniformCurve {
     start: f64,
     spacing: f64,
     knots: Vec<(f64, f64)>,
+    /// Coefficients of the cubic between two knots, in multiples of the spacing, lowest power first.
+    pieces: Vec<[f64; 4]>,
 }
 
 impl UniformCurve {
@@ -27,32 +29,35 @@ impl UniformCurve {
         for i in (0..n - 1).rev() {
             slope[i] = (slope[i] - slope[i + 1]) / diagonal[i];
         }
-        Self { start, spacing, knots: values.iter().copied().zip(slope).collect() }
+        Self::through(start, spacing, values.iter().copied().zip(slope).collect())
+    }
+
+    /// The curve through knots with values and slopes.
+    fn through(start: f64, spacing: f64, knots: Vec<(f64, f64)>) -> Self {
+        let pieces = knots.windows(2).map(|ends| cubic(ends[0], ends[1], spacing)).collect();
+        Self { start, spacing, knots, pieces }
     }
 
     /// Value and slope at `x`.
     #[inline]
     pub fn at(&self, x: f64) -> (f64, f64) {
         let place = (x - self.start) / self.spacing;
-        let last = self.knots.len() - 1;
         if place <= 0.0 {
             return (self.knots[0].0, 0.0);
         }
-        if place >= last as f64 {
-            return (self.knots[last].0, 0.0);
+        // A signed number takes fewer instructions.
+        let i = place as i64;
+        match self.pieces.get(i as usize) {
+            Some(piece) => evaluate(piece, place - i as f64, self.spacing),
+            None => (self.knots[self.pieces.len()].0, 0.0),
         }
-        let i = place as usize;
-        hermite(self.knots[i], self.knots[i + 1], place - i as f64, self.spacing)
     }
 
     /// The curve with its values multiplied by `factor`.
     #[must_use]
-    pub fn scaled(mut self, factor: f64) -> Self {
-        for (value, slope) in &mut self.knots {
-            *value *= factor;
-            *slope *= factor;
-        }
-        self
+    pub fn scaled(self, factor: f64) -> Self {
+        let knots = self.knots.iter().map(|(value, slope)| (value * factor, slope * factor)).collect();
+        Self::through(self.start, self.spacing, knots)
     }
 }
 
@@ -100,7 +105,8 @@ impl PeriodicCurve {
                 let n = knots.len();
                 let place = x * n as f64;
                 let i = (place as usize).min(n - 1);
-                hermite(knots[i], knots[(i + 1) % n], place - i as f64, 1.0 / n as f64)
+                let spacing = 1.0 / n as f64;
+                evaluate(&cubic(knots[i], knots[(i + 1) % n], spacing), place - i as f64, spacing)
             }
         }
     }
@@ -135,11 +141,16 @@ impl PeriodicCurve {
     }
 }
 
-/// Value and slope of the cubic between two knots at the fraction `s` of their `spacing`.
+/// Coefficients of the cubic between two knots, lowest power first, over the fraction of their `spacing`.
 #[inline]
-fn hermite(left: (f64, f64), right: (f64, f64), s: f64, spacing: f64) -> (f64, f64) {
+fn cubic(left: (f64, f64), right: (f64, f64), spacing: f64) -> [f64; 4] {
     let rise = right.0 - left.0;
     let (m0, m1) = (left.1 * spacing, right.1 * spacing);
-    let (square, cube) = (3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise);
-    (left.0 + s * (m0 + s * (square + s * cube)), (m0 + s * (2.0 * square + 3.0 * s * cube)) / spacing)
+    [left.0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise]
+}
+
+/// Value and slope of a cubic at the fraction `s` of the `spacing`.
+#[inline]
+fn evaluate([value, rise, square, cube]: &[f64; 4], s: f64, spacing: f64) -> (f64, f64) {
+    (value + s * (rise + s * (square + s * cube)), (rise + s * (2.0 * square + 3.0 * s * cube)) / spacing)
 }

@@ -1,0 +1,66 @@
+//! Elements of a scene that differs from another one in loads only: those of the other scene, if they meet the level.
+
+use super::excited_modes::excitation;
+use super::layout::Layout;
+use super::{Choice, Resolved, Search, at_tabulated_speed, displacement_weight, with_elements};
+use crate::modal::CachedModel;
+use crate::model::Model;
+use crate::scene::{Scene, SceneDescription, SceneError};
+
+/// The model whose modes gave the elements of a scene, and these elements.
+#[derive(Debug)]
+pub(super) struct Probe {
+    /// Its description.
+    pub description: SceneDescription,
+    /// The assembled model.
+    pub model: Model,
+    /// The same at the speed of its modes.
+    pub cached: CachedModel,
+    /// Indices of the shafts whose elements are chosen.
+    pub automatic: Vec<usize>,
+    /// Segments of these shafts.
+    pub layouts: Vec<Layout>,
+    /// Chosen number of elements of each segment of these shafts.
+    pub counts: Vec<Vec<usize>>,
+    /// Chosen degree of each of these shafts.
+    pub degrees: Vec<usize>,
+}
+
+/// The elements of `base` for a description that differs from that of `base` in loads only. `None` if they do not meet the
+/// level with these loads, or no modes were examined for `base`.
+///
+/// # Errors
+/// [`SceneError`] if the scene is invalid.
+pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Option<Resolved>, SceneError> {
+    let (Some(probe), Some(choice)) = (&base.probe, &base.choice) else {
+        return Ok(None);
+    };
+    let Probe { automatic, layouts, counts, degrees, .. } = &**probe;
+    let Some(model) = probe.model.with_loads(Scene::new(&with_elements_of(given, &probe.description))?)? else {
+        return Ok(None);
+    };
+    let cached = CachedModel::new(at_tabulated_speed(model)?);
+    cached.share(&probe.cached);
+    let Ok(excitation) = excitation(&cached) else {
+        return Ok(None);
+    };
+    let (model, weight) = (&cached.model, displacement_weight(choice.level, &cached.model));
+    let search = Search { given, automatic, layouts, excitation: &excitation, weight, model };
+    let error = search.candidate(degrees.clone(), counts.clone()).error;
+    if error > choice.permitted_error || error.is_nan() {
+        return Ok(None);
+    }
+    let description = with_elements(given, automatic, |i| (counts[i].clone(), degrees[i]));
+    let choice = Choice { expected_error: error.min(1.0), ..choice.clone() };
+    Ok(Some(Resolved { description, choice: Some(choice), probe: base.probe.clone() }))
+}
+
+/// The description with the elements of all shafts of another one.
+fn with_elements_of(given: &SceneDescription, other: &SceneDescription) -> SceneDescription {
+    let mut description = given.clone();
+    for (shaft, other) in description.shafts.iter_mut().zip(&other.shafts) {
+        (shaft.elements, shaft.degree) = (other.elements, other.degree);
+        shaft.segments.clone_from(&other.segments);
+    }
+    description
+}
