@@ -43,6 +43,8 @@ const CLOSE: f64 = 0.1;
 const RECOGNISED: f64 = 1e-4;
 /// Cosine of the angle from the real axis up to which approximations may belong to eigenvalues in the sectors, 84°.
 const NEAR: f64 = 0.1;
+/// Largest difference of a count that is corrected.
+const MAX_MISSING: i64 = 40;
 /// Largest number of corrections of a count.
 const MAX_CORRECTIONS: usize = 4;
 /// Largest number of refinements.
@@ -99,8 +101,10 @@ fn counted(
             return Ok(None);
         };
         let missing = problem.missing(without.iter().map(|pair| pair.value), &problem.contour(radius));
-        if missing == Some(0) {
-            return Ok(Some(with));
+        match missing {
+            Some(0) => return Ok(Some(with)),
+            Some(missing) if missing.abs() <= MAX_MISSING => {}
+            _ => return Ok(None),
         }
         let is_near = |value: Complex64| value.norm() < radius || value.re.abs() > NEAR * value.norm();
         let mut directions = Vec::new();
@@ -111,7 +115,7 @@ fn counted(
             }
         }
         let grown = (space.size() + directions.len()) as f64;
-        if missing.is_none() || directions.is_empty() || grown > FEW * problem.model.len() as f64 {
+        if directions.is_empty() || grown > FEW * problem.model.len() as f64 {
             return Ok(None);
         }
         space.add(&directions)?;
