@@ -28,10 +28,11 @@ import os
 import statistics
 import sys
 import warnings
+from collections.abc import Sequence
 
 import gearbow as gb
 from programs.analyses import ANALYSES, SUBJECTS, Analysis, Subject
-from programs.calls import CALLS
+from programs.calls import CALLS, SETUP, Call
 from programs.memory import RUNS, WORKS, peak
 from programs.methods import METHODS, Method, offered
 from programs.scenes import SCENES, Scene
@@ -41,7 +42,8 @@ from programs.timing import ROUNDS, Outcome, in_rounds, median_ratio, once, time
 SLOW = 1.0  # work that takes longer is timed only once, s
 LIMIT = 15.0  # limit of the CPU time of an analysis, s
 QUICK = ("shaft", "square", "modes", "calls")  # tables of a quick comparison
-TABLES = (*SCENES, *ANALYSES, "calls", "memory")
+CALL_TABLES = {"calls": ("Calls on one system", CALLS), "setup": ("Parts of a set-up", SETUP)}
+TABLES = (*SCENES, *ANALYSES, *CALL_TABLES, "memory")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -235,16 +237,16 @@ def analysis_table(name: str, *, quick: bool) -> None:
     table.print()
 
 
-def calls_table(*, quick: bool) -> None:
+def calls_table(title: str, calls: Sequence[Call], *, quick: bool) -> None:
     """Measure further calls on one system."""
-    prepared = {call.title: call.prepare() for call in CALLS}
+    prepared = {call.title: call.prepare() for call in calls}
     works = {title: work for title, (work, _) in prepared.items()}
     for work in works.values():
         work()  # the first call fills caches
     values = in_rounds(works, 1 if quick else ROUNDS)
-    print("\nCalls on one system.\n")
+    print(f"\n{title}.\n")
     header("call", "cost", "error")
-    for call in CALLS:
+    for call in calls:
         error = prepared[call.title][1]
         cost = f"{statistics.median(values[call.title]):.3g} {call.unit}".rstrip()
         row(call.title, cost, "" if error is None else f"{error:.1e}")
@@ -283,8 +285,8 @@ def main() -> None:
                 scene_table(name, quick=quick)
             elif name in ANALYSES:
                 analysis_table(name, quick=quick)
-            elif name == "calls":
-                calls_table(quick=quick)
+            elif name in CALL_TABLES:
+                calls_table(*CALL_TABLES[name], quick=quick)
             else:
                 memory_table()
 

@@ -72,8 +72,7 @@ def torque() -> Prepared:
     system.simulate(1e-3, SPEED)
 
     def changed() -> gb.RotorSystem:
-        value = TORQUE * (1.0 + 1e-3 * next(values))
-        return system.replace(torques=[gb.Torque("g1", value), gb.Torque.balance("g4")])
+        return with_torque(system, TORQUE * (1.0 + 1e-3 * next(values)))
 
     other = changed()
     return (
@@ -92,6 +91,53 @@ def speed() -> Prepared:
 
     other = 1.5 * SPEED
     return lambda: 1e3 * cost(run), error(system, system.simulate(1e-3, other), other)
+
+
+def with_torque(system: gb.RotorSystem, value: float) -> gb.RotorSystem:
+    """Return a train with another torque."""
+    return system.replace(torques=[gb.Torque("g1", value), gb.Torque.balance("g4")])
+
+
+def part(
+    work: Callable[[gb.RotorSystem, float], Any], *, torque: bool = False
+) -> Callable[[], Prepared]:
+    """Measure a part of the set-up at another speed, or with another torque, each time."""
+
+    def prepare() -> Prepared:
+        system, values = train(), itertools.count(1)
+        first(system, SPEED)
+
+        def measured() -> float:
+            factor = 1.0 + 1e-3 * next(values)
+            if not torque:
+                return 1e3 * cost(lambda: work(system, factor * SPEED))
+            other = with_torque(system, factor * TORQUE)
+            return 1e3 * cost(lambda: work(other, SPEED))
+
+        return measured, None
+
+    return prepare
+
+
+def first(system: gb.RotorSystem, speed: float) -> gb.Response:
+    """Simulate 1 ms with two samples."""
+    return system.simulate(1e-3, speed, output_step=1e-3)
+
+
+def described() -> Prepared:
+    """Describe and check a train with another torque."""
+    system, values = train(), itertools.count(1)
+    return lambda: 1e3 * cost(lambda: with_torque(system, TORQUE + next(values))), None
+
+
+def warm_with(samples: int) -> Callable[[], Prepared]:
+    """Simulate 1 ms with this number of samples, again and again."""
+
+    def prepare() -> Prepared:
+        system, times = train(), np.linspace(0.0, 1e-3, samples)
+        return lambda: 1e3 * cost(lambda: system.simulate(1e-3, SPEED, times=times)), None
+
+    return prepare
 
 
 def samples() -> Prepared:
@@ -197,4 +243,26 @@ CALLS = (
         "",
         functools.partial(run_up, functools.partial(train, seats=True)),
     ),
+)
+SETUP = (
+    Call("1 ms, repeated, 2 samples", "ms", warm_with(2)),
+    Call("1 ms, repeated, 1001 samples", "ms", warm_with(1001)),
+    Call("description of a system with another torque", "ms", described),
+    Call(
+        "static equilibrium with another torque",
+        "ms",
+        part(lambda system, speed: system.static(speed=speed), torque=True),
+    ),
+    Call(
+        "synchronous motion with another torque",
+        "ms",
+        part(lambda system, speed: system.synchronous([speed]), torque=True),
+    ),
+    Call("1 ms with another torque, 2 samples", "ms", part(first, torque=True)),
+    Call(
+        "all modes at another speed",
+        "ms",
+        part(lambda system, speed: system.modes(speed)),
+    ),
+    Call("1 ms at another speed, 2 samples", "ms", part(first)),
 )

@@ -1,5 +1,6 @@
 //! The modes of lowest frequency: from band matrices for a few modes of a large model, otherwise from dense matrices.
 
+use super::synchronous::MAX_DENSE;
 use super::{AnalysisError, Dense};
 use crate::modal::{self, CachedModel, Mode};
 use crate::model::Model;
@@ -27,20 +28,31 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
 ///
 /// Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told apart from the others; they come
-/// from dense matrices.
+/// from dense matrices, which take minutes with 2000 degrees of freedom.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or dense matrices are needed and
-/// do not fit into memory.
+/// are too large.
 pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     if uses_bands(&cached.model, count) {
         if let Some(modes) = modal::structured_modes(&cached, speed, count)? {
             return Ok(modes);
         }
+        if cached.model.len() > MAX_DENSE {
+            return Err(too_large(&cached.model, speed, count));
+        }
         Dense::Damped.require(&cached.model)?;
     }
     let mut modes = modal::modes(&cached, speed)?;
     modes.truncate(count);
     Ok(modes)
+}
+
+/// The error of a model that needs dense matrices for its lowest modes and is too large for them.
+fn too_large(model: &Model, speed: f64, count: usize) -> AnalysisError {
+    AnalysisError::Convergence(format!(
+        "the {count} lowest modes at {speed} rad/s cannot be told apart from overdamped modes without dense matrices, which take too long with {} degrees of freedom; use at most {MAX_DENSE}, reduce the damping, or compute all modes without count",
+        model.len()
+    ))
 }

@@ -75,6 +75,11 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         })
     }
 
+    /// Number of directions.
+    pub fn size(&self) -> usize {
+        self.basis.ncols()
+    }
+
     /// Adds directions, n entries each.
     pub fn add(&mut self, directions: &[DVector<f64>]) -> Result<(), DecompositionError> {
         let model = self.problem.model;
@@ -195,12 +200,17 @@ impl<'p, 'm> Galerkin<'p, 'm> {
     }
 
     /// S₀(σ)⁻¹ r for the residual r of an approximation, with the dynamic stiffness S₀ without modal damping and a shift σ close
-    /// to the eigenvalue: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in
+    /// to the eigenvalue, of the problem with or without modal damping: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in
     /// the energy norm xᴴ(K_symmetric + |λ|²M)x.
-    pub fn error(&self, of: &Approximation) -> Result<(DVector<Complex64>, f64), DecompositionError> {
+    pub fn error(
+        &self,
+        of: &Approximation,
+        with_modal_damping: bool,
+    ) -> Result<(DVector<Complex64>, f64), DecompositionError> {
         let Problem { model, speed, .. } = *self.problem;
         let (value, shape) = (of.value, self.shape(of));
-        let modal = product(&self.images, &of.components) * (value * 2.0 * model.scene.modal_damping);
+        let ratio = if with_modal_damping { model.scene.modal_damping } else { 0.0 };
+        let modal = product(&self.images, &of.components) * (value * 2.0 * ratio);
         let mass = model.product(&shape, |x, out| model.multiply_mass(x, out)) * (value * value);
         let rate = model.product(&shape, |x, out| self.problem.rate.multiply_add(1.0, x, out)) * value;
         let elastic = model.product(&shape, |x, out| model.multiply_stiffness(speed, false, x, out));

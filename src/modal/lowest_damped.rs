@@ -20,7 +20,7 @@ use super::real::RealModes;
 use super::shift_invert::Problem;
 use crate::linalg::DecompositionError;
 
-/// Part of all modes up to which undamped modes come from band matrices.
+/// Part of all motions up to which a space is faster than dense matrices.
 const FEW: f64 = 0.3;
 /// Undamped modes of the space beyond 3/2 of the wanted ones.
 const FURTHER_MODES: usize = 24;
@@ -36,6 +36,17 @@ const ACCURATE: f64 = 1e-8;
 const UNCHANGED: f64 = 1e-9;
 /// Relative distance of an accurate eigenvalue from that of a larger space.
 const SAME: f64 = 1e-9;
+/// Relative distance of close eigenvalues.
+const CLOSE: f64 = 0.1;
+/// Part of a mode shape outside of the space, without modal damping, below which its eigenvalue is on the right side of a
+/// contour.
+const RECOGNISED: f64 = 1e-4;
+/// Cosine of the angle from the real axis up to which approximations may belong to eigenvalues in the sectors, 84°.
+const NEAR: f64 = 0.1;
+/// Largest difference of a count that is corrected.
+const MAX_MISSING: i64 = 40;
+/// Largest number of corrections of a count.
+const MAX_CORRECTIONS: usize = 4;
 /// Largest number of refinements.
 const MAX_REFINEMENTS: usize = 8;
 
@@ -65,15 +76,57 @@ pub(super) fn lowest_damped(
         let top = modes.highest();
         let mut space = Galerkin::new(&problem, modes, range.fastest)?;
         space.add_dampers(problem.rates(top / 8.0))?;
-        let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
-        let radius = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top);
-        let values = without.iter().map(|pair| pair.value);
-        if radius.is_some_and(|radius| problem.missing(values, &problem.contour(radius)) == Some(0)) {
-            return refined(&mut space, with, count, &problem);
+        if let Some(found) = counted(&mut space, elastic, top, &problem)? {
+            return refined(&mut space, found, count, &problem);
         }
         size += size / 2;
     }
     Ok(None)
+}
+
+/// Approximations of all modes with modal damping, if the space without modal damping misses no eigenvalue of the region of
+/// the count, which contains the `elastic` lowest modes; `top` is the highest frequency of the undamped modes, rad/s.
+///
+/// An approximation in the sectors may belong to an eigenvalue outside of them, and the other way round. Where the count
+/// differs, the errors of the inaccurate approximations in and near the region are therefore added to the space.
+fn counted(
+    space: &mut Galerkin<'_, '_>,
+    elastic: usize,
+    top: f64,
+    problem: &Problem<'_>,
+) -> Result<Option<Vec<Approximation>>, DecompositionError> {
+    for _ in 0..=MAX_CORRECTIONS {
+        let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
+        let Some(radius) = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top) else {
+            return Ok(None);
+        };
+        let missing = problem.missing(without.iter().map(|pair| pair.value), &problem.contour(radius));
+        match missing {
+            Some(0) => return Ok(Some(with)),
+            Some(missing) if missing.abs() <= MAX_MISSING => {}
+            _ => return Ok(None),
+        }
+        let is_near = |value: Complex64| value.norm() < radius || value.re.abs() > NEAR * value.norm();
+        let mut directions = Vec::new();
+        for mode in without.iter().filter(|mode| is_near(mode.value)) {
+            let (error, size) = space.error(mode, false)?;
+            if size > RECOGNISED {
+                directions.extend(parts(mode, &error));
+            }
+        }
+        let grown = (space.size() + directions.len()) as f64;
+        if directions.is_empty() || grown > FEW * problem.model.len() as f64 {
+            return Ok(None);
+        }
+        space.add(&directions)?;
+    }
+    Ok(None)
+}
+
+/// Real and imaginary part of the error of a mode; that of a real eigenvalue is real.
+fn parts(mode: &Approximation, error: &DVector<Complex64>) -> impl Iterator<Item = DVector<f64>> {
+    let imaginary = (mode.value.im != 0.0).then(|| error.map(|value| value.im));
+    std::iter::once(error.map(|value| value.re)).chain(imaginary)
 }
 
 /// The `count` lowest undamped modes.
@@ -108,33 +161,39 @@ fn refined(
     let (mut previous, mut accurate): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..MAX_REFINEMENTS {
         found.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
-        found.truncate(elastic);
+        let (wanted, others) = found.split_at(elastic.min(found.len()));
         let mut known = std::mem::take(&mut accurate);
-        let mut directions = Vec::new();
-        for mode in &found {
-            let is_near = |value: &Complex64, part: f64| (value - mode.value).norm() <= part * mode.value.norm();
-            if let Some(index) = known.iter().position(|value| is_near(value, SAME)) {
+        let (mut directions, mut inaccurate) = (Vec::new(), Vec::new());
+        for mode in wanted {
+            if let Some(index) = known.iter().position(|value| is_near(*value, mode.value, SAME)) {
                 accurate.push(known.swap_remove(index));
                 continue;
             }
-            let (error, size) = space.error(mode)?;
-            if size <= ACCURATE || previous.iter().any(|value| is_near(value, UNCHANGED)) {
+            let (error, size) = space.error(mode, true)?;
+            if size <= ACCURATE || previous.iter().any(|value| is_near(*value, mode.value, UNCHANGED)) {
                 accurate.push(mode.value);
                 continue;
             }
-            directions.push(error.map(|value| value.re));
-            if mode.value.im != 0.0 {
-                directions.push(error.map(|value| value.im));
-            }
+            directions.extend(parts(mode, &error));
+            inaccurate.push(mode.value);
         }
         if directions.is_empty() {
-            return Ok(Some(eigenpairs(space, &found, count, problem)));
+            return Ok(Some(eigenpairs(space, wanted, count, problem)));
         }
-        previous = found.iter().map(|mode| mode.value).collect();
+        // The errors of close modes, such as those of many equal dampers, contain each other.
+        for mode in others.iter().filter(|mode| inaccurate.iter().any(|value| is_near(*value, mode.value, CLOSE))) {
+            directions.extend(parts(mode, &space.error(mode, true)?.0));
+        }
+        previous = wanted.iter().map(|mode| mode.value).collect();
         space.add(&directions)?;
         found = space.eigenpairs(true)?;
     }
     Ok(None)
+}
+
+/// Whether two eigenvalues differ by less than a part of the second.
+fn is_near(value: Complex64, other: Complex64, part: f64) -> bool {
+    (value - other).norm() <= part * other.norm()
 }
 
 /// Rigid-body modes, and the found ones with φᴴMφ = 1, in ascending order.
