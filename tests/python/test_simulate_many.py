@@ -75,3 +75,11 @@ def test_other_threads_continue_while_a_system_is_made():
     end.set()
     thread.join()
     assert most > 5
+
+
+def forces_of(base: gb.RotorSystem, variations: list[dict[str, object]], workers: int) -> list[gb.Response]:
+    """Simulate 0.35 s, long enough for a reduction to fewer modes."""
+    with ThreadPoolExecutor(workers) as executor:
+        return base.simulate_many(
+            variations, 0.35, 100.0, output_step=1e-3, record=["meshes"], executor=executor
+        )
