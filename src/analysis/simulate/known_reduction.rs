@@ -2,13 +2,10 @@
 
 use std::sync::Arc;
 
-use super::initial::Start;
-use super::modal_setup::ModalSetup;
-use super::{Initial, Method, Options, RecordPlan, Run};
-use crate::analysis::AnalysisError;
+use super::{Initial, Method, Options, RecordPlan};
 use crate::mesh::Geometry;
 use crate::modal::{ModalStateSpace, Projected};
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::Speed;
 
 /// A reduction of the linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,23 +65,6 @@ pub(super) struct KnownReduction {
     /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
     pub components: Option<[f64; 2]>,
     pub reduction: Option<Reduction>,
-}
-
-impl KnownReduction {
-    /// The set-up of a run with the modes of the components, or all modes, and that with the reduced motion, if it differs.
-    pub fn set_ups<'m>(
-        &self,
-        run: &Run<'m>,
-        motion: EquationOfMotion<'m>,
-        start: &Start,
-        plan: &RecordPlan,
-    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
-        let unreduced = run.complete(motion, start, plan, Some(&self.projected))?;
-        let model = &run.cached.model;
-        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &self.linear);
-        let reduced = is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&self.linear), plan.selection(model)));
-        Ok((unreduced, reduced))
-    }
 }
 
 /// Errors of displacements and mesh forces of a reduction that differs by `found` from the motion in the modes of the

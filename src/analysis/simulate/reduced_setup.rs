@@ -32,7 +32,7 @@ pub(super) fn set_up<'m>(
     }
     let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
     if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
-        let (unreduced, reduced) = known.set_ups(run, motion, start, plan)?;
+        let (unreduced, reduced) = run.with_reduction(&known, motion, start, plan)?;
         return Ok((reduced.unwrap_or(unreduced), known.reduction));
     }
     let of_base = match &key {

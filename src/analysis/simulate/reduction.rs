@@ -104,6 +104,23 @@ impl<'m> Run<'m> {
         let selection = plan.selection(&self.cached.model);
         ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
     }
+
+    /// The set-up with the modes of the components, or all modes, of a known reduction, and that with its reduced motion if
+    /// this differs.
+    pub(super) fn with_reduction(
+        &self,
+        known: &KnownReduction,
+        motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
+        let unreduced = self.complete(motion, start, plan, Some(&known.projected))?;
+        let model = &self.cached.model;
+        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &known.linear);
+        let reduced =
+            is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&known.linear), plan.selection(model)));
+        Ok((unreduced, reduced))
+    }
 }
 
 /// What a reduction needs.

@@ -68,7 +68,7 @@ pub(super) fn adopt<'m>(
     let pilot = Pilot::check(run, start);
     let mut exact = None;
     for known in of_base {
-        let (unreduced, setup) = match known.set_ups(run, motion.clone(), start, plan)? {
+        let (unreduced, setup) = match run.with_reduction(&known, motion.clone(), start, plan)? {
             (unreduced, Some(reduced)) => (unreduced, reduced),
             (unreduced, None) => return Ok(Some((unreduced, known))),
         };
