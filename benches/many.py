@@ -9,6 +9,7 @@ with `simulate_many` are printed instead.
 """
 
 import argparse
+import itertools
 import time
 import warnings
 from collections.abc import Callable
@@ -107,20 +108,20 @@ def profile(count: int) -> list[tuple[str, float]]:
     changes = variations(base, count)
     base._variation(**changes[0]).simulate(duration, SPEED)  # modes of the system
     totals = dict.fromkeys(("make", "first", "again", "bare"), 0.0)
-
-    def add(part: str, work: Callable[[], Any]) -> Any:
-        start = time.process_time()
-        result = work()
-        totals[part] += (time.process_time() - start) / count
-        return result
-
     for change in changes:
-        varied = add("make", lambda change=change: base._variation(**change))
-        add("first", lambda varied=varied: varied.simulate(duration, SPEED))
-        add("again", lambda varied=varied: varied.simulate(duration, SPEED))
-        once = {"output_step": duration}
-        varied.simulate(duration, SPEED, **once)
-        add("bare", lambda varied=varied: varied.simulate(duration, SPEED, **once))
+        marks = [time.process_time()]
+        varied = base._variation(**change)
+        marks.append(time.process_time())
+        for _ in range(2):
+            varied.simulate(duration, SPEED)
+            marks.append(time.process_time())
+        varied.simulate(duration, SPEED, output_step=duration)
+        marks.append(time.process_time())
+        varied.simulate(duration, SPEED, output_step=duration)
+        marks.append(time.process_time())
+        make, first, again, _, bare = (end - begin for begin, end in itertools.pairwise(marks))
+        for part, value in zip(totals, (make, first, again, bare), strict=True):
+            totals[part] += value / count
     parts = {
         "system of the variation": totals["make"],
         "set-up: equilibrium, synchronous motion, check of the modes": totals["first"]
