@@ -4,10 +4,12 @@ The runs differ in the torque and in the phases of the bows. The accuracy is "en
 sizes are two durations. `python benches/many.py` takes a minute on two idle cores; the argument
 gives the number of runs. The share of the calling thread bounds the part of the work that threads
 cannot share: it alone may hold the lock of the interpreter. With --wall, the wall-clock time of two
-threads is compared with that of one, which needs two idle cores.
+threads is compared with that of one, which needs two idle cores. With --profile, the parts of a run
+with `simulate_many` are printed instead.
 """
 
 import argparse
+import itertools
 import time
 import warnings
 from collections.abc import Callable
@@ -59,7 +61,7 @@ def calling_share(base: gb.RotorSystem, changes: list[dict[str, Any]], duration:
     """Return the CPU time of the calling thread over that of the process."""
     cpu, own = time.process_time(), time.thread_time()
     for change in changes:
-        base.replace(**change).simulate(duration, SPEED)
+        base._variation(**change).simulate(duration, SPEED)
     cpu, own = time.process_time() - cpu, time.thread_time() - own
     return own / cpu
 
@@ -99,13 +101,51 @@ def row(duration: float, count: int, *, wall: bool) -> list[str]:
     return cells
 
 
+def profile(count: int) -> list[tuple[str, float]]:
+    """Return the parts of a run of the longest duration with the mean of their CPU times [ms]."""
+    duration = max(DURATIONS)
+    base = train()
+    changes = variations(base, count)
+    base._variation(**changes[0]).simulate(duration, SPEED)  # modes of the system
+    totals = dict.fromkeys(("make", "first", "again", "bare"), 0.0)
+    for change in changes:
+        marks = [time.process_time()]
+        varied = base._variation(**change)
+        marks.append(time.process_time())
+        for _ in range(2):
+            varied.simulate(duration, SPEED)
+            marks.append(time.process_time())
+        varied.simulate(duration, SPEED, output_step=duration)
+        marks.append(time.process_time())
+        varied.simulate(duration, SPEED, output_step=duration)
+        marks.append(time.process_time())
+        make, first, again, _, bare = (end - begin for begin, end in itertools.pairwise(marks))
+        for part, value in zip(totals, (make, first, again, bare), strict=True):
+            totals[part] += value / count
+    parts = {
+        "system of the variation": totals["make"],
+        "set-up: equilibrium, synchronous motion, check of the modes": totals["first"]
+        - totals["again"],
+        "steps": totals["bare"],
+        "output": totals["again"] - totals["bare"],
+    }
+    return [(part, 1e3 * value) for part, value in parts.items()]
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("count", type=int, nargs="?", default=40, help="number of runs")
     parser.add_argument("--wall", action="store_true", help="compare two threads with one")
+    parser.add_argument("--profile", action="store_true", help="print the parts of a run")
     given = parser.parse_args()
     count: int = given.count
+    if given.profile:
+        print(f"Means of {count} runs of {max(DURATIONS):g} s.\n")
+        print("| part of a run | CPU |\n|---|---|")
+        for part, value in profile(count):
+            print(f"| {part} | {value:.1f} ms |")
+        return
     titles = ["duration of a run", f"CPU, {SCALED} separate runs", "with `simulate_many`", "ratio"]
     titles.append("share of the calling thread")
     titles += ["wall clock, two threads / one"] * given.wall

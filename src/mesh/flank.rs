@@ -11,7 +11,7 @@ use crate::scene::Phase;
 /// Kinematics of the gears, shared by both flanks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GearKinematics<'a> {
-    pose: &'a MeshPose<'a>,
+    pub pose: &'a MeshPose<'a>,
     pub position: RelativeMotion,
     velocity: RelativeMotion,
     /// Run-out vectors of both gears, m, and the relative velocity of the centres that the spins cause, m/s.
@@ -87,6 +87,24 @@ impl GearMesh {
                 - backlash
         };
         self.backlash.map_or(f64::NEG_INFINITY, clear)
+    }
+
+    /// The contact of the pressed flanks.
+    #[inline(always)]
+    pub(super) fn contact_of(&self, gears: &GearKinematics<'_>, contact_mode: &ContactMode) -> Contact {
+        let flank = self.flank_kinematics(gears, false);
+        let drive = self.flank_contact(gears, &flank, contact_mode);
+        let back_flank_deflection =
+            || self.back_flank_deflection(gears.pose.sigma, &gears.centre_geometry, &gears.position);
+        match contact_mode.flank {
+            Flank::Drive => Contact { back_flank_deflection: back_flank_deflection(), ..drive },
+            Flank::Separated => self.separated_contact(gears, &flank, &drive),
+            Flank::Back | Flank::Both => {
+                let back = self.flank_contact(gears, &self.flank_kinematics(gears, true), contact_mode);
+                let drive = if contact_mode.flank.drives() { drive } else { drive.separated() };
+                drive.and_back(&back)
+            }
+        }
     }
 
     /// Evaluates the contact of one flank with tooth pairs, transmission error and run-out.
@@ -207,8 +225,12 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn engagement(&self, pose: &MeshPose<'_>, back: bool) -> Result<ContactPath, Overlap> {
-        let gears = self.gear_kinematics(pose)?;
-        Ok(self.path_of(pose, &self.flank_kinematics(&gears, back)))
+        Ok(self.engagement_of(&self.gear_kinematics(pose)?, back))
+    }
+
+    /// The same with known kinematics.
+    pub(super) fn engagement_of(&self, gears: &GearKinematics<'_>, back: bool) -> ContactPath {
+        self.path_of(gears.pose, &self.flank_kinematics(gears, back))
     }
 
     /// The contact mode: the pressed flanks, and the tooth pairs on the path of contact.

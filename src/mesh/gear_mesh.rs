@@ -268,20 +268,25 @@ impl GearMesh {
     /// [`Overlap`] of the base circles.
     #[inline(always)]
     pub fn contact(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<Contact, Overlap> {
-        let contact = self.transverse_contact(pose, contact_mode)?;
-        let Some(helix) = &self.helix else { return Ok(contact) };
+        Ok(self.with_helix(pose, self.transverse_contact(pose, contact_mode)?))
+    }
+
+    /// The contact with the axial force and the tilting moments of helical teeth.
+    #[inline(always)]
+    fn with_helix(&self, pose: &MeshPose<'_>, contact: Contact) -> Contact {
+        let Some(helix) = &self.helix else { return contact };
         // The flanks have opposite σ, which the sign of the force contains.
         let forces = helix.forces(pose.geometry, &pose.position, -pose.sigma * contact.force);
         let [y, z] = contact.centre_force;
         let centre_force = [y + forces.centre[0], z + forces.centre[1]];
-        Ok(Contact { centre_force, helix: forces, ..contact })
+        Contact { centre_force, helix: forces, ..contact }
     }
 
     /// The contact as a function of the rolling displacement and of the centres.
     #[inline(always)]
     fn transverse_contact(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<Contact, Overlap> {
-        let &MeshPose { geometry, sigma, position, velocity, .. } = pose;
         if self.is_autonomous() && contact_mode.flank == Flank::Drive {
+            let &MeshPose { geometry, sigma, position, velocity, .. } = pose;
             let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
             let line = self.line(sigma, &centre_geometry, position.relative_displacement);
             let deflection = sigma * position.rolling_displacement + line.deflection;
@@ -303,19 +308,7 @@ impl GearMesh {
                 helix: HelixForces::default(),
             });
         }
-        let gears = self.gear_kinematics(pose)?;
-        let flank = self.flank_kinematics(&gears, false);
-        let drive = self.flank_contact(&gears, &flank, contact_mode);
-        let back_flank_deflection = || self.back_flank_deflection(sigma, &gears.centre_geometry, &gears.position);
-        match contact_mode.flank {
-            Flank::Drive => Ok(Contact { back_flank_deflection: back_flank_deflection(), ..drive }),
-            Flank::Separated => Ok(self.separated_contact(&gears, &flank, &drive)),
-            Flank::Back | Flank::Both => {
-                let back = self.flank_contact(&gears, &self.flank_kinematics(&gears, true), contact_mode);
-                let drive = if contact_mode.flank.drives() { drive } else { drive.separated() };
-                Ok(drive.and_back(&back))
-            }
-        }
+        Ok(self.contact_of(&self.gear_kinematics(pose)?, contact_mode))
     }
 
     /// Relative displacement u_b − u_a of the centres of the base circles, m.
@@ -384,9 +377,14 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn state(&self, pose: &MeshPose<'_>, contact_mode: &ContactMode) -> Result<MeshState, Overlap> {
-        let contact = self.contact(pose, contact_mode)?;
+        let gears = self.gear_kinematics(pose)?;
+        let contact = if self.is_autonomous() {
+            self.contact(pose, contact_mode)?
+        } else {
+            self.with_helix(pose, self.contact_of(&gears, contact_mode))
+        };
         let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.phases, &pose.position))?;
-        let (first, last) = self.engagement(pose, contact_mode.flank == Flank::Back)?.engaged();
+        let (first, last) = self.engagement_of(&gears, contact_mode.flank == Flank::Back).engaged();
         let count = if contact_mode.flank == Flank::Separated { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(self.normal_to_teeth(MeshState {
             deflection: contact.deflection,

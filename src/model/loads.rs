@@ -5,11 +5,35 @@ use num_complex::Complex64;
 
 use super::{DofKind, Excitation, Model};
 use crate::connection::AppliedLoad;
-use crate::scene::{Force, Node, VaryingLoad};
+use crate::scene::{Force, Node, Scene, SceneError, VaryingLoad};
 
 impl Model {
+    /// Adds the forces and torques of the scene.
+    pub(super) fn add_loads(&mut self) {
+        self.loads = self.varying_loads();
+        self.add_turning_forces();
+        self.constant_load = self.assemble_constant_load();
+        self.sigma_standing = self.sigma_at_rest();
+    }
+
+    /// The model of a scene that differs from that of this model in loads only; `None` if the loads change the coordinates.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the bearings do not define the sag of a bow.
+    pub fn with_loads(&self, scene: Scene) -> Result<Option<Self>, SceneError> {
+        if !has_same_coordinates(&self.scene, &scene) {
+            return Ok(None);
+        }
+        let mut model = Self { scene, ..self.clone() };
+        for (index, shaft) in model.shafts.iter_mut().enumerate() {
+            shaft.set_bow_and_unbalance(&model.scene, index)?;
+        }
+        model.add_loads();
+        Ok(Some(model))
+    }
+
     /// Forces and torques that depend on time, angle or speed, on the coordinates that the scene has.
-    pub(super) fn varying_loads(&self) -> Vec<AppliedLoad> {
+    fn varying_loads(&self) -> Vec<AppliedLoad> {
         let load = |given: &VaryingLoad| {
             let rows = if given.law.is_torque() {
                 vec![vec![(self.numbering.twist(given.node)?, 1.0)]]
@@ -24,7 +48,7 @@ impl Model {
     }
 
     /// Adds the forces that turn with a shaft, and those of eccentric hubs of couplings, to the excitations of the shafts.
-    pub(super) fn add_turning_forces(&mut self) {
+    fn add_turning_forces(&mut self) {
         let none = Complex64::ZERO;
         let force = |index: usize, force: Complex64| Excitation { index, bow: none, force, unbalance: none };
         for given in self.scene.forces.iter().filter(|force| force.turns) {
@@ -64,7 +88,7 @@ impl Model {
         self.scene.forces.iter().filter(|force| force.axial != 0.0).filter_map(thrust)
     }
 
-    pub(super) fn assemble_constant_load(&self) -> DVector<f64> {
+    fn assemble_constant_load(&self) -> DVector<f64> {
         let mut load = DVector::zeros(self.len());
         for torque in &self.scene.torques {
             if let Some(index) = self.numbering.twist(torque.node) {
@@ -99,4 +123,11 @@ impl Model {
         }
         load
     }
+}
+
+/// Whether two scenes have the same nodes and the same kinds of coordinates.
+pub(super) fn has_same_coordinates(first: &Scene, second: &Scene) -> bool {
+    let kinds = |scene: &Scene| (scene.lateral, scene.torsion, scene.axial);
+    let nodes = |scene: &Scene| scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
+    kinds(first) == kinds(second) && nodes(first) == nodes(second)
 }

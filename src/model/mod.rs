@@ -199,30 +199,6 @@ impl Model {
         Ok(model)
     }
 
-    /// Adds the forces and torques of the scene.
-    fn add_loads(&mut self) {
-        self.loads = self.varying_loads();
-        self.add_turning_forces();
-        self.constant_load = self.assemble_constant_load();
-        self.sigma_standing = self.sigma_at_rest();
-    }
-
-    /// The model of a scene that differs from that of this model in loads only; `None` if the loads change the coordinates.
-    ///
-    /// # Errors
-    /// [`SceneError`] if the bearings do not define the sag of a bow.
-    pub fn with_loads(&self, scene: Scene) -> Result<Option<Self>, SceneError> {
-        if !has_same_coordinates(&self.scene, &scene) {
-            return Ok(None);
-        }
-        let mut model = Self { scene, ..self.clone() };
-        for (index, shaft) in model.shafts.iter_mut().enumerate() {
-            shaft.set_bow_and_unbalance(&model.scene, index)?;
-        }
-        model.add_loads();
-        Ok(Some(model))
-    }
-
     /// Number of degrees of freedom n.
     pub fn len(&self) -> usize {
         self.numbering.len()
@@ -236,7 +212,7 @@ impl Model {
     /// Whether another model has the same nodes, the same kinds of coordinates and the same loaded flanks at rest, which also
     /// depend on the loads of a scene.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
-        has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
+        loads::has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
     }
 
     /// The same model with springs between its coordinates.
@@ -378,13 +354,6 @@ impl Model {
         }
         weighted
     }
-}
-
-/// Whether two scenes have the same nodes and the same kinds of coordinates.
-fn has_same_coordinates(first: &Scene, second: &Scene) -> bool {
-    let kinds = |scene: &Scene| (scene.lateral, scene.torsion, scene.axial);
-    let nodes = |scene: &Scene| scene.shafts.iter().map(|shaft| shaft.nodes.clone()).collect::<Vec<_>>();
-    kinds(first) == kinds(second) && nodes(first) == nodes(second)
 }
 
 /// Checks that every mesh stiffness is positive; a negative one would pull the flanks together.

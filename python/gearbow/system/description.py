@@ -222,9 +222,9 @@ class SystemDescription(CheckedKeywords, Shown):
         return system
 
     def _variation(self, **changes: Any) -> "Self":
-        """Make a system as `replace`. If only loads change, it also uses elements and modes of this.
+        """Make a system as `replace`, with elements and modes of this one if only loads change.
 
-        It does so where they keep the accuracy with its own loads.
+        It has them where they keep the accuracy with its own loads.
         """
         given = self._changed(changes)
         system = type(self).__new__(type(self))

@@ -66,3 +66,17 @@ pub(super) struct KnownReduction {
     pub components: Option<[f64; 2]>,
     pub reduction: Option<Reduction>,
 }
+
+/// Errors of displacements and mesh forces of a reduction that differs by `found` from the motion in the modes of the
+/// components. This difference and the error of these modes are independent, so that their squares add up.
+pub(super) fn with_components(found: [f64; 2], components: Option<[f64; 2]>) -> [f64; 2] {
+    let components = components.unwrap_or_default();
+    std::array::from_fn(|kind| found[kind].hypot(components[kind]))
+}
+
+/// Largest ratio of the errors, with those from the modes of the components, to their target.
+pub(super) fn excess(errors: [f64; 2], components: Option<[f64; 2]>, target: [f64; 2]) -> f64 {
+    let components = components.unwrap_or_default();
+    let ratio = |kind: usize| errors[kind].max(components[kind]) / target[kind];
+    ratio(0).max(ratio(1))
+}

@@ -15,6 +15,7 @@ mod ports;
 mod ramp;
 mod record;
 mod record_plan;
+mod reduced_setup;
 mod reduction;
 mod run_cache;
 mod variation;
@@ -120,7 +121,7 @@ pub fn simulate(
         statistics = checkpoint.statistics;
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
-    let run = Run { cached, base, options, error_share: 1.0, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base, options, spectrum: &spectrum, floor: start.floor, end };
     let Ended { state, condition, reduction, outcome } =
         run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
     // A run that was stopped continues from the state that it reached.
@@ -199,8 +200,6 @@ struct Run<'a> {
     /// The model of which the model of this run is a variation.
     base: Option<&'a CachedModel>,
     options: &'a Options,
-    /// Share of the permitted errors that a chosen number of modes may cause.
-    error_share: f64,
     spectrum: &'a Spectrum,
     /// Smallest energy norm that a tolerance is relative to.
     floor: f64,
@@ -228,7 +227,7 @@ impl Run<'_> {
             let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
             return Ok(Ended { state, condition: None, reduction: None, outcome });
         }
-        let (setup, reduction) = reduction::set_up(self, motion, start, plan, observer)?;
+        let (setup, reduction) = reduced_setup::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
         if is_exponential {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;

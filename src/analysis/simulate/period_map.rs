@@ -15,7 +15,7 @@ use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinat
 use super::record::Recorder;
 use super::{
     HEARTBEAT, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, of_run,
-    reduction, tolerance,
+    reduced_setup, tolerance,
 };
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
@@ -77,9 +77,9 @@ pub fn with_period_map<T>(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = start.state.elapsed + several.duration;
-    let run = Run { cached, base: None, options: &several, error_share: 1.0, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base: None, options: &several, spectrum: &spectrum, floor: start.floor, end };
     let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
-    let (setup, reduction) = reduction::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
+    let (setup, reduction) = reduced_setup::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
     let setup = if setup.linear.includes_meshes {
         setup
     } else {

@@ -19,7 +19,7 @@ const DECIDING: (f64, f64) = (1.0 / 3.0, 0.03);
 /// The same where it only measures the error.
 const MEASURING: (f64, f64) = (0.1, 0.01);
 /// Duration, s, where it compares a run with its system: several periods of the teeth.
-const CHECK_DURATION: f64 = 0.03;
+const CHECK_DURATION: f64 = 0.02;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
 /// Variation of a signal, relative to its size, below which it is round-off.

@@ -14,15 +14,14 @@ use std::sync::Arc;
 
 use super::exponential::countable_grid;
 use super::initial::Start;
-use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
+use super::known_reduction::{KnownReduction, Reduction, excess, with_components};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
 use super::ports::{interface, ports};
 use super::ramp::reference_speed;
 use super::record::Record;
-use super::run_cache::RunCache;
-use super::{RecordPlan, Run, variation};
+use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
@@ -61,134 +60,32 @@ const CONTINUED: f64 = 3.0;
 /// Harmonics of the tooth meshing frequency that count as excited.
 const HARMONICS: f64 = 10.0;
 
-/// Sets up a run, and reduces its linear motion as the options ask.
-pub(super) fn set_up<'m>(
-    run: &Run<'m>,
-    motion: EquationOfMotion<'m>,
-    start: &Start,
-    plan: &RecordPlan,
-    observer: &mut impl Observer,
-) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
-    let (options, model) = (run.options, &run.cached.model);
-    let keeps_all = match (options.modes, options.reduction) {
-        (Some(count), _) => count >= model.len(),
-        (None, Some(_)) => plan.energy || !is_large(model) && is_short(run, start, &motion),
-        (None, None) => true,
-    };
-    if keeps_all {
-        return Ok((run.complete(motion, start, plan, None)?, None));
-    }
-    let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
-    if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
-        let (unreduced, reduced) = known.set_ups(run, motion, start, plan)?;
-        return Ok((reduced.unwrap_or(unreduced), known.reduction));
-    }
-    let of_base = key.as_ref().map(|key| variation::reduction_of_base(run, key, plan, observer)).transpose()?;
-    let adopted = of_base.flatten().map(|reduction| adopt(run, &motion, start, plan, reduction, observer)).transpose()?;
-    let found = match adopted.flatten() {
-        Some(adopted) => Some(adopted),
-        None => find(run, &motion, start, plan, observer)?,
-    };
-    let Some((setup, reduction)) = found else {
-        return Ok((run.complete(motion, start, plan, None)?, None));
-    };
-    let measured = reduction.reduction;
-    if let Some(key) = key {
-        known.reductions.insert(key, reduction);
-    }
-    Ok((setup, measured))
-}
-
 /// A set-up with its reduction.
-type Reduced<'m> = (ModalSetup<'m>, KnownReduction);
+pub(super) type Reduced<'m> = (ModalSetup<'m>, KnownReduction);
 
-/// Finds the reduction that the options of a run ask for; `None` if the modes are nearly parallel.
+/// Finds the reductions that the options of a run ask for, one for each share of the permitted errors that the number of
+/// modes may cause; none if the modes are nearly parallel.
 pub(super) fn find<'m>(
     run: &Run<'m>,
     motion: &EquationOfMotion<'m>,
     start: &Start,
     plan: &RecordPlan,
+    shares: &[f64],
     observer: &mut impl Observer,
-) -> Result<Option<Reduced<'m>>, AnalysisError> {
-    let options = run.options;
+) -> Result<Vec<Reduced<'m>>, AnalysisError> {
     let Some(mut reducer) = Reducer::new(run, motion, start, plan, observer)? else {
-        if options.modes.is_some() {
+        if run.options.modes.is_some() {
             let message = "cannot be left out: nearly parallel modes do not carry the motion";
             return Err(SceneError::new("modes", message).into());
         }
-        return Ok(None);
+        return Ok(Vec::new());
     };
-    let (projected, components) = (Arc::clone(&reducer.projected), reducer.components);
-    let (setup, reduction) = match (options.modes, options.reduction) {
-        (None, Some(target)) if !is_short(run, start, motion) && reducer.choice_pays() => {
-            reducer.choose(target.map(|error| run.error_share * error), observer)?
-        }
-        (None, _) => reducer.unreduced(),
-        (Some(count), _) => {
-            let setup = reducer.reduced(count)?;
-            let reduction = reducer.measured(&setup, observer)?;
-            (setup, Some(reduction))
-        }
-    };
-    let linear = Arc::clone(&setup.linear);
-    Ok(Some((setup, KnownReduction { projected, linear, components, reduction })))
-}
-
-/// Sets up a variation with the reduction of its system; `None` if the errors of the variation exceed the permitted ones. The
-/// errors are those of the system, or those of a part of this run if they are larger.
-fn adopt<'m>(
-    run: &Run<'m>,
-    motion: &EquationOfMotion<'m>,
-    start: &Start,
-    plan: &RecordPlan,
-    known: KnownReduction,
-    observer: &mut impl Observer,
-) -> Result<Option<Reduced<'m>>, AnalysisError> {
-    let (unreduced, setup) = match known.set_ups(run, motion.clone(), start, plan)? {
-        (unreduced, Some(reduced)) => (unreduced, reduced),
-        (unreduced, None) => return Ok(Some((unreduced, known))),
-    };
-    let mut reducer = Reducer {
-        run,
-        start,
-        plan,
-        pilot: Rc::new(Pilot::check(run, start)),
-        projected: Arc::clone(&known.projected),
-        unreduced,
-        exact: Record::default(),
-        components: known.components,
-        directions: OnceCell::new(),
-    };
-    reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
-    let own = reducer.measured(&setup, observer)?;
-    if run.options.reduction.is_some_and(|target| reducer.excess(own.errors, target) > 1.0) {
-        return Ok(None);
-    }
-    let of_system = known.reduction.map_or([0.0; 2], |reduction| reduction.errors);
-    let errors = std::array::from_fn(|kind| own.errors[kind].max(of_system[kind]));
-    Ok(Some((setup, KnownReduction { reduction: Some(Reduction { errors, ..own }), ..known })))
-}
-
-impl KnownReduction {
-    /// The set-up of a run with the modes of the components, or all modes, and that with the reduced motion, if it differs.
-    fn set_ups<'m>(
-        &self,
-        run: &Run<'m>,
-        motion: EquationOfMotion<'m>,
-        start: &Start,
-        plan: &RecordPlan,
-    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
-        let unreduced = run.complete(motion, start, plan, Some(&self.projected))?;
-        let model = &run.cached.model;
-        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &self.linear);
-        let reduced =
-            is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&self.linear), plan.selection(model)));
-        Ok((unreduced, reduced))
-    }
+    let chooses = !is_short(run, start, motion) && reducer.choice_pays();
+    shares.iter().map(|share| reducer.reduction(chooses.then_some(*share), observer)).collect()
 }
 
 /// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
-fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool {
+pub(super) fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool {
     let model = &run.cached.model;
     let separates = !is_large(model) && motion.varying_flanks_can_separate();
     let shortest = if separates { SHORT_SEPARATING_RUN } else { SHORT_RUN };
@@ -206,6 +103,23 @@ impl<'m> Run<'m> {
     ) -> Result<ModalSetup<'m>, AnalysisError> {
         let selection = plan.selection(&self.cached.model);
         ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
+    }
+
+    /// The set-up with the modes of the components, or all modes, of a known reduction, and that with its reduced motion if
+    /// this differs.
+    pub(super) fn with_reduction(
+        &self,
+        known: &KnownReduction,
+        motion: EquationOfMotion<'m>,
+        start: &Start,
+        plan: &RecordPlan,
+    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
+        let unreduced = self.complete(motion, start, plan, Some(&known.projected))?;
+        let model = &self.cached.model;
+        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &known.linear);
+        let reduced =
+            is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&known.linear), plan.selection(model)));
+        Ok((unreduced, reduced))
     }
 }
 
@@ -341,10 +255,27 @@ impl<'a, 'm> Reducer<'a, 'm> {
         Ok(())
     }
 
+    /// The reduction that the options ask for. A chosen number of modes may cause `share` of the permitted errors; none is
+    /// chosen without a share.
+    fn reduction(&mut self, share: Option<f64>, observer: &mut impl Observer) -> Result<Reduced<'m>, AnalysisError> {
+        let options = self.run.options;
+        let (setup, reduction) = match (options.modes, options.reduction.zip(share)) {
+            (None, Some((target, share))) => self.choose(target.map(|error| share * error), observer)?,
+            (None, None) => self.without_choice(),
+            (Some(count), _) => {
+                let setup = self.reduced(count)?;
+                let reduction = self.measured(&setup, observer)?;
+                (setup, Some(reduction))
+            }
+        };
+        let (projected, linear) = (Arc::clone(&self.projected), Arc::clone(&setup.linear));
+        Ok((setup, KnownReduction { projected, linear, components: self.components, reduction }))
+    }
+
     /// The run without a further reduction.
-    fn unreduced(self) -> (ModalSetup<'m>, Option<Reduction>) {
+    fn without_choice(&self) -> (ModalSetup<'m>, Option<Reduction>) {
         let modes = self.unreduced.linear.modes;
-        (self.unreduced, self.components.map(|errors| Reduction { modes, errors }))
+        (self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors }))
     }
 
     /// The run with the smallest tried number of modes whose errors of displacements and mesh forces are at most
@@ -376,8 +307,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             allowed = 1.0;
             count = (count + 1).max(self.directions()?.further(count - null, excess) + null);
         }
-        let modes = self.unreduced.linear.modes;
-        Ok((self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors })))
+        Ok(self.without_choice())
     }
 
     /// Whether a choice among numbers of modes saves more time than it takes: the eigenvalue problem of a choice takes a time
@@ -391,9 +321,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
 
     /// Largest ratio of the errors, with those from the modes of the components, to their target.
     fn excess(&self, errors: [f64; 2], target: [f64; 2]) -> f64 {
-        let components = self.components.unwrap_or_default();
-        let ratio = |kind: usize| errors[kind].max(components[kind]) / target[kind];
-        ratio(0).max(ratio(1))
+        excess(errors, self.components, target)
     }
 
     /// Directions of the displacements in the order of their importance.
@@ -422,13 +350,10 @@ impl<'a, 'm> Reducer<'a, 'm> {
         Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
     }
 
-    /// A reduction with its errors. The difference to the unreduced run and the error of the modes of the components are
-    /// independent, so that their squares add up.
+    /// A reduction with its errors.
     fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
         let found = differences(&self.signals(setup, observer)?, &self.exact);
-        let components = self.components.unwrap_or_default();
-        let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
-        Ok(Reduction { modes: setup.linear.modes, errors })
+        Ok(Reduction { modes: setup.linear.modes, errors: with_components(found, self.components) })
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) struct RunCache {
     pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
-    /// Reductions that variations of the model share; `None` marks a run that fails or is not reduced.
-    pub shared_reductions: Mutex<Vec<(ReductionKey, Option<KnownReduction>)>>,
+    /// Reductions that variations of the model share; none for a run that fails or is not reduced.
+    pub shared_reductions: Mutex<Vec<(ReductionKey, Vec<KnownReduction>)>>,
 }
 
 /// A linear motion as a key, which does not keep its matrices in memory.

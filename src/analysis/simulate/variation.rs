@@ -1,32 +1,37 @@
-//! The reduction that the variations of a system share: that of the same run of the system itself.
+//! The reductions that the variations of a system share: those of the same run of the system itself.
 //!
-//! It depends on the system and the options alone, so that the runs of variations are the same in any order and with any
-//! number of threads. Each variation checks it with its own loads.
+//! They depend on the system and the options alone, so that the runs of variations are the same in any order and with any
+//! number of threads. Each variation checks them with its own loads.
 
 use std::sync::PoisonError;
 
-use super::known_reduction::{KnownReduction, ReductionKey};
+use super::initial::Start;
+use super::known_reduction::{KnownReduction, Reduction, ReductionKey, excess, with_components};
+use super::pilot::{Pilot, differences};
+use super::reduction::Reduced;
 use super::run_cache::{RunCache, SETTINGS};
 use super::{RecordPlan, Run, initial, motion, of_run, reduction};
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;
+use crate::motion::EquationOfMotion;
 
-/// Share of the permitted errors that the number of modes of a system may cause, so that it also suffices for other loads.
-const ERROR_SHARE: f64 = 0.25;
+/// Shares of the permitted errors that the numbers of modes of a system may cause. With other loads the errors differ: a
+/// variation whose errors exceed the permitted ones with the first number takes the second one.
+const ERROR_SHARES: [f64; 2] = [0.5, 0.25];
 
-/// The reduction of the run of a key of the system of which the model is a variation. `None` if the model is no variation,
-/// or the run of the system fails or is not reduced.
-pub(super) fn reduction_of_base(
+/// The reductions of the run of a key of the system of which the model is a variation. None if the model is no variation, or
+/// the run of the system fails or is not reduced.
+pub(super) fn reductions_of_base(
     run: &Run<'_>,
     key: &ReductionKey,
     plan: &RecordPlan,
     observer: &mut impl Observer,
-) -> Result<Option<KnownReduction>, AnalysisError> {
+) -> Result<Vec<KnownReduction>, AnalysisError> {
     let Some(Ok(base)) = run.base.map(|base| of_run(base, run.options)) else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
     let known = base.run_results::<RunCache>();
-    // One variation finds the reduction, while the others wait. A panic cannot leave the list half-written.
+    // One variation finds the reductions, while the others wait. A panic cannot leave the list half-written.
     let mut shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, known)) = shared.iter().find(|(known, _)| known == key) {
         return Ok(known.clone());
@@ -35,11 +40,11 @@ pub(super) fn reduction_of_base(
         let spectrum = Spectrum::new(&base, run.options.fastest())?;
         let start = initial::start(&base, run.options, &spectrum, &mut |_| true)?;
         let motion = motion(&base, run.options, plan, &start)?;
-        let floor = start.floor;
-        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor, error_share: ERROR_SHARE, ..*run };
-        Ok(reduction::find(&run, &motion, &start, plan, observer)?.map(|(_, found)| found))
+        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor: start.floor, ..*run };
+        let found = reduction::find(&run, &motion, &start, plan, &ERROR_SHARES, observer)?;
+        Ok(found.into_iter().map(|(_, reduction)| reduction).collect())
     };
-    let found = match find() {
+    let found: Vec<KnownReduction> = match find() {
         Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
         found => found.unwrap_or_default(),
     };
@@ -48,4 +53,39 @@ pub(super) fn reduction_of_base(
     }
     shared.push((key.clone(), found.clone()));
     Ok(found)
+}
+
+/// Sets up a variation with the first reduction of its system that keeps the permitted errors; `None` if none does. The
+/// errors are those of the system, or those of a part of this run if they are larger.
+pub(super) fn adopt<'m>(
+    run: &Run<'m>,
+    motion: &EquationOfMotion<'m>,
+    start: &Start,
+    plan: &RecordPlan,
+    of_base: Vec<KnownReduction>,
+    observer: &mut impl Observer,
+) -> Result<Option<Reduced<'m>>, AnalysisError> {
+    let pilot = Pilot::check(run, start);
+    let mut exact = None;
+    for known in of_base {
+        let (unreduced, setup) = match run.with_reduction(&known, motion.clone(), start, plan)? {
+            (unreduced, Some(reduced)) => (unreduced, reduced),
+            (unreduced, None) => return Ok(Some((unreduced, known))),
+        };
+        // All reductions of a system have the same unreduced motion.
+        let signals = match exact.take() {
+            Some(signals) => signals,
+            None => pilot.signals(run, &unreduced, plan, observer)?,
+        };
+        let found = differences(&pilot.signals(run, &setup, plan, observer)?, &signals);
+        let own = with_components(found, known.components);
+        if run.options.reduction.is_none_or(|target| excess(own, known.components, target) <= 1.0) {
+            let of_system = known.reduction.map_or([0.0; 2], |reduction| reduction.errors);
+            let errors = std::array::from_fn(|kind| own[kind].max(of_system[kind]));
+            let reduction = Some(Reduction { modes: setup.linear.modes, errors });
+            return Ok(Some((setup, KnownReduction { reduction, ..known })));
+        }
+        exact = Some(signals);
+    }
+    Ok(None)
 }
