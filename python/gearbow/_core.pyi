@@ -34,6 +34,8 @@ __all__ = [
     "connection_channels",
     "corrected_states",
     "film_coefficients",
+    "has_constant_coefficients",
+    "initial_state",
     "multipliers",
     "recorded_period",
     "rolling_coefficients",
@@ -126,6 +128,10 @@ def corrected_states(
     levels: bytes | None,
     **options: Unpack[RunOptions],
 ) -> tuple[Array, bytes]: ...
+def has_constant_coefficients(model: Model, geometry: str) -> bool: ...
+def initial_state(
+    model: Model, *, initial: str | dict[str, Any], **options: Unpack[RunOptions]
+) -> Array: ...
 def recorded_period(
     model: Model,
     *,

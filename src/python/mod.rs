@@ -37,6 +37,10 @@ mod _core {
     #[pymodule_export]
     use super::steady::corrected_states;
     #[pymodule_export]
+    use super::steady::has_constant_coefficients;
+    #[pymodule_export]
+    use super::steady::initial_state;
+    #[pymodule_export]
     use super::steady::multipliers;
     #[pymodule_export]
     use super::steady::recorded_period;

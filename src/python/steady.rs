@@ -14,6 +14,7 @@ use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::response::response_dict;
+use super::state::mesh_geometry;
 use crate::analysis::simulate::RecordPlan;
 use crate::analysis::{AnalysisError, small_displacement_check, steady};
 use crate::scene::{EntryPath, SceneError};
@@ -133,6 +134,32 @@ pub fn corrected_states<'py>(
     let numbering = &owner.model().numbering;
     let rows: Vec<Vec<f64>> = found.states.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
     Ok((PyArray2::from_vec2(py, &rows)?, PyBytes::new(py, &found.levels)))
+}
+
+/// Whether the equation of motion has constant coefficients with a mesh geometry; see [`steady::has_constant_coefficients`].
+#[pyfunction]
+pub fn has_constant_coefficients(model: &Bound<'_, PyModel>, geometry: &str) -> PyResult<bool> {
+    Ok(steady::has_constant_coefficients(model.get().model(), mesh_geometry(geometry)?))
+}
+
+/// The initial state of a run.
+///
+/// # Errors
+/// The reason for which there is none, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, **options))]
+pub fn initial_state<'py>(
+    model: &Bound<'py, PyModel>,
+    initial: &Bound<'py, PyAny>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
+    let cached = Arc::clone(&owner.cached);
+    let (outcome, raised) =
+        background::run(py, None, move |_, watch| steady::initial_state(&cached, &options, watch))?;
+    let state = finished(outcome, raised)?;
+    Ok(PyArray1::from_vec(py, by_halves(&state, |q| owner.model().numbering.to_user_order(q))))
 }
 
 /// Records a number of samples of the period that begins in a state.

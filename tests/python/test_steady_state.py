@@ -98,6 +98,86 @@ def test_the_hunting_tooth_period_of_coprime_teeth():
     assert found.period == pytest.approx(47 * 2 * np.pi / 200.0, rel=1e-14)
 
 
+def without_period(**options: Any) -> gb.RotorSystem:
+    """Return the train with coprime teeth, errors of the teeth and a force of an irrational order."""
+    system = train(**options)
+    teeth = dict(zip(GEARS, (23, 47, 29, 61), strict=True))
+    errors = [
+        gb.TransmissionError(tooth=[(2e-6, 0.3)], driver=[(3e-6, 0.1)], driven=[(5e-6, 0.4)]),
+        gb.TransmissionError(table=[0.0, 1e-6, 3e-6, 1e-6]),
+    ]
+    return system.replace(
+        gears=[replace(gear, teeth=teeth[gear.name], unbalance=1e-4) for gear in system.gears],
+        meshes=[
+            replace(mesh, error=error) for mesh, error in zip(system.meshes, errors, strict=True)
+        ],
+        forces=[gb.Force("g2", 100.0, order=np.pi), gb.Force("g4", 30.0, order=1)],
+    )
+
+
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
+def test_motions_without_a_common_period_superpose(tmp_path: Path):
+    system, speed = without_period(), 100.0
+    options: dict[str, Any] = {"geometry": "frozen", "rtol": 1e-9}
+    steady = system.steady_state(speed, output_step=0.1, max_period=0.5, **options)
+    assert (steady.method, steady.period) == ("superposition", np.inf)
+    # Both runs reach the same time; the first one has no transient, that of the second has decayed.
+    end = 2.0
+    times = end + np.linspace(0.0, 0.05, 40)
+    rest = end - steady.response.final["time"]
+    continued = system.simulate(rest, speed, initial=steady.response, times=[end], **options)
+    run_in = system.simulate(end, speed, initial="static", times=[end], **options)
+    found, exact = (
+        system.simulate(0.05, speed, initial=last, times=times, **options)
+        for last in (continued, run_in)
+    )
+    assert difference(found, exact) < 1e-6
+    path = tmp_path / "steady.npz"
+    steady.save(path)
+    assert gb.SteadyState.load(path).period == np.inf
+
+
+def test_forces_of_unrelated_frequencies_have_the_response_of_each():
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    forces = [gb.Force(("rotor", 0.5), 100.0, order=order) for order in (1, np.pi)]
+    rotor, middle = gb.RotorSystem(shafts=[shaft], bearings=bearings), ("rotor", 0.5)
+    options: dict[str, Any] = {"record": [middle], "rtol": 1e-10, "output_step": 1e-3}
+    both = rotor.replace(forces=forces).steady_state(100.0, **options)
+    assert both.stable
+    matrices, time = rotor.matrices(100.0), both.response.time
+    exact = np.zeros(time.size, complex)
+    for order in (1, np.pi):
+        # A turning force drives a circular orbit: w lags v by a quarter of a turn.
+        lines = {dof[2]: i for i, dof in enumerate(rotor.dofs) if dof[:2] == middle}
+        load = np.zeros(len(rotor.dofs), complex)
+        load[lines["v"]], load[lines["w"]] = 100.0, -100.0j
+        frequency = 100.0 * order
+        damping = matrices.damping + 100.0 * matrices.gyroscopic
+        stiffness = matrices.stiffness - frequency**2 * matrices.mass + 1j * frequency * damping
+        amplitude = np.linalg.lstsq(stiffness, load, rcond=None)[0]
+        phase = np.exp(1j * frequency * time)
+        exact += (amplitude[lines["v"]] * phase).real + 1j * (amplitude[lines["w"]] * phase).real
+    orbit = both.response.displacement(middle) @ np.array([1.0, 1.0j])
+    np.testing.assert_allclose(orbit, exact, atol=1e-8 * np.abs(exact).max())
+
+
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
+def test_other_motions_without_a_common_period_name_their_sources():
+    system = without_period()
+    pattern = "period: the frequencies have no common period .*forces.0..value.*frozen"
+    with pytest.raises(gb.SceneError, match=pattern):
+        system.steady_state(100.0)
+    varying = gb.Stiffness.fourier(2e8, [2e7])
+    meshes = [replace(mesh, stiffness=varying) for mesh in system.meshes]
+    with pytest.raises(gb.SceneError, match=pattern):
+        system.replace(meshes=meshes).steady_state(100.0, geometry="frozen")
+    series = gb.TimeSeries([0.0, 1.0], [0.0, 10.0])
+    forces = [*system.forces, gb.Force("g2", series)]
+    with pytest.raises(gb.SceneError, match=r"forces\[2\].value over time"):
+        system.replace(forces=forces).steady_state(100.0, geometry="frozen")
+
+
 def test_orders_over_one_period_are_exact():
     system = train()
     steady = system.steady_state(100.0, geometry="frozen", rtol=1e-10)

@@ -21,9 +21,9 @@ from gearbow.errors import ConvergenceError, GearbowError
 
 __all__ = ["Map", "Settings", "branch"]
 
-#: Difference of states for a derivative, relative to the size of the state: the central difference
-#: has an error of its square, and the rounding error of the map divided by it.
-_DIFFERENCE = 1e-5
+#: Difference of states for a derivative, relative to the size of the state: a derivative has six or
+#: seven digits, by the rounding error of the map divided by it.
+_DIFFERENCE = 1e-7
 #: Difference of the parameter for the tangent, relative to the interval.
 _PARAMETER = 1e-6
 #: Number of corrections of one point, and that at which the steps keep their length.
@@ -260,12 +260,13 @@ class _Follower:
                 # The largest motion so far, so that lengths are comparable along the branch.
                 self.scale = max(self.scale, size)
                 slope = self.slope(state, value, image)
-                return self.point(state, value, changed(derivative, slope=slope), along), count
+                derivative = changed(derivative, slope=slope)
+                return self.point((state, value, image), derivative, along), count
             if not error < 10.0 * before:
                 break
             if error > _SLOW * before:
                 derivative, step = self.solved(
-                    (state, value), derivative, (along, -residual, 0.0), _SOLVED
+                    (state, value, image), derivative, (along, -residual, 0.0), _SOLVED
                 )
             else:
                 step = derivative.solve(along, -residual, 0.0)
@@ -277,7 +278,7 @@ class _Follower:
 
     def solved(
         self,
-        at: tuple[Array, float],
+        at: tuple[Array, float, Array],
         derivative: LowRank,
         system: tuple[Array, Array, float],
         rtol: float,
@@ -305,12 +306,12 @@ class _Follower:
                 break
         return derivative, derivative.solve(*system)
 
-    def change(self, at: tuple[Array, float], direction: Array) -> Array:
+    def change(self, at: tuple[Array, float, Array], direction: Array) -> Array:
         """Give the change of N(x) − x along a direction of unit length."""
-        state, value = at
+        state, value, image = at
         move = _DIFFERENCE * self.size(state) * direction
-        ahead, behind = self.map.images(np.stack([state + move, state - move]), value)
-        change: Array = (ahead - behind - 2.0 * move) / (2.0 * _DIFFERENCE * self.size(state))
+        ahead = self.map.images((state + move)[None], value)[0]
+        change: Array = (ahead - image - move) / (_DIFFERENCE * self.size(state))
         return change
 
     def slope(self, state: Array, value: float, image: Array) -> Array:
@@ -323,12 +324,14 @@ class _Follower:
         """Give the size of a state that is not zero."""
         return max(float(np.linalg.norm(state)), self.settings.floor)
 
-    def point(self, state: Array, value: float, derivative: LowRank, forward: Array) -> BranchPoint:
-        """Give a fixed point with its tangent in a direction."""
-        system = (forward, np.zeros(state.size), 1.0)
-        derivative, tangent = self.solved((state, value), derivative, system, _TANGENT)
+    def point(
+        self, at: tuple[Array, float, Array], derivative: LowRank, forward: Array
+    ) -> BranchPoint:
+        """Give a fixed point, its parameter and its image a tangent in a direction."""
+        system = (forward, np.zeros(forward.size - 1), 1.0)
+        derivative, tangent = self.solved(at, derivative, system, _TANGENT)
         tangent = tangent / np.linalg.norm(tangent)
-        return BranchPoint(state, value, self.scale, derivative, tangent)
+        return BranchPoint(at[0], at[1], self.scale, derivative, tangent)
 
     def observe(self, point: BranchPoint, kinds: tuple[str, ...]) -> None:
         """Add what the map observes, as far as the kinds need it."""

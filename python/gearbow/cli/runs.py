@@ -1,6 +1,7 @@
 """``gearbow run``, ``steady`` and ``tradeoff``: commands that integrate in time."""
 
 import argparse
+import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -192,7 +193,7 @@ def steady(given: argparse.Namespace) -> Answer:
     if given.out is not None:
         found.save(given.out)
     data = {
-        "period": found.period,
+        "period": None if math.isinf(found.period) else found.period,
         "residual": found.residual,
         "method": found.method,
         "stable": found.stable,

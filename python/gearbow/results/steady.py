@@ -1,5 +1,6 @@
 """Steady-state response: one period of the motion, its multipliers and its files."""
 
+import math
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ from gearbow._core import Model, multipliers
 from gearbow._shown import Shown, Table
 from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
-from gearbow.recording.schema import each, number, optional, record, row, text, whole
+from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
 
 if TYPE_CHECKING:
@@ -26,10 +27,12 @@ _ERROR = 1e-6
 #: Angle of a multiplier within which it counts as real [rad]: two real multipliers that meet have
 #: angles of the square root of their error.
 _REAL = 1e-3
+#: Part of the record after which the multipliers of a motion without a period are given.
+_PART = 0.1
 
 #: Further entries of the metadata of a file.
 _STEADY = record(
-    period=number,
+    period=any_number,
     residual=number,
     periods=whole,
     method=text,
@@ -77,16 +80,17 @@ class SteadyState(Shown):
     Attributes
     ----------
     response : Response
-        One period of the motion, without the instant at its end.
+        One period of the motion, without the instant at its end. Without a period, a part of it.
     period : float
-        Period [s].
+        Period [s]; infinite for a sum of motions without a common period.
     residual : float
         Difference of the state after one more period, relative to the motion, both in the energy
-        norm. It is measured by a run with the given tolerance.
+        norm. It is measured by a run with the given tolerance. For a sum, the largest of them.
     periods : int
         Number of periods that the solution integrated, with the recorded one.
-    method : {"linear", "nonlinear"}
-        Whether the state after a period is an affine function of the state before.
+    method : {"linear", "nonlinear", "superposition"}
+        Whether the state after a period is an affine function of the state before, or the motion is
+        a sum of motions without a common period.
 
     Examples
     --------
@@ -117,8 +121,9 @@ class SteadyState(Shown):
         """Floquet multipliers of magnitude 0.9 and more, the largest first.
 
         They are the eigenvalues of the derivative of the state after a period with respect to the
-        state before. The rigid-body rotation of a train that nothing holds is left out. The first
-        access computes them; the result is kept, and saved with the motion.
+        state before; for a motion without a period, after a tenth of the record. The rigid-body
+        rotation of a train that nothing holds is left out. The first access computes them; the
+        result is kept, and saved with the motion.
 
         Returns
         -------
@@ -242,8 +247,11 @@ class SteadyState(Shown):
                 "multipliers: this motion does not know its system; take that of steady_state"
             )
         model = self._model or Model(dict(request.description))
+        options = dict(request.options)
+        if math.isinf(self.period):
+            options["duration"] *= _PART
         return multipliers(
-            model, **request.options, smallest=number_of(magnitude, "magnitude"), progress=None
+            model, **options, smallest=number_of(magnitude, "magnitude"), progress=None
         )
 
     def __repr__(self) -> str:

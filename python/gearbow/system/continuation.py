@@ -181,6 +181,9 @@ class _Family:
     """Systems over the parameter."""
 
     def __init__(self, base: SteadyAnalyses, parameter: str, speed: float) -> None:
+        if parameter != "speed":
+            # The elements must not follow the loads: all systems have the same coordinates.
+            base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
         self._last: tuple[float, SteadyAnalyses] = (math.nan, base)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from gearbow._convert import number, text, whole
-from gearbow._core import common_period, steady_state
+from gearbow._core import common_period, recorded_period, steady_state
 from gearbow._progress import reported
 from gearbow._types import Progress, Record, RunData
 from gearbow.accuracy.levels import check_reduction
@@ -17,6 +17,7 @@ from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests
 from gearbow.system.simulation import Simulation
+from gearbow.system.superposition import Superposition
 
 __all__ = ["SteadyAnalyses"]
 
@@ -46,6 +47,8 @@ class SteadyAnalyses(Simulation):
 
         The motion is periodic with the common period of all excitations. The solution takes about
         ten periods, where running in takes up to hundreds. A motion that is unstable is found too.
+        Without a common period, the motion is found for linear systems with constant coefficients:
+        it is the sum of the steady motions of the sources.
 
         Parameters
         ----------
@@ -56,7 +59,7 @@ class SteadyAnalyses(Simulation):
             after several of them. None is the common period, which follows from the numbers of
             teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
         max_period : float
-            Longest accepted common period [s].
+            Longest accepted common period, and longest record without one [s].
         accuracy : {"draft", "engineering", "reference"}, optional
             Total error, as for `simulate`.
         step : float, optional
@@ -86,12 +89,13 @@ class SteadyAnalyses(Simulation):
         Returns
         -------
         SteadyState
-            One period of the motion.
+            One period of the motion; without a common period, ten turns of the slowest shaft.
 
         Raises
         ------
         SceneError
-            If an argument is invalid, or the excitation has no common period up to `max_period`.
+            If an argument is invalid, or the excitation of a system that is nonlinear or has
+            varying coefficients has no common period up to `max_period`.
         ConvergenceError
             If the iteration does not converge. The message gives the residual.
         StabilityError, ContactError
@@ -112,12 +116,9 @@ class SteadyAnalyses(Simulation):
             initial = initial.response
         state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
         speed = number(speed, "speed")
-        if period is not None:
-            period = number(period, "period")
-            if not period > 0.0:
-                raise SceneError(f"period: must be positive, got {period}")
         longest = number(max_period, "max_period", infinite=True)
-        period = common_period(self._model, speed, period, longest)
+        geometry = text(geometry, "geometry")
+        period, sources = self._period(speed, period, longest, geometry)
         system = self._over_time(begin, period)
         given = {"method": None, "step": step, "rtol": rtol}
         if accuracy is not None:
@@ -137,19 +138,34 @@ class SteadyAnalyses(Simulation):
             "modes": None if modes is None else whole(modes, "modes"),
             "initial": state,
             "record": requests(record),
-            "geometry": text(geometry, "geometry"),
+            "geometry": geometry,
             "start": begin,
             "reduction": None if level is None else level.reduction,
         }
         samples = system._samples(period, speed, output_step)
-        with reported(progress, 1.0) as report:
-            data, about = steady_state(system._model, **arguments, samples=samples, progress=report)
+        data, about = _solved(system, sources, (arguments, samples), progress)
         response = system._steady_response(data, speed, arguments)
         if level is not None and stages is None and modes is None:
             response.accuracy = level.explanation(response.events, coarse)
         if modes is not None or level is not None:
             check_reduction(response.statistics, level, given=modes is not None)
         return SteadyState(response, about, system._model)
+
+    def _period(
+        self, speed: float, given: float | None, longest: float, geometry: str
+    ) -> tuple[float, Superposition | None]:
+        """Give the period, or without a common one the length of a record and the sources."""
+        if given is not None:
+            given = number(given, "period")
+            if not given > 0.0:
+                raise SceneError(f"period: must be positive, got {given}")
+        try:
+            return common_period(self._model, speed, given, longest), None
+        except SceneError:
+            sources = Superposition.of(self, speed, geometry)
+            if sources is None:
+                raise
+            return min(sources.duration, longest), sources
 
     def _steady_response(self, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
         """Give the recorded period; its request continues from its end, with the same motion."""
@@ -167,3 +183,21 @@ class SteadyAnalyses(Simulation):
         if not output_step > 0.0:
             raise SceneError(f"output_step: must be positive, got {output_step}")
         return max(1, math.ceil(period / output_step * (1.0 - 1e-12)))
+
+
+def _solved(
+    system: Simulation,
+    sources: Superposition | None,
+    run: tuple[dict[str, Any], int],
+    progress: bool | Progress | None,
+) -> tuple[RunData, dict[str, Any]]:
+    """Record a periodic motion, or the sum of the steady motions of sources without a period."""
+    arguments, samples = run
+    if sources is None:
+        with reported(progress, 1.0) as report:
+            return steady_state(system._model, **arguments, samples=samples, progress=report)
+    state, residual, periods = sources.solve(arguments)
+    given = {**arguments, "initial": "static"}
+    data = recorded_period(system._model, state=state, samples=samples, **given)
+    about = {"period": math.inf, "residual": residual, "periods": periods}
+    return data, {**about, "method": "superposition"}

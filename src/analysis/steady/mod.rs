@@ -16,7 +16,7 @@ use nalgebra::Complex;
 use super::AnalysisError;
 use super::simulate::{Options, RecordPlan, Response, with_period_map};
 use crate::modal::CachedModel;
-pub use period::common_period;
+pub use period::{common_period, has_constant_coefficients};
 use preconditioner::Preconditioner;
 use solver::Solver;
 
@@ -87,6 +87,18 @@ pub fn corrected_states(
         }
         Ok(Corrected { states: corrected, levels: map.levels().to_vec() })
     })
+}
+
+/// The initial state of `options`, displacements then velocities.
+///
+/// # Errors
+/// [`AnalysisError`] of the set-up.
+pub fn initial_state(
+    cached: &CachedModel,
+    options: &Options,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<f64>, AnalysisError> {
+    with_period_map(cached, options, &RecordPlan::default(), watch, |map| Ok(map.physical(map.initial())))
 }
 
 /// Records `samples` instants of the period that begins in a state, displacements then velocities.

@@ -6,6 +6,7 @@
 use std::f64::consts::TAU;
 
 use crate::analysis::AnalysisError;
+use crate::mesh::{GearMesh, Geometry};
 use crate::model::Model;
 use crate::scene::{LoadLaw, Scene, SceneError};
 
@@ -13,6 +14,9 @@ use crate::scene::{LoadLaw, Scene, SceneError};
 const LARGEST_DENOMINATOR: u64 = 1000;
 /// Relative difference between an order and a ratio of whole numbers below which both are equal.
 const SAME: f64 = 1e-12;
+
+/// What to do without a common period.
+const ALTERNATIVES: &str = "or run in with simulate(); with geometry=\"frozen\", constant mesh stiffness and linear connections, the motions of the sources superpose";
 
 /// A positive ratio of two whole numbers without a common divisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +104,7 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
     if speed == 0.0 {
         return Err(error("nothing rotates at speed 0", "give a speed, or period= for loads over time"));
     }
-    let action = "give period= if you know one, or run in with simulate()";
+    let action = format!("give period= if you know one, {ALTERNATIVES}");
     let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
     let first = sources[0].order;
     let order = if sources.iter().all(|source| source.order.zip(first).is_some_and(|(a, b)| same(a, b))) {
@@ -111,15 +115,31 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
         exact.fold(first, |common, next| common?.common(next?)).map(Ratio::value)
     };
     let Some(order) = order else {
-        return Err(error("the frequencies have no common period", action));
+        return Err(error("the frequencies have no common period", &action));
     };
     let period = TAU / (order * speed.abs());
     if period > longest {
         let reason =
             format!("the common period of the excitation is {period:.4} s, longer than max_period = {longest} s");
-        return Err(error(&reason, "give a larger max_period, or run in with simulate()"));
+        return Err(error(&reason, &format!("give a larger max_period, {ALTERNATIVES}")));
     }
     Ok(period)
+}
+
+/// Whether the equation of motion is linear with constant coefficients, apart from given loads over time and angle: then
+/// the steady motions of several sources superpose.
+pub fn has_constant_coefficients(model: &Model, geometry: Geometry) -> bool {
+    let mesh_is_constant = |mesh: &GearMesh| {
+        mesh.teeth.is_constant()
+            && !mesh.teeth.is_relieved()
+            && mesh.backlash.is_none()
+            && !mesh.has_run_out()
+            // Without bending, the line of action does not move.
+            && (geometry == Geometry::Frozen || mesh.coordinates.translation.is_none())
+    };
+    model.nonlinear_bearings.is_empty()
+        && model.meshes.iter().all(mesh_is_constant)
+        && !model.loads.iter().any(|load| matches!(load.law, LoadLaw::SpeedTorque { .. }))
 }
 
 impl Source {

@@ -1,0 +1,168 @@
+"""Steady motion of several sources without a common period, as the sum of their steady motions.
+
+This is exact where the equation of motion is linear with constant coefficients. Everything that
+turns with a shaft is in the synchronous response; each other source has a period of its own.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
+from gearbow._types import Array
+from gearbow.analysis.protocol import variant
+from gearbow.description.couplings import Force
+from gearbow.description.gears import Mesh
+from gearbow.description.shafts import Shaft
+from gearbow.description.teeth import TransmissionError
+from gearbow.description.time_series import TimeSeries
+from gearbow.system.simulation import Simulation
+
+__all__ = ["Superposition"]
+
+#: Length of the record in periods of the slowest source.
+_RECORDED = 10.0
+#: Options of the run that are those of a steady state, whose start does not depend on them.
+_FIXED = {"initial": "static", "modes": None, "reduction": None}
+
+
+@dataclass(frozen=True)
+class Superposition:
+    """The sources of a system at a constant speed.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        A system whose coefficients are constant.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    """
+
+    system: Simulation
+    speed: float
+
+    @classmethod
+    def of(cls, system: Simulation, speed: float, geometry: str) -> "Superposition | None":
+        """Give the superposition if the motions of the sources of a system superpose.
+
+        Parameters
+        ----------
+        system : RotorSystem
+            The system.
+        speed : float
+            Speed of the reference shaft [rad/s].
+        geometry : str
+            "live" or "frozen".
+
+        Returns
+        -------
+        Superposition or None
+            None if the motion is nonlinear, has varying coefficients, or a load over time.
+        """
+        values: list[Any] = [torque.value for torque in system.torques]
+        values += [force.value for force in system.forces]
+        over_time = any(isinstance(value, TimeSeries) or callable(value) for value in values)
+        if over_time or speed == 0.0 or not has_constant_coefficients(system._model, geometry):
+            return None
+        return cls(system, speed)
+
+    @property
+    def duration(self) -> float:
+        """Ten turns of the slowest shaft.
+
+        Returns
+        -------
+        float
+            Duration of a record [s].
+        """
+        return _RECORDED * self._turn(float(min(abs(self.system.speed_ratios))))
+
+    def solve(self, arguments: dict[str, Any]) -> tuple[Array, float, int]:
+        """Find the state at the start, and describe the solutions that it consists of.
+
+        Parameters
+        ----------
+        arguments : dict
+            Options of the recorded run.
+
+        Returns
+        -------
+        state : ndarray, shape (2n,)
+            Displacements and velocities.
+        residual : float
+            Largest residual of the sources.
+        periods : int
+            Number of integrated periods.
+        """
+        options = {key: value for key, value in arguments.items() if key != "record"} | _FIXED
+        rest = initial_state(self.system._model, **options)
+        state = initial_state(self.system._model, **{**options, "initial": "synchronous"})
+        residual, periods = 0.0, 0
+        # Variants have the elements of this system, which may depend on what excites it.
+        meshed = type(self.system)._from_description(self.system._model.resolved())
+        for period, changes in self._sources():
+            model = variant(meshed, **{**self._silent(meshed.shafts), **changes})._model
+            given = {**options, "duration": period}
+            data, about = steady_state(model, **given, samples=1, record=[], progress=None)
+            state = state + user_order(model, data["final"]["state"]) - rest
+            residual = max(residual, about["residual"])
+            periods += about["periods"]
+        return state, residual, periods
+
+    def _silent(self, shafts: Sequence[Shaft]) -> dict[str, Any]:
+        """Give shafts and other parts without what excites."""
+        system = self.system
+        return {
+            "shafts": [replace(shaft, bow=None) for shaft in shafts],
+            "gears": [replace(gear, unbalance=0.0) for gear in system.gears],
+            "disks": [replace(disk, unbalance=0.0) for disk in system.disks],
+            "couplings": [replace(coupling, runout=0.0) for coupling in system.couplings],
+            "meshes": [replace(mesh, error=None) for mesh in system.meshes],
+            "forces": [_silent_force(force) for force in system.forces],
+        }
+
+    def _sources(self) -> Iterator[tuple[float, dict[str, Any]]]:
+        """Give period and parts of each source that the synchronous response does not contain."""
+        system, silent = self.system, self._silent(self.system.shafts)
+        for i, mesh in enumerate(system.meshes):
+            for ratio, error in self._errors(mesh):
+                meshes = list(silent["meshes"])
+                meshes[i] = replace(mesh, error=error)
+                yield self._turn(ratio), {"meshes": meshes}
+        for i, force in enumerate(system.forces):
+            if force.order is None or force.order == 1.0:
+                continue
+            forces = list(silent["forces"])
+            forces[i] = force
+            yield self._turn(self._ratio(force.at) * (force.order or 1.0)), {"forces": forces}
+
+    def _errors(self, mesh: Mesh) -> Iterator[tuple[float, TransmissionError]]:
+        """Give the parts of a transmission error with their orders of the reference shaft."""
+        error = mesh.error
+        if error is None:
+            return
+        driver, driven = (self._ratio(gear) for gear in (mesh.driver, mesh.driven))
+        teeth = next(gear.teeth for gear in self.system.gears if gear.name == mesh.driver)
+        if error.tooth is not None or error.table is not None:
+            yield driver * teeth, TransmissionError(tooth=error.tooth, table=error.table)
+        if error.driver is not None:
+            yield driver, TransmissionError(driver=error.driver)
+        if error.driven is not None:
+            yield driven, TransmissionError(driven=error.driven)
+
+    def _ratio(self, at: Any) -> float:
+        """Give the speed of the shaft of a place over that of the reference shaft."""
+        shafts = {gear.name: gear.shaft for gear in self.system.gears}
+        shafts |= {disk.name: disk.shaft for disk in self.system.disks}
+        name = shafts[at] if isinstance(at, str) else at[0]
+        names = [shaft.name for shaft in self.system.shafts]
+        return float(self.system.speed_ratios[names.index(name)])
+
+    def _turn(self, order: float) -> float:
+        """Give the period of an order of the reference shaft [s]."""
+        return 2.0 * math.pi / abs(order * self.speed)
+
+
+def _silent_force(force: Force) -> Force:
+    return force if force.order is None else replace(force, value=0.0)
