@@ -263,7 +263,14 @@ class Campbell(ReadOnly):
         """
         head, *rows = self._rows()
         widths = (13, 14, 11, -9, 4)
-        lines = [[f"{cell:{'<' if w < 0 else '>'}{abs(w)}}" for cell, w in zip(row, widths, strict=False)] + [row[-1]] for row in (head, *rows)]
+        lines = [
+            [
+                f"{cell:{'<' if w < 0 else '>'}{abs(w)}}"
+                for cell, w in zip(row, widths, strict=False)
+            ]
+            + [row[-1]]
+            for row in (head, *rows)
+        ]
         return "\n".join("  ".join(line) for line in lines)
 
     def _rows(self) -> Table:

@@ -294,7 +294,10 @@ class Synchronous(ReadOnly):
             self.excitation,
             self.slow_roll,
         )
-        return [Peak(*row, operating=span, stable=stable) for *row, stable in found]
+        return [
+            Peak(speed, amplitude, lower, upper, span, stable)
+            for speed, amplitude, lower, upper, stable in found
+        ]
 
     def bode(
         self,

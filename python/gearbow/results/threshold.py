@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -44,6 +45,7 @@ class StabilityThreshold(Shown):
     >>> system = gb.RotorSystem([rotor], disks=[disk], bearings=bearings)
     >>> threshold = system.campbell([0.0, 200.0, 400.0], count=2).thresholds[0]
     >>> print(f"{threshold.speed:.1f} rad/s: {threshold.whirl}, {threshold.above} above")
+    TODO
     """
 
     mode: int
@@ -78,7 +80,7 @@ def unstable_ranges(
         growing = eigenvalues[:, mode].real > _MIN_GROWTH * np.abs(eigenvalues[:, mode])
         # The mode changes at its thresholds; between them its state at any speed holds.
         ends = np.array([speeds[0], *(one.speed for one in own), speeds[-1]])
-        for low, high in zip(ends[:-1], ends[1:], strict=True):
+        for low, high in pairwise(ends):
             before = next((one.above == "unstable" for one in own if one.speed == low), None)
             after = next((one.above == "stable" for one in own if one.speed == high), None)
             given = [state for state in (before, after) if state is not None]
