@@ -16,7 +16,7 @@ def on_seals(cross: gb.SpeedTable | list, damping: float = DAMPING) -> gb.RotorS
     """Return a stiff rotor on two equal seals with the stiffness matrix `cross`."""
     return gb.RotorSystem(
         [gb.Shaft("rotor", length=0.2, outer_diameter=0.1, elements=2)],
-        disks=[gb.Disk("disk", "rotor", 0.1, 20.0, 1.0, 0.1, unbalance=1e-4)],
+        disks=[gb.Disk("disk", "rotor", 0.1, 20.0, 0.02, 0.02, unbalance=1e-4)],
         bearings=[gb.Bearing("rotor", x, stiffness=cross, damping=damping) for x in (0.0, 0.2)],
     )
 
@@ -41,7 +41,7 @@ def threshold_of_a_rigid_rotor(system: gb.RotorSystem) -> float:
 
 def test_a_threshold_agrees_with_the_closed_form():
     system = on_seals(rising())
-    (found,) = system.campbell(np.linspace(0.0, 400.0, 5), count=2).thresholds
+    (found,) = system.campbell(np.linspace(0.0, 220.0, 5), count=2).thresholds
     # The shaft is 1e4 times stiffer than the seals.
     assert found.speed == pytest.approx(threshold_of_a_rigid_rotor(system), rel=1e-3)
     assert (found.whirl, found.above) == ("forward", "unstable")
@@ -54,7 +54,7 @@ def test_a_threshold_agrees_with_the_closed_form():
 def test_a_threshold_does_not_depend_on_the_speeds(steps: int):
     system = on_seals(rising())
     found = [
-        system.campbell(np.linspace(0.0, 400.0, count), count=2).thresholds[0].speed
+        system.campbell(np.linspace(0.0, 220.0, count), count=2).thresholds[0].speed
         for count in (5, steps)
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-10)
@@ -145,9 +145,10 @@ def test_a_stable_system_has_no_warning_and_stable_peaks(recwarn):
 
 def test_a_torque_that_rises_with_the_speed_is_unstable():
     def turbine(*torques: float) -> gb.RotorSystem:
-        rotor = on_seals(matrix(0.0))
         table = gb.SpeedTable([0.0, 1000.0], torques)
-        return rotor.replace(torques=[gb.Torque("disk", table), gb.Torque.balance("rotor", 0.2)])
+        return on_seals(matrix(0.0)).replace(
+            torques=[gb.Torque("disk", table)], drives=[gb.Drive("disk", stiffness=1e3)]
+        )
 
     with pytest.warns(gb.AccuracyWarning, match="unstable at 100 rad/s"):
         turbine(0.0, 50.0).synchronous(100.0)
@@ -157,7 +158,7 @@ def test_a_torque_that_rises_with_the_speed_is_unstable():
 
 
 def test_the_figure_marks_thresholds_and_unstable_speeds(tmp_path):
-    diagram = on_seals(rising()).campbell(np.linspace(0.0, 400.0, 9), count=4)
+    diagram = on_seals(rising()).campbell(np.linspace(0.0, 220.0, 9), count=4)
     figure = diagram.plot(speed_unit="rpm", operating=100.0)
     upper, lower = figure.axes
     (legend,) = figure.legends
@@ -185,7 +186,7 @@ def test_the_figure_marks_thresholds_and_unstable_speeds(tmp_path):
 
 
 def test_curves_pass_intersections_and_thresholds():
-    diagram = on_seals(rising()).campbell([0.0, 200.0, 400.0], count=4)
+    diagram = on_seals(rising()).campbell([0.0, 110.0, 220.0], count=4)
     upper, lower = diagram.plot().axes
     points = [(one.speed, one.frequency_hz) for one in diagram.intersections]
     points += [(one.speed, one.frequency_hz) for one in diagram.thresholds]

@@ -32,7 +32,8 @@ _DECADES, _LEAST_DAMPING = 10.0, 1e-3
 #: Largest number of decades of positive damping ratios on a scale with negative ones.
 _SIGNED_DECADES = 3
 #: Colour of the operating speeds, and of the speeds at which the motion is unstable.
-_OPERATING, _UNSTABLE = "0.88", "#F6C6C6"
+_OPERATING = "0.88"
+_UNSTABLE: dict[str, Any] = {"color": "#F09090", "alpha": 0.5, "linewidth": 0.0}
 #: Marks of intersections and stability thresholds.
 _CROSSED: dict[str, Any] = {
     "marker": "o",
@@ -109,7 +110,7 @@ def campbell(
         upper, lower = axes
         for panel in axes:
             for span in unstable:
-                panel.axvspan(*(factor * np.array(span)), color=_UNSTABLE, lw=0.0, zorder=0.4)
+                panel.axvspan(*(factor * np.array(span)), **_UNSTABLE, zorder=0.6)
             if operating is not None:
                 _operating(panel, factor * np.array(operating))
         for mode in range(frequencies_hz.shape[1]):
@@ -135,7 +136,7 @@ def campbell(
             panel.set_xlim(factor * speeds[0], factor * max(last, speeds[0] + 1.0))
         entries = _legend(whirl, bool(intersections), bool(thresholds))
         if len(unstable) > 0:
-            entries["unstable"] = Patch(color=_UNSTABLE)
+            entries["unstable"] = Patch(**_UNSTABLE)
         if operating is not None:
             entries["operating speed"] = Patch(color=_OPERATING)
         place_legend(figure, upper, (list(entries.values()), list(entries)), ax=ax)
