@@ -47,7 +47,7 @@ def rotor() -> gb.RotorSystem:
 
 def sealed() -> gb.RotorSystem:
     """Return the rotor on seals whose cross-coupled stiffness grows with the speed."""
-    cross = [0.0, 7e5, 1.4e6, 2.1e6]  # N/m
+    cross = [0.0, 1.4e6, 2.8e6, 4.2e6]  # N/m
     seal = gb.SpeedTable([0.0, 200.0, 400.0, 600.0], [[[2e7, k], [-k, 2.5e7]] for k in cross])
     return rotor().replace(
         bearings=[gb.Bearing("rotor", x, stiffness=seal, damping=5e3) for x in (0.0, 1.0)]

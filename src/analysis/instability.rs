@@ -13,8 +13,8 @@ use crate::modal::CachedModel;
 /// Smallest ratio of a growth rate Re λ to |λ| and to the speed that counts as unstable; round-off causes smaller ones.
 const MIN_GROWTH: f64 = 1e-6;
 /// Number of lowest modes that are examined.
-const MODES: usize = 10;
-/// Number of modes more for each bearing: strong dampers cause four overdamped modes at most.
+const MODES: usize = 6;
+/// Number of modes more for each bearing, whose damper can make four modes without oscillation.
 const MODES_OF_BEARING: usize = 4;
 /// Number of speeds that are examined at first, from the first to the last speed.
 const SAMPLES: usize = 9;

@@ -39,3 +39,21 @@ fn is_semidefinite(matrix: &Matrix2) -> bool {
 fn norm(matrix: &Matrix2) -> f64 {
     matrix.as_flattened().iter().fold(0.0_f64, |norm, value| norm.hypot(*value))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_symmetric_stiffness_and_nonnegative_damping_are_passive() {
+        let passive = |stiffness, damping| is_passive(&Support::new(0, stiffness, damping));
+        let (isotropic, none) = ([[2e7, 0.0], [0.0, 2e7]], [[0.0; 2]; 2]);
+        assert!(passive(isotropic, none));
+        assert!(passive([[2e7, 1e6], [1e6, 3e7]], [[1e3, 0.0], [0.0, 0.0]]));
+        // Damping that couples the directions with opposite signs does no work.
+        assert!(passive(isotropic, [[1e3, 5e3], [-5e3, 1e3]]));
+        assert!(!passive([[2e7, 1.0], [-1.0, 2e7]], none));
+        assert!(!passive([[1e7, 2e7], [2e7, 1e7]], none));
+        assert!(!passive(isotropic, [[1e3, 2e3], [2e3, 1e3]]));
+    }
+}

@@ -234,7 +234,7 @@ class LinearAnalyses(SystemFiles):
             that the response does not occur. The message gives the ranges of speeds. Only an
             element that can feed energy into the motion makes a search necessary: an oil film,
             cross-coupled stiffness, negative damping or a torque that rises with the speed. It
-            examines the lowest modes (10, and 4 more for each bearing) at nine of the speeds from
+            examines the lowest modes (6, and 4 more for each bearing) at nine of the speeds from
             the first to the last, and at the eight largest peaks of the response; bisection among
             the given speeds then finds the ends of each range.
         """
