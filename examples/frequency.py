@@ -45,6 +45,15 @@ def rotor() -> gb.RotorSystem:
     )
 
 
+def sealed() -> gb.RotorSystem:
+    """Return the rotor on seals whose cross-coupled stiffness grows with the speed."""
+    cross = [0.0, 1.4e6, 2.8e6, 4.2e6]  # N/m
+    seal = gb.SpeedTable([0.0, 200.0, 400.0, 600.0], [[[2e7, k], [-k, 2.5e7]] for k in cross])
+    return rotor().replace(
+        bearings=[gb.Bearing("rotor", x, stiffness=seal, damping=5e3) for x in (0.0, 1.0)]
+    )
+
+
 def main() -> None:
     """Draw and save all figures."""
     bowed = rotor()
@@ -54,6 +63,7 @@ def main() -> None:
         "campbell": pair.campbell(np.linspace(0.0, 2500.0, 41), count=8).plot(
             operating=(250.0, 350.0)
         ),
+        "stability": sealed().campbell(np.linspace(0.0, 600.0, 13), count=4).plot(),
         "critical_speed_map": bowed.critical_speed_map(np.geomspace(1e5, 1e10, 41)).plot(3),
         "bode": response.bode(["left", "right"]),
         "mode_shape": pair.modes(speed=300.0).plot(2),

@@ -158,19 +158,8 @@ def run(system: gb.RotorSystem) -> gb.Response:
         SPEED,
         rtol=1e-4,
         output_step=1e-4,
-        record=["gears", "meshes", "housings", "bearings"],
+        record=["gears", "meshes", "housings", "bearings", "acceleration"],
     )
-
-
-def acceleration(response: gb.Response, quantity: str = "w") -> tuple[list[str], gb.Orders]:
-    """Return the names of the orders of the accelerometer and its acceleration [m/s²].
-
-    The acceleration of an order with the displacement A and the angular frequency ω is ω²A.
-    """
-    found = response.orders(POINT, quantity, bearing_harmonics=0, skip_time=SKIPPED)
-    values = -((2.0 * pi * found.frequencies_hz) ** 2) * found.amplitudes
-    names = [order.names[0] for order in found.orders]
-    return names, replace(found, amplitudes=values, unit="m/s²", label=f"{POINT}, d²{quantity}/dt²")
 
 
 def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
@@ -215,11 +204,12 @@ def spectra(responses: dict[str, gb.Response]) -> Figure:
         for (name, response), colour, mark in zip(
             responses.items(), plotting.PALETTE, marks, strict=False
         ):
-            _, found = acceleration(response)
-            frequency, values = found.frequencies_hz, np.abs(found.amplitudes)
+            options: dict[str, Any] = {"bearing_harmonics": 0, "skip_time": SKIPPED}
+            moved = response.orders(POINT, "w", **options)
+            felt = response.orders(gb.Accelerometer(POINT, angle=pi / 2.0), **options)
             style = {"color": colour, "label": name, "ls": "none", **mark}
-            panels[0].semilogy(frequency, 1e6 * values / (2.0 * pi * frequency) ** 2, **style)
-            panels[1].semilogy(frequency, values, **style)
+            panels[0].semilogy(moved.frequencies_hz, 1e6 * np.abs(moved.amplitudes), **style)
+            panels[1].semilogy(felt.frequencies_hz, np.abs(felt.amplitudes), **style)
         panels[0].set(ylabel="displacement w [µm]", ylim=(1e-5, 10.0))
         panels[1].set(ylabel="acceleration [m/s²]", ylim=(1e-5, 10.0))
         panels[1].set(xlabel="frequency [Hz]")

@@ -110,6 +110,7 @@ from gearbow.results.response import Response as Response
 from gearbow.results.static import Static as Static
 from gearbow.results.steady import SteadyState as SteadyState
 from gearbow.results.synchronous import Synchronous as Synchronous
+from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
 from gearbow.sensors.accelerometer import Accelerometer as Accelerometer
 from gearbow.sensors.probe import Probe as Probe
 from gearbow.sensors.tacho import Tacho as Tacho

@@ -59,7 +59,11 @@ class ModesData(TypedDict):
 
 
 class CampbellData(TypedDict):
-    """Modes at k speeds, (k, m), and their intersections with excitation lines."""
+    """Modes at k speeds, (k, m), their intersections with excitation lines, and thresholds.
+
+    A threshold has the mode, its speed and frequency [rad/s], the whirl, and whether the mode is
+    unstable above it.
+    """
 
     eigenvalues: ComplexArray
     whirl: list[list[str]]
@@ -70,6 +74,7 @@ class CampbellData(TypedDict):
     intersection_speeds: Array
     intersection_eigenvalues: ComplexArray
     intersection_whirl: list[str]
+    thresholds: list[tuple[int, float, float, str, bool]]
 
 
 class SynchronousData(TypedDict):

@@ -1,4 +1,5 @@
-//! Campbell diagram: tracks modes over the speed and finds their intersections with excitation lines.
+//! Campbell diagram: tracks modes over the speed and finds their intersections with excitation lines, and the speeds at
+//! which they become unstable.
 //!
 //! Modes are tracked by their shapes in the energy: y = (φ, λφ) with the inner product φᴴKφ' + (λφ)ᴴM(λ'φ'). In this form,
 //! the modes of an undamped system with gyroscopic moments are orthogonal at every speed. Therefore |yᴴy'|² (a modal
@@ -11,17 +12,18 @@
 //! Of a large model only the lowest modes are computed at each speed, a few more than are tracked.
 
 mod state;
+mod threshold;
 
 use std::rc::Rc;
 
 use nalgebra::Complex;
 
 use super::modes::{lowest_modes, uses_bands};
-use super::root::root;
 use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
 use state::State;
+pub use threshold::Threshold;
 
 /// Smallest |yᴴy'|² of a mode in a speed step; with a smaller value the step is halved.
 const MIN_CORRELATION: f64 = 0.9;
@@ -87,6 +89,8 @@ pub struct Campbell {
     pub lines: Vec<ExcitationLine>,
     /// Intersections in ascending order of speed.
     pub intersections: Vec<Intersection>,
+    /// Speeds at which modes become unstable or stable, in ascending order.
+    pub thresholds: Vec<Threshold>,
 }
 
 /// Excitation lines of the rotation of every shaft and of `harmonics` harmonics of every mesh frequency.
@@ -134,6 +138,7 @@ pub fn campbell(
         whirl: Vec::new(),
         lines: tracker.lines.clone(),
         intersections: Vec::new(),
+        thresholds: Vec::new(),
     };
     for speed in speeds {
         let here = tracker.at(*speed)?;
@@ -143,6 +148,8 @@ pub fn campbell(
     }
     diagram.intersections = tracker.intersections;
     diagram.intersections.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
+    diagram.thresholds = tracker.thresholds;
+    diagram.thresholds.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
     Ok(diagram)
 }
 
@@ -161,6 +168,7 @@ struct Tracker<'a> {
     speed: Option<f64>,
     modes: Vec<State>,
     intersections: Vec<Intersection>,
+    thresholds: Vec<Threshold>,
 }
 
 /// Assignment of the states at a new speed to the tracked modes.
@@ -192,6 +200,7 @@ impl<'a> Tracker<'a> {
             speed: None,
             modes: Vec::new(),
             intersections: Vec::new(),
+            thresholds: Vec::new(),
         };
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
@@ -248,10 +257,10 @@ impl<'a> Tracker<'a> {
                 return self.advance(speed, states, halved + 1);
             }
             for mode in 0..self.modes.len() {
-                self.add_intersections(
-                    mode,
-                    [(from, &self.modes[mode].clone()), (speed, &states[assignment.states[mode]])],
-                )?;
+                let before = self.modes[mode].clone();
+                let ends = [(from, &before), (speed, &states[assignment.states[mode]])];
+                self.add_intersections(mode, ends)?;
+                self.add_threshold(mode, ends)?;
             }
         }
         for (mode, index) in self.modes.iter_mut().zip(assignment.states) {
@@ -313,7 +322,9 @@ impl<'a> Tracker<'a> {
                     let whirl = modal::whirl(&self.cached.model, met.speed, met.eigenvalue, &met.shape);
                     (met.speed, met.eigenvalue, whirl)
                 } else {
-                    let (speed, state) = self.intersection_by_speed(order, ends)?;
+                    // Without Newton's method.
+                    let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
+                    let (speed, state) = self.root_of(ends, gap)?;
                     (speed, state.eigenvalue, state.whirl)
                 };
                 self.intersections.push(Intersection { mode, line, speed, eigenvalue, whirl });
@@ -368,21 +379,6 @@ impl<'a> Tracker<'a> {
         let between = (middle, found);
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
         self.intersection(order, halves, halved + 1)
-    }
-
-    /// The same without Newton's method: the followed mode by the method of Illinois on Im λ − `order`·Ω.
-    fn intersection_by_speed(&self, order: f64, ends: [(f64, &State); 2]) -> Result<(f64, State), AnalysisError> {
-        let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
-        let ends = ends.map(|(speed, state)| (speed, state.clone()));
-        let gaps = [0, 1].map(|end| (ends[end].0, gap(ends[end].0, &ends[end].1)));
-        let mode = |speed: f64| -> Result<State, AnalysisError> {
-            let states = self.at(speed)?;
-            let like = |state: &&State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
-            let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
-            Ok(found.unwrap_or(&ends[0].1).clone())
-        };
-        let speed = root(gaps, |speed| Ok(gap(speed, &mode(speed)?)))?;
-        Ok((speed, mode(speed)?))
     }
 }
 

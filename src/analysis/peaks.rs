@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Complex;
 
+use super::instability::is_unstable;
 use super::{AnalysisError, ExcitationPart, Interrupt, Responses};
 use crate::modal::CachedModel;
 
@@ -40,6 +41,8 @@ pub struct Peak {
     pub lower: Option<f64>,
     /// Half-power speed N₂ above the peak, rad/s; None if it lies outside the speed range.
     pub upper: Option<f64>,
+    /// Whether the linear motion at the peak is stable.
+    pub is_stable: bool,
 }
 
 /// Finds the peaks between ascending `speeds`. Each is a local maximum of the response at these speeds.
@@ -73,10 +76,14 @@ pub fn peaks(
         ..peak
     };
     let found = peaks_from_zero_speed(&|speed| size(-speed), &backward)?.into_iter().rev().map(mirrored);
-    Ok(found.chain(peaks_from_zero_speed(&size, &forward)?).collect())
+    let mut peaks: Vec<Peak> = found.chain(peaks_from_zero_speed(&size, &forward)?).collect();
+    for peak in &mut peaks {
+        peak.is_stable = !is_unstable(cached, peak.speed, interrupt)?;
+    }
+    Ok(peaks)
 }
 
-/// Finds the peaks of `size` between ascending, non-negative `speeds`.
+/// Finds the peaks of `size` between ascending, non-negative `speeds`; their stability is not examined.
 fn peaks_from_zero_speed(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
     speeds: &[f64],
@@ -96,7 +103,7 @@ fn peaks_from_zero_speed(
             below.map(|index| half_power_speed(size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
         let upper =
             above.map(|index| half_power_speed(size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
-        peaks.push(Peak { speed, amplitude, lower, upper });
+        peaks.push(Peak { speed, amplitude, lower, upper, is_stable: true });
     }
     Ok(peaks)
 }

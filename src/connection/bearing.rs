@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Bounds, Coefficients, Row};
-use crate::scene::{Bearing, EntryPath, Matrix2, SceneError};
+use crate::scene::{Bearing, EntryPath, Matrix2, SceneError, outside_table};
 
 /// A bearing whose coefficients depend on the speed of its shaft.
 #[derive(Clone, Debug)]
@@ -32,9 +32,7 @@ impl SpeedDependentBearing {
         let own = (self.ratio * speed).abs();
         for (name, coefficient) in [("stiffness", &self.bearing.stiffness), ("damping", &self.bearing.damping)] {
             if let Some([first, last]) = coefficient.excludes(own) {
-                let message = format!(
-                    "the table ranges from {first} to {last} rad/s, but the shaft \"{shaft}\" turns at {own} rad/s; extend the table, or hold its end values with outside=\"hold\""
-                );
+                let message = outside_table([first, last], &format!("the shaft \"{shaft}\""), own);
                 return Err(EntryPath::entry("bearings", self.number).field(name).error(message));
             }
         }

@@ -15,7 +15,7 @@ use num_complex::Complex64;
 
 use super::instant::{Instant, InterfaceOptions};
 use super::{Bounds, Coefficients, Row};
-use crate::scene::{LoadLaw, SceneError};
+use crate::scene::{LoadLaw, SceneError, outside_table};
 
 /// A load that depends on time, angle or speed.
 #[derive(Clone, Debug)]
@@ -91,9 +91,7 @@ impl AppliedLoad {
             let (own, [first, last]) = ((self.ratio * speed).abs(), curve.range());
             let slack = 1e-12 * last;
             if own < first - slack || own > last + slack {
-                let message = format!(
-                    "the table ranges from {first} to {last} rad/s, but the shaft turns at {own} rad/s; extend the table, or hold its end values with outside=\"hold\""
-                );
+                let message = outside_table([first, last], "the shaft", own);
                 return Err(SceneError::new(&self.path, message));
             }
         }

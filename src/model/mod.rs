@@ -11,6 +11,7 @@
 mod at_speed;
 mod bow;
 mod circular;
+mod dissipative;
 mod dynamic_stiffness;
 mod flanks;
 mod housing;

@@ -1,6 +1,6 @@
 //! Frequency-domain analyses for Python: Campbell diagrams, critical speeds, synchronous response, peaks.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -9,7 +9,11 @@ use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource};
-use crate::scene::{EntryPath, SceneError};
+use crate::model::Model;
+use crate::scene::{EntryPath, SceneError, range_with_rpm, with_rpm};
+
+/// N_c [rad/s], amplitude [m], N₁ and N₂ [rad/s] of a peak, and whether the motion is stable there.
+pub type PeakRow = (f64, f64, f64, f64, bool);
 
 /// Finds a part of the excitation by name.
 fn excitation_part(name: &str) -> Result<ExcitationPart, SceneError> {
@@ -74,7 +78,14 @@ pub fn campbell<'py>(
         "intersection_whirl",
         intersections.iter().map(|intersection| intersection.whirl.to_string()).collect::<Vec<_>>(),
     )?;
+    let thresholds: Vec<_> = found.thresholds.iter().map(threshold).collect();
+    dict.set_item("thresholds", thresholds)?;
     Ok(dict)
+}
+
+/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, and whether the mode is unstable above it.
+fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool) {
+    (found.mode, found.speed, found.eigenvalue.im, found.whirl.to_string(), found.is_unstable_above)
 }
 
 /// Computes undamped critical speeds, rad/s, with the direction of whirl.
@@ -103,23 +114,28 @@ pub fn synchronous<'py>(
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let worker_speeds = speeds.clone();
-    let amplitudes = model.run(py, memory, move |cached, interrupt| {
+    let (amplitudes, largest, unstable) = model.run(py, memory, move |cached, interrupt| {
         let responses = analysis::Responses::new(cached);
         let at = |speed: &f64| {
             interrupt.check()?;
             responses.all(*speed, part)
         };
-        worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()
+        let amplitudes = worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()?;
+        let largest: Vec<f64> = amplitudes.iter().map(|each| largest_displacement(&cached.model, each)).collect();
+        let unstable = match analysis::unstable_ranges(cached, &worker_speeds, &local_maxima(&largest), interrupt) {
+            Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
+            found => found,
+        };
+        Ok((amplitudes, largest, unstable))
     })?;
     let assembled = &model.cached.model;
-    for (index, amplitudes) in amplitudes.iter().enumerate() {
-        let largest = assembled
-            .translations()
-            .map(|i| amplitudes.row(i).iter().map(|value| value.norm()).fold(0.0, f64::max))
-            .fold(0.0, f64::max);
+    for (index, largest) in largest.into_iter().enumerate() {
         if let Some(text) = analysis::small_displacement_check(assembled, largest) {
             warn(py, format!("speeds[{index}]: {text}"))?;
         }
+    }
+    if let Some(text) = instability_warning(unstable) {
+        warn(py, text)?;
     }
     let bearings = assembled.scene.bearing_nodes();
     let (mut values, mut forces) = (Vec::new(), Vec::new());
@@ -141,7 +157,40 @@ pub fn synchronous<'py>(
     Ok(dict)
 }
 
-/// Computes (N_c, amplitude, N₁, N₂) of every peak. N₁ or N₂ is NaN if it lies outside the speed range.
+/// Largest magnitude of the displacements of nodes along y and z, m.
+fn largest_displacement(model: &Model, amplitudes: &DMatrix<Complex<f64>>) -> f64 {
+    model.translations().map(|i| amplitudes.row(i).camax()).fold(0.0, f64::max)
+}
+
+/// Indices of the values that are larger than their neighbours: at most eight, those with the largest values.
+fn local_maxima(values: &[f64]) -> Vec<usize> {
+    const MOST: usize = 8;
+    let is_maximum = |at: &usize| values[*at] > values[at - 1] && values[*at] >= values[at + 1];
+    let mut found: Vec<usize> = (1..values.len().saturating_sub(1)).filter(is_maximum).collect();
+    found.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+    found.truncate(MOST);
+    found
+}
+
+/// Text of the warning of ranges of speeds, rad/s, in which the motion is unstable; none without such ranges.
+fn instability_warning(ranges: Result<Vec<[f64; 2]>, AnalysisError>) -> Option<String> {
+    let ranges = match ranges {
+        Ok(ranges) if ranges.is_empty() => return None,
+        Ok(ranges) => ranges,
+        Err(error) => return Some(format!("speeds: whether the motion is stable could not be found: {error}")),
+    };
+    let range = |[low, high]: &[f64; 2]| {
+        if low == high { format!("at {}", with_rpm(*low)) } else { format!("from {}", range_with_rpm([*low, *high])) }
+    };
+    let ranges: Vec<String> = ranges.iter().map(range).collect();
+    Some(format!(
+        "speeds: the motion is unstable {}: a mode has negative damping, and grows until something else limits it, so that the steady response given there does not occur; find the threshold with campbell(speeds).thresholds, and stay below it or add damping",
+        ranges.join(", ")
+    ))
+}
+
+/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak. N₁ or N₂ is NaN if it lies outside the
+/// speed range.
 pub fn peaks(
     model: &PyModel,
     py: Python<'_>,
@@ -150,14 +199,15 @@ pub fn peaks(
     source: usize,
     excitation: &str,
     slow_roll: Option<f64>,
-) -> PyResult<Vec<(f64, f64, f64, f64)>> {
+) -> PyResult<Vec<PeakRow>> {
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
     let memory = analysis::memory_of_responses(model.model());
     let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;
-    let row =
-        |peak: &analysis::Peak| (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open));
+    let row = |peak: &analysis::Peak| {
+        (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)
+    };
     Ok(found.iter().map(row).collect())
 }

@@ -279,7 +279,7 @@ impl PyModel {
         source: usize,
         excitation: &str,
         slow_roll: Option<f64>,
-    ) -> PyResult<Vec<(f64, f64, f64, f64)>> {
+    ) -> PyResult<Vec<frequency::PeakRow>> {
         frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 

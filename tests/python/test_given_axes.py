@@ -172,11 +172,11 @@ def test_damping_ratios_that_differ_much_have_a_logarithmic_scale(results):
     assert results["campbell"].plot().axes[1].get_yscale() == "linear"
     soft = results["campbell"].damping_ratios.copy()
     soft[:, 0] /= 100.0
-    from gearbow.plotting import frequency
+    from gearbow.plotting import campbell
 
     def draw(ratios):
         found = results["campbell"]
-        return frequency.campbell(
+        return campbell.campbell(
             found.speeds, found.frequencies_hz, ratios, found.whirl, lines=(), intersections=()
         ).axes[1]
 

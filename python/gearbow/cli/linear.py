@@ -2,6 +2,7 @@
 
 import argparse
 import warnings
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +197,7 @@ def campbell(given: argparse.Namespace) -> Answer:
             {key: getattr(one, key) for key in keys} | {"excited_by": one.line.name}
             for one in found.intersections
         ],
+        "thresholds": [asdict(one) for one in found.thresholds],
         "file": None if given.out is None else str(given.out),
     }
     return Answer(text, data)

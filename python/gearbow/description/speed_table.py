@@ -13,6 +13,16 @@ __all__ = ["SpeedTable"]
 
 #: Letter of the columns of each quantity.
 _LETTERS = {"stiffness": "k", "damping": "c"}
+#: Columns of tables with the shaft along z, and what a message says of them.
+_OTHER_AXES = {
+    f"{letter}{axes}": (
+        f"; here x is the axis of the shaft: a table with x and y across the shaft (ROSS, API) has "
+        f"{letter}xx, {letter}xy, {letter}yx, {letter}yy for {letter}yy, {letter}yz, {letter}zy, "
+        f"{letter}zz"
+    )
+    for letter in _LETTERS.values()
+    for axes in ("xx", "xy", "yx", "xz", "zx")
+}
 
 
 @dataclass(frozen=True)
@@ -42,6 +52,13 @@ class SpeedTable(Part):
     At a constant speed the bearing is linear, with the coefficients at that speed. In a run with a
     changing speed, stiffness and damping change with the speed. The work of the stiffness change is
     counted as work of the drive.
+
+    The axis of the shaft is x. ROSS, and bearing programs after API standards, call the directions
+    across the shaft x and y: their kxx, kxy, kyx, kyy are yy, yz, zy, zz here. The first index is
+    the direction of the force, the second that of the displacement, F_y = k_yy v + k_yz w. The
+    senses agree if the shaft turns from x to y there, as it turns from y to z here; if it turns
+    from y to x, change the sign of both cross coefficients. Cross coefficients of opposite signs,
+    yz > 0 > zy, drive the forward whirl.
 
     Examples
     --------
@@ -113,7 +130,7 @@ class SpeedTable(Part):
             raise SceneError(f"quantity: must be 'stiffness' or 'damping', got {quantity!r}")
         axes = ("", "yy", "zz", "yz", "zy")
         known = {f"{_LETTERS[q]}{each}": f"bearings.{q}" for q in _LETTERS for each in axes}
-        found = read_columns(path, {"speed": "speed", **known})
+        found = read_columns(path, {"speed": "speed", **known}, _OTHER_AXES)
         k = _LETTERS[quantity]
         if "speed" not in found:
             raise SceneError(f'{path}: needs the column "speed"')

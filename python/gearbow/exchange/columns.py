@@ -20,7 +20,11 @@ __all__ = ["read_columns"]
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:[\[(](.*)[\])])?\s*")
 
 
-def read_columns(path: str | os.PathLike[str], known: Mapping[str, str]) -> dict[str, Array]:
+def read_columns(
+    path: str | os.PathLike[str],
+    known: Mapping[str, str],
+    hints: Mapping[str, str] | None = None,
+) -> dict[str, Array]:
     """Read the columns of a CSV file in SI units.
 
     Columns are separated by commas, semicolons or tabs. Lines that begin with ``#`` are comments.
@@ -32,6 +36,8 @@ def read_columns(path: str | os.PathLike[str], known: Mapping[str, str]) -> dict
         The file.
     known : mapping of {str: str}
         Name of each possible column, and the path of a field that has its unit.
+    hints : mapping of {str: str}, optional
+        What a message adds about the names of other columns.
 
     Returns
     -------
@@ -52,7 +58,7 @@ def read_columns(path: str | os.PathLike[str], known: Mapping[str, str]) -> dict
         raise SceneError(f"{path}: needs a line of headings and lines of numbers")
     separator = next((each for each in ";\t" if each in rows[0][1]), ",")
     head, *body = ((i, next(csv.reader([line], delimiter=separator))) for i, line in rows)
-    units = _headings(head[1], known, f"{path}: line {head[0]}")
+    units = _headings(head[1], known, hints or {}, f"{path}: line {head[0]}")
     found: dict[str, list[float]] = {name: [] for name in units}
     for i, cells in body:
         if len(cells) != len(units):
@@ -67,16 +73,18 @@ def read_columns(path: str | os.PathLike[str], known: Mapping[str, str]) -> dict
     return {name: np.array(values) for name, values in found.items()}
 
 
-def _headings(cells: Sequence[str], known: Mapping[str, str], where: str) -> dict[str, str]:
+def _headings(
+    cells: Sequence[str], known: Mapping[str, str], hints: Mapping[str, str], where: str
+) -> dict[str, str]:
     """Give the names of the columns, and the unit of each one."""
     units: dict[str, str] = {}
     for cell in cells:
         heading = _HEADING.fullmatch(cell)
         name = "" if heading is None else heading[1].lower().replace(" ", "_")
         if heading is None or name not in known:
+            hint = hints.get(name) or _of_unit(cell.strip(), known) or nearest(name, known)
             raise SceneError(
-                f"{where}: {cell.strip()!r} is not a column; there are {', '.join(known)}"
-                f"{nearest(name, known)}"
+                f"{where}: {cell.strip()!r} is not a column; there are {', '.join(known)}{hint}"
             )
         if name in units:
             raise SceneError(f"{where}: the column {name!r} occurs twice")
@@ -86,6 +94,17 @@ def _headings(cells: Sequence[str], known: Mapping[str, str], where: str) -> dic
         except SceneError as error:
             raise SceneError(f'{where}, column "{name}": {str(error).partition(": ")[2]}') from None
     return units
+
+
+def _of_unit(cell: str, known: Mapping[str, str]) -> str:
+    """Give the end of a message for a heading that is a unit, with the column that it fits."""
+    for name, field in known.items():
+        try:
+            parsed(f"1 {cell}", field)
+        except SceneError:
+            continue
+        return f'; a unit stands in brackets behind its column, for example "{name} [{cell}]"'
+    return ""
 
 
 def _number(cell: str, where: str) -> float:

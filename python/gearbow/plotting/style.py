@@ -15,6 +15,7 @@ from gearbow._convert import shown
 from gearbow.errors import GearbowError
 
 __all__ = [
+    "MARKS",
     "MICRO",
     "PALETTE",
     "STYLE",
@@ -37,6 +38,16 @@ MICRO = 1e6
 
 #: Colours for colour-blind readers: Okabe and Ito, *Color universal design* (2008).
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+
+#: Colour, line style and marker of each whirl. They differ without colour too.
+MARKS: dict[str, tuple[str, Any, str]] = {
+    "forward": (PALETTE[0], "-", "^"),
+    "backward": (PALETTE[1], "--", "v"),
+    "planar": (PALETTE[5], "-", "s"),
+    "torsion": (PALETTE[2], "-.", "o"),
+    "coupled": (PALETTE[3], ":", "D"),
+    "rigid": (PALETTE[6], "-", "."),
+}
 
 #: Panels of a user: one, or several in any nesting; None makes a new figure.
 GivenAxes: TypeAlias = Any

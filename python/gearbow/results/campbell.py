@@ -11,6 +11,7 @@ from gearbow._read_only import ReadOnly
 from gearbow._shown import Shown, Table, listed, span
 from gearbow._types import Array, CampbellData, ComplexArray
 from gearbow.results.peak import operating_range
+from gearbow.results.threshold import StabilityThreshold, unstable_ranges
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,12 +119,18 @@ class Campbell(ReadOnly):
         Rotation of every shaft, and tooth frequencies of every mesh.
     intersections : tuple of Intersection
         Intersections of modes and lines, by ascending speed.
+    thresholds : tuple of StabilityThreshold
+        Speeds at which the damping of a mode changes its sign, by ascending speed. A negative
+        damping ratio means that the mode is unstable.
 
     Notes
     -----
     Modes at neighbouring speeds are matched by their shapes in the energy norm. Where the match is
     uncertain, the speed step is halved, up to ten times. A veering wider than a hundredth of a step
     is resolved, and the two modes exchange their shapes; a narrower one counts as a crossing.
+
+    A threshold is the root of Re λ of a mode between two neighbouring speeds at which it has
+    opposite signs. Two thresholds of one mode between two neighbouring speeds are not found.
 
     Examples
     --------
@@ -145,6 +152,7 @@ class Campbell(ReadOnly):
     whirl: NDArray[np.str_]
     lines: tuple[ExcitationLine, ...]
     intersections: tuple[Intersection, ...]
+    thresholds: tuple[StabilityThreshold, ...] = ()
 
     @classmethod
     def from_data(cls, speeds: Array, data: CampbellData) -> "Campbell":
@@ -155,7 +163,7 @@ class Campbell(ReadOnly):
         speeds : ndarray, shape (k,)
             Speeds of the reference shaft [rad/s].
         data : mapping
-            Eigenvalues, lines and intersections.
+            Eigenvalues, lines, intersections and thresholds.
 
         Returns
         -------
@@ -186,7 +194,13 @@ class Campbell(ReadOnly):
             for mode, line, speed, value, whirl in found
         )
         whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
-        return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections)
+        thresholds = tuple(
+            StabilityThreshold(
+                mode, speed, rate / (2.0 * np.pi), whirl, "unstable" if above else "stable"
+            )
+            for mode, speed, rate, whirl, above in data["thresholds"]
+        )
+        return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections, thresholds)
 
     @property
     def frequencies_hz(self) -> Array:
@@ -207,7 +221,7 @@ class Campbell(ReadOnly):
         Returns
         -------
         ndarray, shape (k, m)
-            Damping ratios; 0 for an eigenvalue of 0.
+            Damping ratios; 0 for an eigenvalue of 0, negative for an unstable mode.
         """
         ratios: Array = _ratio(self.eigenvalues)
         return ratios
@@ -226,44 +240,72 @@ class Campbell(ReadOnly):
             intersection for intersection in self.intersections if intersection.line.kind == "shaft"
         )
 
+    @property
+    def unstable_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of speeds at which a mode of the diagram is unstable.
+
+        Returns
+        -------
+        tuple of (float, float)
+            Lowest and highest speed of each range [rad/s], by ascending speed. They end at a
+            threshold, or at an end of `speeds`.
+        """
+        return unstable_ranges(self.speeds, self.eigenvalues, self.thresholds)
+
     def table(self) -> str:
-        """Format the intersections as a text table.
+        """Format the intersections and stability thresholds as a text table.
 
         Returns
         -------
         str
-            One line for each intersection: speed, frequency, damping, whirl, mode and excitation.
+            One line for each intersection: speed, frequency, damping, whirl, mode and excitation;
+            a threshold says in place of the excitation whether the mode is unstable above it.
         """
-        heads = f"{'speed [rad/s]':>13}  {'frequency [Hz]':>14}  {'damping [%]':>11}"
-        lines = [f"{heads}  {'whirl':<9}  mode  excited by"]
-        lines += [
-            f"{intersection.speed:>13.2f}  {intersection.frequency_hz:>14.3f}"
-            f"  {100.0 * intersection.damping_ratio:>11.3f}  {intersection.whirl:<9}"
-            f"  {intersection.mode + 1:>4}  {intersection.line.name}"
-            for intersection in self.intersections
+        head, *rows = self._rows()
+        widths = (13, 14, 11, -9, 4)
+        lines = [
+            [
+                f"{cell:{'<' if w < 0 else '>'}{abs(w)}}"
+                for cell, w in zip(row, widths, strict=False)
+            ]
+            + [row[-1]]
+            for row in (head, *rows)
         ]
-        return "\n".join(lines)
+        return "\n".join("  ".join(line) for line in lines)
 
     def _rows(self) -> Table:
+        found = [
+            (one.speed, one.frequency_hz, one.damping_ratio, one.whirl, one.mode, one.line.name)
+            for one in self.intersections
+        ]
+        found += [
+            (one.speed, one.frequency_hz, 0.0, one.whirl, one.mode, f"itself: {one.above} above")
+            for one in self.thresholds
+        ]
         head = ("speed [rad/s]", "frequency [Hz]", "damping [%]", "whirl", "mode", "excited by")
         return (
             head,
             *(
                 (
-                    f"{one.speed:.2f}",
-                    f"{one.frequency_hz:.3f}",
-                    f"{100.0 * one.damping_ratio:.3f}",
-                    one.whirl,
-                    f"{one.mode + 1}",
-                    one.line.name,
+                    f"{speed:.2f}",
+                    f"{frequency:.3f}",
+                    f"{100.0 * damping:.3f}",
+                    whirl,
+                    f"{mode + 1}",
+                    source,
                 )
-                for one in self.intersections
+                for speed, frequency, damping, whirl, mode, source in sorted(
+                    found, key=lambda row: row[0]
+                )
             ),
         )
 
     def __repr__(self) -> str:
         speeds = [one.speed for one in self.criticals]
         criticals = f"critical speeds {listed(speeds)} rad/s" if speeds else "no critical speeds"
+        if self.thresholds:
+            limits = listed([one.speed for one in self.thresholds])
+            criticals += f"; stability thresholds {limits} rad/s"
         return (
             f"Campbell({self.eigenvalues.shape[1]} modes at {self.speeds.size} speeds, "
             f"{span(self.speeds)} rad/s; {len(self.intersections)} intersections; {criticals})"
@@ -278,7 +320,7 @@ class Campbell(ReadOnly):
         Returns
         -------
         pandas.DataFrame
-            One row for each intersection.
+            One row for each intersection. `thresholds` has the stability thresholds.
         """
         with extra("dataframe"):
             import pandas as pd  # noqa: PLC0415
@@ -320,9 +362,12 @@ class Campbell(ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            Frequencies with excitation lines and intersections above, damping ratios below. Line
-            styles show the whirl. The scale of the damping is logarithmic if the ratios differ by
-            more than a factor of 10.
+            Frequencies with excitation lines, intersections and stability thresholds above,
+            damping ratios below; speeds at which a mode is unstable are shaded. Line styles show
+            the whirl. Small marks are the values at `speeds`; the curve between them is a
+            monotone cubic through these values, the intersections and the thresholds. The scale of
+            the damping is logarithmic if the ratios differ by more than a factor of 10; with
+            negative ratios it is linear about zero.
 
         Raises
         ------
@@ -332,16 +377,21 @@ class Campbell(ReadOnly):
             If the operating speeds are invalid.
         """
         with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+            from gearbow.plotting import campbell  # noqa: PLC0415
 
         span = operating_range(operating)
-        return frequency.campbell(
+        return campbell.campbell(
             self.speeds,
             self.frequencies_hz,
             self.damping_ratios,
             self.whirl,
             lines=[(line.name, line.order) for line in self.lines],
-            intersections=[(each.speed, each.frequency_hz) for each in self.intersections],
+            intersections=[
+                (one.mode, one.speed, one.frequency_hz, one.damping_ratio)
+                for one in self.intersections
+            ],
+            thresholds=[(one.mode, one.speed, one.frequency_hz) for one in self.thresholds],
+            unstable=self.unstable_ranges,
             operating=None if span is None else (abs(span[0]), abs(span[1])),
             speed_unit=speed_unit,
             ax=ax,

@@ -34,6 +34,9 @@ class Peak(Shown):
     operating : float or tuple of (float, float), optional
         Operating speed, or the lowest and the highest, of one sign and not zero [rad/s]. The
         attribute is a pair.
+    stable : bool
+        Whether every mode has positive damping at the speed of the peak. An unstable rotor does
+        not show this peak: a mode grows until something else limits it.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class Peak(Shown):
     lower: float
     upper: float
     operating: float | tuple[float, float] | None = None
+    stable: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "operating", operating_range(self.operating))
@@ -122,14 +126,15 @@ class Peak(Shown):
 
     @property
     def acceptable(self) -> bool:
-        """Whether the separation margin is sufficient.
+        """Whether the motion at the peak is stable and the separation margin is sufficient.
 
         Returns
         -------
         bool
             Also False if the required margin is unknown.
         """
-        return self.required_margin == 0.0 or self.separation_margin >= self.required_margin
+        sufficient = self.required_margin == 0.0 or self.separation_margin >= self.required_margin
+        return self.stable and sufficient
 
 
 def operating_range(given: object) -> tuple[float, float] | None:

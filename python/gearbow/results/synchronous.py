@@ -271,7 +271,8 @@ class Synchronous(ReadOnly):
         -------
         list of Peak
             The peaks on the grid `speeds`, refined by further solutions. Each sense of rotation is
-            searched from standstill on.
+            searched from standstill on. The lowest modes at the speed of a peak decide whether it
+            is `stable`.
 
         Raises
         ------
@@ -293,7 +294,10 @@ class Synchronous(ReadOnly):
             self.excitation,
             self.slow_roll,
         )
-        return [Peak(*row, operating=span) for row in found]
+        return [
+            Peak(speed, amplitude, lower, upper, span, stable)
+            for speed, amplitude, lower, upper, stable in found
+        ]
 
     def bode(
         self,

@@ -150,8 +150,9 @@ class LinearAnalyses(SystemFiles):
         Returns
         -------
         Campbell
-            Eigenvalues and whirl of each mode, and the intersections. An eigenvalue problem gives
-            the intersections to about 1e-12 of the speed, for any spacing of `speeds`.
+            Eigenvalues and whirl of each mode, the intersections, and the stability thresholds. An
+            eigenvalue problem gives intersections and thresholds to about 1e-12 of the speed, for
+            any spacing of `speeds`.
 
         Raises
         ------
@@ -225,6 +226,17 @@ class LinearAnalyses(SystemFiles):
         ------
         SceneError
             If a speed or the excitation is invalid.
+
+        Warns
+        -----
+        AccuracyWarning
+            If the motion is unstable at some of the speeds: a mode with negative damping grows, so
+            that the response does not occur. The message gives the ranges of speeds. Only an
+            element that can feed energy into the motion makes a search necessary: an oil film,
+            cross-coupled stiffness, negative damping or a torque that rises with the speed. It
+            examines the lowest modes (6, and 4 more for each bearing) at nine of the speeds from
+            the first to the last, and at the eight largest peaks of the response; bisection among
+            the given speeds then finds the ends of each range.
         """
         wanted = array(speeds, "speeds")
         data = self._model.synchronous(wanted, excitation)

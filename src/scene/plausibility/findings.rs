@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::ranges::{DEGREES, Usual};
 use crate::scene::EntryPath;
+use crate::scene::number::short;
 
 /// A full turn, rad, with a tolerance for round-off.
 const TURN: f64 = TAU * (1.0 + 1e-9);
@@ -62,18 +63,5 @@ impl Findings {
             [] => message,
             further => format!("{message} (also {})", further.join(", ")),
         })
-    }
-}
-
-/// Formats a number with four significant digits.
-pub(super) fn short(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
-        let digits = (3.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 6.0) as usize;
-        let text = format!("{value:.digits$}");
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-    } else {
-        let text = format!("{value:.3e}");
-        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-        format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
     }
 }

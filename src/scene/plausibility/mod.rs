@@ -10,8 +10,9 @@ mod ranges;
 use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
+use super::number::short;
 use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
-use findings::{Findings, short};
+use findings::Findings;
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
     GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,

@@ -1,0 +1,259 @@
+"""Figure of a Campbell diagram: frequencies and damping ratios against the speed."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from numpy.typing import NDArray
+
+from gearbow._types import Array
+from gearbow.plotting.curve import smooth
+from gearbow.plotting.style import (
+    MARKS,
+    GivenAxes,
+    label_x,
+    panels,
+    place_legend,
+    speed_axis,
+    text_size,
+)
+
+__all__ = ["campbell"]
+
+#: Ratio of the largest to the smallest damping ratio above which their scale is logarithmic, and
+#: the smallest damping ratio on that scale [%].
+_DECADES, _LEAST_DAMPING = 10.0, 1e-3
+#: Largest number of decades of positive damping ratios on a scale with negative ones.
+_SIGNED_DECADES = 3
+#: Colour of the operating speeds, and of the speeds at which the motion is unstable.
+_OPERATING = "0.88"
+_UNSTABLE: dict[str, Any] = {"color": "#F09090", "alpha": 0.5, "linewidth": 0.0}
+#: Marks of intersections and stability thresholds.
+_CROSSED: dict[str, Any] = {
+    "marker": "o",
+    "linestyle": "none",
+    "color": "black",
+    "markersize": 5,
+    "markerfacecolor": "white",
+}
+_THRESHOLD: dict[str, Any] = {
+    "marker": "X",
+    "linestyle": "none",
+    "color": "black",
+    "markersize": 10,
+    "markerfacecolor": "#D00000",
+}
+
+
+def campbell(
+    speeds: Array,
+    frequencies_hz: Array,
+    damping_ratios: Array,
+    whirl: NDArray[np.str_],
+    *,
+    lines: Sequence[tuple[str, float]],
+    intersections: Sequence[tuple[int, float, float, float]],
+    thresholds: Sequence[tuple[int, float, float]] = (),
+    unstable: Sequence[tuple[float, float]] = (),
+    operating: tuple[float, float] | None = None,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw frequencies and damping ratios against the speed.
+
+    Parameters
+    ----------
+    speeds : ndarray, shape (k,)
+        Speeds of the reference shaft [rad/s].
+    frequencies_hz : ndarray, shape (k, m)
+        Natural frequencies [Hz].
+    damping_ratios : ndarray, shape (k, m)
+        Damping ratios.
+    whirl : ndarray of str, shape (k, m)
+        Whirl of each mode.
+    lines : sequence of (str, float)
+        Name and order of each excitation line.
+    intersections : sequence of (int, float, float, float)
+        Mode, speed [rad/s], frequency [Hz] and damping ratio of each intersection.
+    thresholds : sequence of (int, float, float)
+        Mode, speed [rad/s] and frequency [Hz] of each stability threshold.
+    unstable : sequence of (float, float)
+        Ranges of speeds [rad/s] at which a mode is unstable.
+    operating : (float, float), optional
+        Lowest and highest operating speed [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of the axis of speeds.
+    ax : Axes or sequence of two Axes, optional
+        Panels of the user.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Frequencies with excitation lines, intersections and thresholds above, damping ratios
+        below. The curves go through all of them; marks stand at `speeds`.
+    """
+    factor, label = speed_axis(speed_unit)
+    top = 1.08 * float(frequencies_hz.max(initial=1.0))
+    last = max(float(speeds[-1]), *(operating or (0.0,)))
+    # The whirl at speed 0 has no direction: take that of the second speed.
+    if len(speeds) > 1:
+        whirl = np.concatenate([whirl[1:2], whirl[1:]])
+    percent = [(mode, x, y, 100.0 * z) for mode, x, y, z in intersections]
+    percent += [(mode, x, y, 0.0) for mode, x, y in thresholds]
+    with panels(2, 4.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+        upper, lower = axes
+        for panel in axes:
+            for span in unstable:
+                panel.axvspan(*(factor * np.array(span)), **_UNSTABLE, zorder=0.6)
+            if operating is not None:
+                _operating(panel, factor * np.array(operating))
+        for mode in range(frequencies_hz.shape[1]):
+            known = np.array([row[1:] for row in percent if row[0] == mode]).reshape(-1, 3)
+            x = factor * known[:, 0]
+            own, kinds = frequencies_hz[:, mode], whirl[:, mode]
+            _by_whirl(upper, (factor * speeds, own), (x, known[:, 1]), kinds)
+            ratios = 100.0 * damping_ratios[:, mode]
+            _by_whirl(lower, (factor * speeds, ratios), (x, known[:, 2]), kinds)
+        _excitation_lines(upper, [(n, o / factor) for n, o in lines], factor * last, top)
+        if thresholds:
+            _, x, y = np.transpose(thresholds)
+            upper.plot(factor * x, y, **_THRESHOLD)
+            lower.plot(factor * x, 0.0 * x, **_THRESHOLD)
+        if intersections:
+            _, x, y, _ = np.transpose(intersections)
+            upper.plot(factor * x, y, **_CROSSED)
+        upper.set(ylabel="frequency [Hz]", ylim=(0.0, top))
+        lower.set(ylabel="damping ratio [%]")
+        _scale(lower, 100.0 * damping_ratios, signed=bool(thresholds))
+        label_x(axes, label)
+        for panel in axes:
+            panel.set_xlim(factor * speeds[0], factor * max(last, speeds[0] + 1.0))
+        entries = _legend(whirl, bool(intersections), bool(thresholds))
+        if len(unstable) > 0:
+            entries["unstable"] = Patch(**_UNSTABLE)
+        if operating is not None:
+            entries["operating speed"] = Patch(color=_OPERATING)
+        place_legend(figure, upper, (list(entries.values()), list(entries)), ax=ax)
+    return figure
+
+
+def _legend(whirl: NDArray[np.str_], crossed: bool, limited: bool) -> dict[str, Any]:
+    """Give the handles of lines and marks by label."""
+    entries: dict[str, Any] = {
+        name: Line2D([], [], color=shade, linestyle=line, marker=mark)
+        for name, (shade, line, mark) in MARKS.items()
+        if np.any(whirl == name)
+    }
+    if crossed:
+        entries["intersection"] = Line2D([], [], **_CROSSED)
+    if limited:
+        entries["stability threshold"] = Line2D([], [], **_THRESHOLD)
+    return entries
+
+
+def _operating(panel: Axes, speeds: Array) -> None:
+    """Shade the operating speeds; a single one is a line."""
+    if speeds[0] == speeds[1]:
+        panel.axvline(speeds[0], color=_OPERATING, linewidth=6.0, zorder=0.5)
+    else:
+        panel.axvspan(*speeds, color=_OPERATING, linewidth=0.0, zorder=0.5)
+
+
+def _scale(panel: Axes, damping: Array, *, signed: bool) -> None:
+    """Choose the scale of the damping ratios [%], so that small and large ones are legible."""
+    sizes = np.abs(damping[np.abs(damping) > _LEAST_DAMPING])
+    signed = signed or float(damping.min(initial=0.0)) < -_LEAST_DAMPING
+    if signed:
+        panel.axhline(0.0, color="black", linewidth=1.0)
+    if sizes.size == 0 or sizes.max() < _DECADES * sizes.min():
+        panel.set_ylim(bottom=min(0.0, 1.1 * float(damping.min(initial=0.0))))
+    elif signed:  # an unstable mode: its negative ratio has to be visible
+        _signed_scale(panel, damping)
+    else:
+        panel.set_yscale("log", subs=(2, 5))
+        for axis in (panel.yaxis.set_major_formatter, panel.yaxis.set_minor_formatter):
+            axis(FuncFormatter(lambda value, _: f"{value:g}"))
+        panel.set_ylim(0.7 * float(sizes.min()), 1.4 * float(sizes.max()))
+
+
+def _signed_scale(panel: Axes, damping: Array) -> None:
+    """Make a scale that is linear about zero and logarithmic beyond, with a label per decade."""
+    low, high = float(damping.min(initial=0.0)), float(damping.max(initial=0.0))
+    top = int(np.ceil(np.log10(max(high, -low))))
+    first = top - _SIGNED_DECADES
+    # The linear part takes as much height as a decade on each side of zero.
+    panel.set_yscale("symlog", linthresh=10.0**first, linscale=1.0)
+    decades = 10.0 ** np.arange(first, top + 1)
+    ticks = np.concatenate([-decades[::-1], [0.0], decades])
+    reach = 10.0**first
+    bottom = min(1.6 * low, -0.6 * reach)
+    panel.set_ylim(bottom, max(1.6 * high, reach))
+    panel.yaxis.set_major_locator(FixedLocator(ticks.tolist()))
+    panel.yaxis.set_minor_locator(NullLocator())
+    panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _excitation_lines(
+    panel: Axes, lines: Sequence[tuple[str, float]], last: float, top: float
+) -> None:
+    """Draw excitation lines within the axes, with their names at the ends.
+
+    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis.
+    """
+    # A line of text takes about a twentieth of the height.
+    space, free = 0.055 * top, -np.inf
+    for name, slope in sorted(lines, key=lambda line: abs(line[1])):
+        reach = min(last, 2.0 * np.pi * top / slope) if slope else last
+        ends = np.array([0.0, reach])
+        panel.plot(ends, slope * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
+        end = slope * reach / (2.0 * np.pi)
+        inside = reach == last
+        at = max(end, free) if inside else end
+        free = at + space
+        panel.annotate(
+            name,
+            (reach, at),
+            xytext=(5, 0) if inside else (0, 3),
+            textcoords="offset points",
+            va="center" if inside else "bottom",
+            ha="left" if inside else "center",
+            fontsize=text_size(0.86),
+            annotation_clip=False,
+        )
+
+
+def _by_whirl(
+    panel: Axes,
+    computed: tuple[Array, Array],
+    known: tuple[Array, Array],
+    whirl: NDArray[np.str_],
+) -> None:
+    """Draw a curve in pieces with the style of their whirl.
+
+    The curve goes through the `computed` values at the speeds of the diagram and further `known`
+    points. Marks stand at the computed values.
+    """
+    speeds, values = computed
+    x, y = smooth(np.concatenate([speeds, known[0]]), np.concatenate([values, known[1]]))
+    changes = [0, *(np.flatnonzero(whirl[1:] != whirl[:-1]) + 1), len(whirl)]
+    for first, last in pairwise(changes):
+        shade, line, mark = MARKS[str(whirl[first])]
+        # Each piece begins at the last point of the previous one, so that the line has no gap.
+        ends = speeds[max(first - 1, 0)], speeds[last - 1]
+        within = (x >= ends[0]) & (x <= ends[1])
+        panel.plot(x[within], y[within], color=shade, linestyle=line)
+        panel.plot(
+            speeds[first:last],
+            values[first:last],
+            color=shade,
+            linestyle="none",
+            marker=mark,
+            markersize=5,
+            markevery=max(1, len(speeds) // 24),
+        )

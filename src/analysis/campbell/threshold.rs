@@ -1,0 +1,59 @@
+//! Speeds at which the damping of a tracked mode changes its sign.
+
+use nalgebra::Complex;
+
+use super::super::AnalysisError;
+use super::super::instability::is_growing;
+use super::super::root::root;
+use super::Tracker;
+use super::state::State;
+use crate::modal::Whirl;
+
+/// A speed at which a mode becomes unstable or stable.
+#[derive(Clone, Copy, Debug)]
+pub struct Threshold {
+    /// Index of the mode.
+    pub mode: usize,
+    /// Speed Ω of the reference shaft, rad/s.
+    pub speed: f64,
+    /// Eigenvalue λ of the mode, rad/s.
+    pub eigenvalue: Complex<f64>,
+    /// Direction of whirl of the mode.
+    pub whirl: Whirl,
+    /// Whether the mode is unstable at higher speeds; otherwise at lower speeds.
+    pub is_unstable_above: bool,
+}
+
+impl Tracker<'_> {
+    /// Stores the speed between two speeds at which Re λ of a mode changes its sign. A sign that round-off may cause does
+    /// not count.
+    pub(super) fn add_threshold(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+        let growth = ends.map(|(_, state)| state.eigenvalue.re);
+        let grows = ends.map(|(speed, state)| is_growing(state.eigenvalue, speed));
+        if (growth[0] > 0.0) == (growth[1] > 0.0) || !(grows[0] || grows[1]) {
+            return Ok(());
+        }
+        let (speed, state) = self.root_of(ends, |_, state| state.eigenvalue.re)?;
+        let (eigenvalue, whirl) = (state.eigenvalue, state.whirl);
+        self.thresholds.push(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1] });
+        Ok(())
+    }
+
+    /// The speed between two speeds at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the
+    /// method of Illinois.
+    pub(super) fn root_of(
+        &self,
+        ends: [(f64, &State); 2],
+        value: impl Fn(f64, &State) -> f64,
+    ) -> Result<(f64, State), AnalysisError> {
+        let values = ends.map(|(speed, state)| (speed, value(speed, state)));
+        let mode = |speed: f64| -> Result<State, AnalysisError> {
+            let states = self.at(speed)?;
+            let like = |state: &&State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
+            let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
+            Ok(found.unwrap_or(ends[0].1).clone())
+        };
+        let speed = root(values, |speed| Ok(value(speed, &mode(speed)?)))?;
+        Ok((speed, mode(speed)?))
+    }
+}

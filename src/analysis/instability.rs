@@ -1,0 +1,87 @@
+//! Speeds at which the linear motion is unstable: an eigenvalue has a positive real part.
+//!
+//! A response in the frequency domain exists there as well, but no real machine shows it, because every disturbance grows.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Complex, ComplexField};
+
+use super::modes::lowest_modes;
+use super::{AnalysisError, Interrupt};
+use crate::modal::CachedModel;
+
+/// Smallest ratio of a growth rate Re λ to |λ| and to the speed that counts as unstable; round-off causes smaller ones.
+const MIN_GROWTH: f64 = 1e-6;
+/// Number of lowest modes that are examined.
+const MODES: usize = 6;
+/// Number of modes more for each bearing, whose damper can make four modes without oscillation.
+const MODES_OF_BEARING: usize = 4;
+/// Number of speeds that are examined at first, from the first to the last speed.
+const SAMPLES: usize = 9;
+
+/// Whether a mode with the eigenvalue λ, rad/s, grows at a speed, rad/s.
+pub(super) fn is_growing(eigenvalue: Complex<f64>, speed: f64) -> bool {
+    eigenvalue.re > MIN_GROWTH * eigenvalue.modulus().max(speed.abs())
+}
+
+/// Whether the linear motion at a speed of the reference shaft, rad/s, is unstable. The lowest modes decide; without an
+/// element that can feed energy into the motion, no mode is computed.
+///
+/// # Errors
+/// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or `interrupt` requests a stop.
+pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> Result<bool, AnalysisError> {
+    interrupt.check()?;
+    if cached.at_speed(speed)?.model.is_dissipative(speed) {
+        return Ok(false);
+    }
+    let count = MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
+    Ok(lowest_modes(cached, speed, count)?.iter().any(|mode| is_growing(mode.eigenvalue, speed)))
+}
+
+/// The ranges of `speeds`, rad/s, in which the motion is unstable: the first and the last unstable speed of each.
+///
+/// Nine speeds from the first to the last one and those with the indices `peaks` are examined; between a stable and an
+/// unstable one, bisection finds the first or the last unstable speed. An unstable range between two examined speeds that are
+/// stable is not found.
+///
+/// # Errors
+/// As [`is_unstable`].
+pub fn unstable_ranges(
+    cached: &CachedModel,
+    speeds: &[f64],
+    peaks: &[usize],
+    interrupt: &Interrupt,
+) -> Result<Vec<[f64; 2]>, AnalysisError> {
+    let mut order: Vec<usize> = (0..speeds.len()).collect();
+    order.sort_by(|a, b| speeds[*a].total_cmp(&speeds[*b]));
+    let grows = |place: usize| is_unstable(cached, speeds[order[place]], interrupt);
+    let (steps, last) = ((SAMPLES - 1).min(speeds.len().saturating_sub(1)), speeds.len().saturating_sub(1));
+    let even = (0..=steps).filter(|_| !speeds.is_empty()).map(|step| step * last / steps.max(1));
+    let at_peaks = (0..order.len()).filter(|place| peaks.contains(&order[*place]));
+    // Whether the motion grows, by the place in the ascending order.
+    let mut known = BTreeMap::new();
+    for place in even.chain(at_peaks) {
+        known.insert(place, grows(place)?);
+    }
+    let examined: Vec<(usize, bool)> = known.iter().map(|(place, grows)| (*place, *grows)).collect();
+    for pair in examined.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
+        let [(mut low, below), (mut high, above)] = [pair[0], pair[1]];
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            *(if grows(middle)? == below { &mut low } else { &mut high }) = middle;
+        }
+        known.extend([(low, below), (high, above)]);
+    }
+    let mut ranges: Vec<[f64; 2]> = Vec::new();
+    let mut previous = false;
+    for (place, grows) in known {
+        let speed = speeds[order[place]];
+        match ranges.last_mut() {
+            Some(range) if grows && previous => range[1] = speed,
+            _ if grows => ranges.push([speed; 2]),
+            _ => {}
+        }
+        previous = grows;
+    }
+    Ok(ranges)
+}
