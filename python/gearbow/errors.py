@@ -86,11 +86,12 @@ class RunTimeWarning(RuntimeWarning):
 
 
 class AccuracyWarning(UserWarning):
-    """A result with reduced accuracy: ill-conditioning or large displacements.
+    """A result with reduced accuracy: ill-conditioning, large displacements, or a part left out.
 
     Possible causes: the frequencies differ so much that round-off reduces the accuracy of the slow
     motions; a tolerance is below round-off; or a displacement exceeds the size of the shafts,
-    although the equations assume small displacements. The message gives the amount and the cause.
+    although the equations assume small displacements; orders contain only a small part of a signal.
+    The message gives the amount and the cause.
 
     Examples
     --------

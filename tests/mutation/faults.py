@@ -123,7 +123,7 @@ FAULTS: list[Fault] = [
         ("mesh_harmonics=mesh_harmonics,", "mesh_harmonics=3,"),
         ("spectrum(self, of, quantity, window=window)", "spectrum(self, of, quantity)"),
         ("shaft_harmonics: int = 4,", "shaft_harmonics: int = 3,"),
-        ("mesh_harmonics: int = 3,", "mesh_harmonics: int = 2,"),
+        ("mesh_harmonics: int | None = None,", "mesh_harmonics: int | None = 3,"),
     ),
     *_faults(
         "results/run_figures.py",

@@ -51,7 +51,7 @@ def family(name: str) -> str:
     str
         "shaft", "mesh", "sideband" or "bearing".
     """
-    if "× mesh " in name:
+    if "× mesh" in name:
         return "sideband" if " + " in name or " − " in name else "mesh"
     return "bearing" if "× ball pass " in name or "× cage " in name else "shaft"
 
@@ -161,23 +161,21 @@ def name_orders(
     size = text_size(0.79)
     figure, place = figure_of(panel), panel.get_position()
     height = place.height * figure.get_figheight()
+    left, right = panel.get_xlim()
     # The height of a line of text as a length of the axis of frequencies.
-    line = (
-        1.3 * size / 72.0 / (place.width * figure.get_figwidth()) * float(np.ptp(panel.get_xlim()))
-    )
-    named: list[float] = []
-    wanted = [
-        peak
-        for peak in found
-        if (sidebands or family(peak[0]) != "sideband") and _length(peak[0]) < 0.6 * height
-    ]
-    for name, x, y in sorted(wanted, key=lambda peak: -peak[2]):
-        if len(named) < most and all(abs(x - other) > line for other in named):
-            named.append(x)
+    point = (right - left) / (72.0 * place.width * figure.get_figwidth())
+    line = 1.3 * size * point
+    named: list[tuple[str, float, float]] = []
+    for name, x, _ in sorted(_short(found), key=lambda peak: -peak[2]):
+        wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.6 * height
+        if wanted and len(named) < most and all(abs(x - other) > line for _, other, _ in named):
+            # A name stands above the markers beside its peak, and within the panel.
+            above = max(v for _, u, v in found if abs(u - x) < 0.7 * line)
+            named.append((name, x, above))
             panel.annotate(
                 name,
-                (x, y),
-                xytext=(0, 7),
+                (x, above),
+                xytext=(max(0.0, 0.75 * size - (x - left) / point), 7),
                 textcoords="offset points",
                 rotation=90,
                 ha="center",
@@ -185,7 +183,16 @@ def name_orders(
                 fontsize=size,
                 color=FAMILIES[family(name)][1],
             )
-    _raise_limit(panel, [(name, y) for name, x, y in wanted if x in named], height)
+    _raise_limit(panel, [(name, y) for name, _, y in named], height)
+
+
+def _short(found: Sequence[tuple[str, float, float]]) -> list[tuple[str, float, float]]:
+    """Leave out the gears in the names of orders if there is one mesh only."""
+    meshes = {name.split("× mesh ")[1].split(" ")[0] for name, _, _ in found if "× mesh " in name}
+    if len(meshes) != 1:
+        return list(found)
+    (only,) = meshes
+    return [(name.replace(f"× mesh {only}", "× mesh"), x, y) for name, x, y in found]
 
 
 def _length(name: str) -> float:
@@ -203,7 +210,12 @@ def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float)
     for name, y in named:
         part = np.log(y / low) / np.log(high / low)
         share = min(share, max(0.4, (1.0 - _length(name) / height) / max(part, 0.1)))
+    # No signal is above the old limit: ticks there would suggest one.
+    ticks = [tick for tick in panel.get_yticks() if low <= tick <= high]
     panel.set_ylim(low, low * (high / low) ** (1.0 / share))
+    if len(ticks) > 1:
+        panel.set_yticks(ticks)
+        panel.set_yticks([], minor=True)
 
 
 def _peaks(
@@ -229,7 +241,14 @@ def _peaks(
     return list(found.values())
 
 
-def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes = None) -> Figure:
+def orders(
+    names: Sequence[str],
+    amplitudes: Array,
+    label: str,
+    *,
+    title: str = "",
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw orders as bars.
 
     Parameters
@@ -240,6 +259,8 @@ def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes
         Amplitudes.
     label : str
         Name and unit of the amplitude.
+    title : str
+        What the bars leave out.
     ax : Axes, optional
         Panel of the user.
 
@@ -260,6 +281,7 @@ def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
         panel.set(xlabel=label)
+        panel.set_title(title, loc="right", fontsize=text_size(0.86))
         if logarithmic:
             begin = 0.5 * low
             panel.set_xlim(begin, top * (top / begin) ** 0.15)
