@@ -256,7 +256,6 @@ class MeshScene(Shown):
 
 def _changes(events: Sequence[Event]) -> tuple[Array, list[Contact]]:
     """Give the times at which the contact changes, and the contact after each."""
-    changes = sorted(
-        (event for event in events if event.kind in _AFTER), key=lambda each: each.time
-    )
+    changes = [event for event in events if event.kind in _AFTER]
+    changes.sort(key=lambda event: event.time)
     return np.array([event.time for event in changes]), [_AFTER[each.kind] for each in changes]

@@ -69,7 +69,7 @@ class Recording(MotionRecording):
         return MeshResponse(**found, contact=contact)
 
     def contact_shares(self, driver: str, driven: str, *, skip_time: float = 0.0) -> ContactShares:
-        """Find the shares of the time with contact of the drive flanks, the back flanks, both or none.
+        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
 
         The contact changes at the exact times of the events, also between recorded instants.
 
