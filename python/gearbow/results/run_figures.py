@@ -143,8 +143,8 @@ class RunFigures(SignalResponse):
         count = int(np.searchsorted(time, begin - 1e-9 * abs(begin)))
         if count == time.size:
             raise SceneError(
-                f"times: {time[0]:g} s to {time[-1]:g} s is within the transient; give later times, "
-                "or a smaller skip_time"
+                f"times: {time[0]:g} s to {time[-1]:g} s is within the transient; give later "
+                "times, or a smaller skip_time"
             )
         return count
 
