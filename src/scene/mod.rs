@@ -51,7 +51,7 @@ pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
 
 pub(crate) use error::{EntryPath, nearest};
 use place::Names;
-pub(crate) use plausibility::{eccentricity, implausible_unbalance};
+pub(crate) use plausibility::{eccentricity, implausible_unbalance, short};
 
 /// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
 pub const MAX_ELEMENTS: usize = 10_000;

@@ -66,7 +66,7 @@ impl Findings {
 }
 
 /// Formats a number with four significant digits.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         let digits = (3.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 6.0) as usize;
         let text = format!("{value:.digits$}");
