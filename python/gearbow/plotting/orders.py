@@ -1,5 +1,6 @@
 """Figures of spectra, orders and waterfalls."""
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -166,7 +167,8 @@ def name_orders(
     point = (right - left) / (72.0 * place.width * figure.get_figwidth())
     line = 1.3 * size * point
     named: list[tuple[str, float, float]] = []
-    for name, x, _ in sorted(_short(found), key=lambda peak: -peak[2]):
+    short = zip(_short([name for name, _, _ in found]), found, strict=True)
+    for name, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
         wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.6 * height
         if wanted and len(named) < most and all(abs(x - other) > line for _, other, _ in named):
             # A name stands above the markers beside its peak, and within the panel.
@@ -186,13 +188,16 @@ def name_orders(
     _raise_limit(panel, [(name, y) for name, _, y in named], height)
 
 
-def _short(found: Sequence[tuple[str, float, float]]) -> list[tuple[str, float, float]]:
+def _short(names: Sequence[str]) -> list[str]:
     """Leave out the gears in the names of orders if there is one mesh only."""
-    meshes = {name.split("× mesh ")[1].split(" ")[0] for name, _, _ in found if "× mesh " in name}
+    # The name of a mesh ends before that of a sideband or before the frequency.
+    meshes = {
+        re.split(r" [+−(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
+    }
     if len(meshes) != 1:
-        return list(found)
+        return list(names)
     (only,) = meshes
-    return [(name.replace(f"× mesh {only}", "× mesh"), x, y) for name, x, y in found]
+    return [name.replace(f"× mesh {only}", "× mesh") for name in names]
 
 
 def _length(name: str) -> float:
@@ -274,6 +279,7 @@ def orders(
     low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
     logarithmic = top > _LOGARITHMIC * low > 0.0
     with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
+        names = _short(names)
         shades = [FAMILIES[family(name)][1] for name in names]
         bars = panel.barh(np.arange(len(names)), amplitudes, color=shades, log=logarithmic)
         panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
