@@ -123,6 +123,8 @@ def objects() -> dict[str, object]:
         response.orders("gear 0").orders[0],
         gb.waterfall([response, pair.simulate(0.1, 120.0, output_step=1e-4)], "gear 0"),
         gb.Event(0.1, "gear 0", "gear 1", "contact"),
+        gb.Contact.DRIVE,
+        gb.ContactShares(0.9, 0.02, 0.0, 0.08),
         tradeoff,
         tradeoff.trials[0],
         tradeoff.recommend(error=1.0),
