@@ -181,8 +181,8 @@ class Orders(ReadOnly):
 
     def _remainder(self) -> str:
         """Describe what the orders do not contain."""
-        share = 100.0 * self.rest_share
-        return f"rest {self.rest:.2g} {self.unit} RMS ({share:.2g} % of the motion)"
+        share = f"{100.0 * self.rest_share:.3g} %"
+        return f"rest {self.rest:.2g} {self.unit} RMS ({share} of the motion)"
 
     def _rows(self) -> Table:
         largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
@@ -198,7 +198,7 @@ class Orders(ReadOnly):
                 )
                 for i in largest
             ),
-            ("rest", "RMS", f"{self.rest:.4g}", f"{100.0 * self.rest_share:.2g} % of the motion"),
+            ("rest", "RMS", f"{self.rest:.4g}", f"{100.0 * self.rest_share:.3g} % of the motion"),
         )
 
     def __repr__(self) -> str:
