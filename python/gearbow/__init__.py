@@ -87,6 +87,10 @@ from gearbow.orders.waterfall import (
     Waterfall as Waterfall,
     waterfall as waterfall,
 )
+from gearbow.recording.contact import (
+    Contact as Contact,
+    ContactShares as ContactShares,
+)
 from gearbow.recording.energy import EnergyBalance as EnergyBalance
 from gearbow.recording.record import (
     Event as Event,

@@ -14,6 +14,39 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckedKeywords", "CheckedMethods", "checked"]
 
+#: Names of other programs and of textbooks, with those of gearbow.
+_SYNONYMS = {
+    "z": ("teeth",),
+    "n_teeth": ("teeth",),
+    "m": ("module", "mass"),
+    "modul": ("module",),
+    "b": ("face_width",),
+    "width": ("face_width",),
+    "alpha": ("pressure_angle",),
+    "pr_angle": ("pressure_angle",),
+    "beta": ("helix_angle",),
+    "shift": ("profile_shift",),
+    "pinion": ("driver",),
+    "wheel": ("driven",),
+    "gear": ("driven",),
+    "od": ("outer_diameter",),
+    "odl": ("outer_diameter",),
+    "d": ("outer_diameter",),
+    "idl": ("inner_diameter",),
+    "bore": ("inner_diameter",),
+    "l": ("length",),
+    "e": ("youngs_modulus",),
+    "rho": ("density",),
+    "ip": ("polar_inertia",),
+    "id": ("diametral_inertia", "inner_diameter"),
+    "kxx": ("stiffness",),
+    "k": ("stiffness",),
+    "cxx": ("damping",),
+    "c": ("damping",),
+    "rpm": ("speed",),
+    "omega": ("speed",),
+}
+
 _Call = TypeVar("_Call", bound=Callable[..., Any])
 
 
@@ -80,8 +113,16 @@ def _check(where: str, names: Iterable[str], given: Mapping[str, object]) -> Non
         if name not in names:
             raise TypeError(
                 f"{where}: has no parameter {name!r}, got {name}={shown(given[name])}"
-                f"{nearest(name, names) or '; its parameters are ' + ', '.join(names)}"
+                f"{_hint(name, tuple(names))}"
             )
+
+
+def _hint(name: str, names: tuple[str, ...]) -> str:
+    """Give the end of a message that suggests a name, or lists all of them."""
+    known = [own for own in _SYNONYMS.get(name.lower(), ()) if own in names]
+    if known:
+        return f'; did you mean "{known[0]}"?'
+    return nearest(name, names) or "; its parameters are " + ", ".join(names)
 
 
 def _check_class(cls: type, given: Mapping[str, object]) -> None:

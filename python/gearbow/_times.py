@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array
+from gearbow._convert import array, number, shown
 from gearbow._types import Array
 from gearbow.errors import SceneError
 
@@ -32,3 +32,39 @@ def grid(start: float, duration: float, step: float) -> Array:
     count = int(steps) + 1
     times: Array = np.minimum(start + step * np.arange(count), start + duration)
     return times
+
+
+def begin_after(times: Array, skip_time: object) -> float:
+    """Give the time at which the transient of a record ends."""
+    given = number(skip_time, "skip_time")
+    span = float(times[-1] - times[0]) if times.size else 0.0
+    if not 0.0 <= given < max(span, 1e-300):
+        raise SceneError(
+            f"skip_time: must be from 0 to below the length {span:g} s of the record, got {given:g}"
+        )
+    return float(times[0]) + given
+
+
+def within(times: Array, given: object) -> tuple[float, float]:
+    """Check the first and the last time of a part of a record."""
+    found = array(given, "times")
+    if found.shape != (2,):
+        raise SceneError(f"times: must be (first, last), got {shown(given)}")
+    begin, end = float(found[0]), float(found[1])
+    first, last = (float(times[0]), float(times[-1])) if times.size else (np.nan, np.nan)
+    if not first <= begin < end <= last:
+        raise SceneError(
+            f"times: must ascend within the record, {first:g} s to {last:g} s, got {given!r}"
+        )
+    return begin, end
+
+
+def window(times: Array, given: object) -> slice:
+    """Find the recorded times between a first and a last one; None is the complete record."""
+    if given is None:
+        return slice(None)
+    begin, end = within(times, given)
+    cut = slice(int(np.searchsorted(times, begin)), int(np.searchsorted(times, end, "right")))
+    if cut.stop - cut.start < 2:
+        raise SceneError(f"times: the record has fewer than two instants within {shown(given)}")
+    return cut

@@ -86,12 +86,13 @@ class RunTimeWarning(RuntimeWarning):
 
 
 class AccuracyWarning(UserWarning):
-    """A result with reduced accuracy: ill-conditioning, large displacements or unstable motion.
+    """A result with reduced accuracy: ill-conditioning, large displacements, unstable motion.
 
     Possible causes: the frequencies differ so much that round-off reduces the accuracy of the slow
     motions; a tolerance is below round-off; a displacement exceeds the size of the shafts,
-    although the equations assume small displacements; or the motion is unstable at the speed of a
-    steady response. The message gives the amount and the cause.
+    although the equations assume small displacements; the motion is unstable at the speed of a
+    steady response; or orders contain only a small part of a signal. The message gives the amount
+    and the cause.
 
     Examples
     --------

@@ -17,7 +17,7 @@ use crate::film::CLOSEST;
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::model::{Dof, DofKind, Model, Weights};
-use crate::scene::SceneError;
+use crate::scene::{SceneError, short};
 
 /// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-9;
@@ -231,10 +231,16 @@ fn unbalanced(model: &Model, speed: f64) -> SceneError {
     let scene = &model.scene;
     let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
     let net = model.loads.iter().fold(net, |net, load| net + load.constant(speed) * load.ratio);
+    let signs = if scene.torques.len() > 1 && !scene.meshes.is_empty() {
+        "; the torques of driver and load of one gear pair have the same sign, because their shafts turn in opposite directions"
+    } else {
+        ""
+    };
     SceneError::new(
         "torques",
         format!(
-            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {net} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...)"
+            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...){signs}",
+            short(net)
         ),
     )
 }

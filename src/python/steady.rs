@@ -16,7 +16,8 @@ use super::options::{RecordEntry, run_options};
 use super::response::response_dict;
 use super::state::mesh_geometry;
 use crate::analysis::simulate::RecordPlan;
-use crate::analysis::{AnalysisError, small_displacement_check, steady};
+use crate::analysis::{AnalysisError, equilibrium, small_displacement_check, steady};
+use crate::mesh::Geometry;
 use crate::scene::{EntryPath, SceneError};
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
@@ -37,7 +38,12 @@ struct SteadyEntries {
 #[pyo3(signature = (model, speed, given, longest))]
 pub fn common_period(model: &Bound<'_, PyModel>, speed: f64, given: Option<f64>, longest: f64) -> PyResult<f64> {
     EntryPath::root("speed").finite(speed)?;
-    Ok(steady::common_period(model.get().model(), speed, given, longest)?)
+    let found = steady::common_period(model.get().model(), speed, given, longest);
+    if found.is_err() {
+        // Torques that do not balance are the more important message.
+        equilibrium(&model.get().cached, Geometry::Frozen, speed)?;
+    }
+    Ok(found?)
 }
 
 /// Finds the steady state with the period `duration` and records a number of samples.

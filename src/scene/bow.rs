@@ -99,7 +99,11 @@ fn points(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Splin
         let place = list.index(index);
         place.finite(*x)?;
         if *x < -1e-9 * length || *x > length * (1.0 + 1e-9) {
-            return Err(place.error(format!("{x} m is outside the shaft, which is {length} m long")));
+            let millimetres = *x > 10.0 * length && x / 1e3 <= length * (1.0 + 1e-9);
+            return Err(place.error(format!(
+                "{x} m is outside the shaft, which is {length} m long{}",
+                if millimetres { "; is it in millimetres?" } else { "" }
+            )));
         }
         if index > 0 && *x <= positions[index - 1] {
             return Err(place
@@ -125,6 +129,11 @@ impl Spline {
     fn new(x: Vec<f64>, value: Vec<Complex64>) -> Self {
         let slope = slopes(&x, &value);
         Self { x, value, slope }
+    }
+
+    /// First and last point, m.
+    pub fn range(&self) -> [f64; 2] {
+        [self.x[0], self.x[self.x.len() - 1]]
     }
 
     /// Deflection, m, and slope at `x`, m.

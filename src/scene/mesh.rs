@@ -69,8 +69,16 @@ fn mesh(
     let find = |field: &str, name: &str| {
         let place = at.field(field);
         gears.iter().position(|gear| gear.body.name == name).ok_or_else(|| {
-            let names = gears.iter().map(|gear| gear.body.name.as_str());
-            place.error(format!("no gear is called \"{name}\"{}", nearest(name, names)))
+            let hint = match shafts.iter().position(|shaft| shaft.name == name) {
+                Some(shaft) => {
+                    let own = gears.iter().filter(|gear| gear.body.node.shaft == shaft);
+                    let names: Vec<_> = own.map(|gear| format!("\"{}\"", gear.body.name)).collect();
+                    let names = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
+                    format!("; it is a shaft, and a mesh needs one of its gears: {names}")
+                }
+                None => nearest(name, gears.iter().map(|gear| gear.body.name.as_str())),
+            };
+            place.error(format!("no gear is called \"{name}\"{hint}"))
         })
     };
     let (driver, driven) = (find("driver", &given.driver)?, find("driven", &given.driven)?);

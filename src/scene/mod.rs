@@ -44,7 +44,7 @@ pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use nonlinear::{Nonlinear, bearing};
-pub use number::{outside_table, range_with_rpm, with_rpm};
+pub use number::{outside_table, range_with_rpm, short, with_rpm};
 pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};

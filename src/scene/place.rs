@@ -96,7 +96,12 @@ impl<'a> Names<'a> {
         match place {
             Place::Shaft(shaft, position) => Ok((shaft, *position)),
             Place::Body(name) => self.bodies.get(name.as_str()).copied().ok_or_else(|| {
-                at.error(format!("no gear or disk is called \"{name}\"{}", nearest(name, self.bodies.keys().copied())))
+                let hint = if self.shafts.contains_key(name.as_str()) {
+                    format!("; it is a shaft: write (\"{name}\", x) with the position x on it, m")
+                } else {
+                    nearest(name, self.bodies.keys().copied())
+                };
+                at.error(format!("no gear or disk is called \"{name}\"{hint}"))
             }),
         }
     }

@@ -67,9 +67,13 @@ class TestResponse:
         figure = made.plot("history", ["g1", "wheel"])
         assert labels(figure) == [("", "g1 [µm]"), ("time [s]", "wheel [µm]")]
         for panel, name in zip(figure.axes, ("g1", "wheel"), strict=True):
-            for component, label in enumerate(("v", "w")):
-                expected = np.column_stack([TIME, 1e6 * made.displacement(name)[:, component]])
-                np.testing.assert_allclose(curves(panel)[label], expected)
+            motion = 1e6 * made.displacement(name)
+            mean = motion.mean(axis=0)
+            for component, label in enumerate(("v − mean", "w − mean")):
+                expected = np.column_stack([TIME, (motion - mean)[:, component]])
+                np.testing.assert_allclose(curves(panel)[label], expected, atol=1e-9)
+            v, w = (f"{value:.4g}".replace("-", "−") for value in mean)
+            assert panel.get_title(loc="right") == f"mean v {v} µm, w {w} µm"
 
     def test_twist(self):
         made = response(TIME)
@@ -108,7 +112,8 @@ class TestResponse:
         assert labels(figure) == [
             ("", "contact ratio"),
             ("", "pressure angle [°]"),
-            ("time [s]", "line of centres [°]"),
+            ("", "line of centres [°]"),
+            ("time [s]", "centre distance [mm]"),
         ]
         mesh = made.mesh("g3", "g4")
         degrees = 180.0 / np.pi
@@ -116,6 +121,7 @@ class TestResponse:
             mesh.contact_ratio,
             degrees * mesh.pressure_angle,
             degrees * mesh.centre_line_angle,
+            1e3 * mesh.centre_distance,
         )
         for panel, values in zip(figure.axes, expected, strict=True):
             np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)

@@ -50,9 +50,52 @@ def test_least_squares_recover_amplitude_and_phase_of_every_order():
 
 
 def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
-    found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
+    with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 v is not at"):
+        found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
+    assert found.rest_share == pytest.approx(1.0, abs=0.01)
+    assert "rest 7.1e-07 m RMS (100 % of the motion)" in found.table()
     # The RMS of a sine; the fit absorbs a small part of it.
     assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
+
+
+def test_the_default_contains_significant_higher_harmonics():
+    content = {
+        "1× mesh": (25.0, 1e-6 + 0j),
+        "7× mesh": (175.0, 3e-6j),
+        "7× mesh + 1× input": (176.0, 1e-6 + 0j),
+        "9× mesh": (225.0, 1e-9 + 0j),
+        "31× mesh": (775.0, 1e-7 + 0j),
+    }
+    found = made(1.0, **content).orders("g1", "v")
+    assert found.amplitude("7× mesh g1–g2") == pytest.approx(3e-6)
+    assert found.amplitude("7× mesh g1–g2 + 1× input") == pytest.approx(1e-6)
+    # The ninth harmonic is below 1 % of the largest; the default ends with the thirtieth.
+    values = {round(order.value, 6) for order in found.orders}
+    assert not {225.0, 775.0} & values
+    assert {50.0, 75.0} < values
+    assert found.rest == pytest.approx(1e-7 / np.sqrt(2.0), rel=0.01)
+    assert found.rest_share == pytest.approx(
+        1e-7 / np.sqrt(1e-12 + 9e-12 + 1e-12 + 1e-14), rel=0.01
+    )
+    fixed = made(1.0, **content)
+    with pytest.warns(gb.AccuracyWarning, match=r"of the RMS of g1 v is not at these orders"):
+        assert max(o.value for o in fixed.orders("g1", "v", mesh_harmonics=3).orders) == 76.0
+
+
+def test_the_default_takes_only_what_the_record_resolves_and_separates():
+    # 250 samples resolve orders up to 157; 0.1 s separate no sidebands of the shafts.
+    response = made(0.25, 1e-4, a=(25.0, 1e-6 + 0j), b=(125.0, 1e-6 + 0j))
+    found = response.orders("g1", "v")
+    assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)
+    assert found.rest < 1e-12
+    coarse = made(1.0, 6e-4, a=(25.0, 1e-6 + 0j), b=(25.0, 0j))
+    assert max(order.value for order in coarse.orders("g1", "v").orders) < 0.5 / 6e-4 / SPEED * 6.3
+
+
+def test_a_signal_at_rest_has_no_rest():
+    found = made(1.0, a=(0.0, 1e-6 + 0j)).orders("g1", "v")
+    assert found.rest_share <= 1.0
+    assert max(order.value for order in found.orders) == 76.0
 
 
 def test_coinciding_orders_are_one_order_with_all_names():

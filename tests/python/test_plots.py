@@ -59,11 +59,12 @@ def test_labels_are_names_or_positions():
 
 def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
     response = recorded()
-    contact, pressure, centres = response.plot("geometry").axes
+    contact, pressure, centres, distance = response.plot("geometry").axes
     mesh = response.mesh("g1", "g2")
     np.testing.assert_array_equal(drawn(contact)[0], mesh.contact_ratio)
     np.testing.assert_allclose(drawn(pressure)[0], np.degrees(mesh.pressure_angle))
     np.testing.assert_allclose(drawn(centres)[0], np.degrees(mesh.centre_line_angle))
+    np.testing.assert_allclose(drawn(distance)[0], 1e3 * mesh.centre_distance)
 
 
 def test_the_spectrum_of_a_sine_has_its_frequency_and_amplitude():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import re
+from enum import Enum
 from functools import cache
 
 import numpy as np
@@ -123,6 +124,7 @@ def objects() -> dict[str, object]:
         response.orders("gear 0").orders[0],
         gb.waterfall([response, pair.simulate(0.1, 120.0, output_step=1e-4)], "gear 0"),
         gb.Event(0.1, "gear 0", "gear 1", "contact"),
+        gb.ContactShares(0.9, 0.02, 0.0, 0.08),
         tradeoff,
         tradeoff.trials[0],
         tradeoff.recommend(error=1.0),
@@ -148,7 +150,8 @@ def objects() -> dict[str, object]:
 KINDS = sorted(
     name
     for name in dir(gb)
-    if inspect.isclass(getattr(gb, name)) and not issubclass(getattr(gb, name), Exception)
+    # Errors and enumerations have the representation of Python.
+    if inspect.isclass(getattr(gb, name)) and not issubclass(getattr(gb, name), Exception | Enum)
 )
 
 

@@ -231,6 +231,84 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "recorded: 'pinion'",
         "give record=['wheel', ...] to simulate",
     ),
+    "positions of a bow in millimetres": (
+        lambda: with_shaft(bow=gb.Bow.points([0, 250, 500], [0, 9e-5, 0])),
+        "shafts[0].bow.positions[1]: ",
+        "250 m is outside the shaft",
+        "is it in millimetres?",
+    ),
+    "a bow whose points end far from the ends": (
+        lambda: with_shaft(bow=gb.Bow.points([0.2, 0.25, 0.3], [0, 9e-5, 0])),
+        "shafts[0].bow.positions: ",
+        "deflects the end of the shaft at 0 m by 7.2e-4 m",
+        "add points up to the ends of the shaft",
+    ),
+    "a torque on a shaft": (
+        lambda: system(torques=[gb.Torque("input", 250.0), gb.Torque.balance("wheel")]),
+        "torques[0].at: ",
+        'no gear or disk is called "input"',
+        'write ("input", x) with the position x on it',
+    ),
+    "a mesh of shafts": (
+        lambda: system(meshes=[gb.Mesh("input", "output")]),
+        "meshes[0].driver: ",
+        'no gear is called "input"',
+        'it is a shaft, and a mesh needs one of its gears: "pinion"',
+    ),
+    "a load torque of the wrong sign": (
+        lambda: system(
+            torques=[gb.Torque("pinion", 250.0), gb.Torque("wheel", -500.0 / 3.0)]
+        ).static(),
+        "torques: ",
+        "is 333.3 N m;",
+        "torques of driver and load of one gear pair have the same sign",
+    ),
+    "a steady state without a balancing torque": (
+        lambda: system(torques=[gb.Torque("pinion", 250.0)]).steady_state(100.0),
+        "torques: ",
+        "250 N m",
+        "add gb.Torque.balance(at) where the load acts",
+    ),
+    "a recorded group in the singular": (
+        lambda: run(record=["mesh"]),
+        "record[0]: ",
+        '"mesh" is no gear',
+        'did you mean "meshes"?',
+    ),
+    "the acceleration of a bearing on the ground": (
+        lambda: run(record=["bearings", "acceleration"]),
+        "record: ",
+        '"acceleration" is that of the recorded places, and a bearing is none',
+        "add the name of its support, or (shaft, position)",
+    ),
+    "a module with the name of another program": (
+        lambda: gb.Gear("pinion", "input", 0.25, modul=3e-3, teeth=25),  # type: ignore[call-arg]
+        "Gear: ",
+        "modul=0.003",
+        'did you mean "module"?',
+    ),
+    "a number of teeth with the symbol of textbooks": (
+        lambda: gb.Gear("pinion", "input", 0.25, z=25, module=3e-3),  # type: ignore[call-arg]
+        "Gear: ",
+        "z=25",
+        'did you mean "teeth"?',
+    ),
+    "orders of a signal that has other frequencies": (
+        lambda: (
+            system(meshes=[gb.Mesh("pinion", "wheel", stiffness=gb.Stiffness.square(2e8))])
+            .simulate(0.3, 100.0, output_step=1e-4, record=["meshes"])
+            .orders(("pinion", "wheel"), shaft_harmonics=1, mesh_harmonics=0, skip_time=0.05)
+        ),
+        "orders: ",
+        "% of the RMS of pinion/wheel force is not at these orders",
+        "omit a transient with skip_time, or give more",
+    ),
+    "times of a figure that are not in the record": (
+        lambda: run().plot("mesh", times=(0.0, 1.0)),
+        "times: ",
+        "got (0.0, 1.0)",
+        "must ascend within the record, 0 s to 0.001 s",
+    ),
     "two parts of one name": (
         lambda: with_gears(name="gear"),
         "gears[1].name: ",

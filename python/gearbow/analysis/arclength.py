@@ -8,8 +8,7 @@ differences along few directions, and passed on from point to point.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from dataclasses import replace as changed
+from dataclasses import dataclass, replace as changed
 from typing import Any, Protocol
 
 import numpy as np

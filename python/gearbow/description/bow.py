@@ -127,19 +127,27 @@ class Bow(Part):
     def points(cls, positions: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike = 0.0) -> "Bow":
         """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
+        An amplitude is the distance of the centre line from the straight axis. A dial gauge shows
+        twice as much in one turn: divide its total indicator reading by 2, as `read_csv` does for
+        "total_run_out".
+
         Parameters
         ----------
         positions : array_like, shape (p,)
             Positions of the measurements, from the left end of the shaft [m].
         amplitudes : array_like, shape (p,)
-            Deflection at each position [m].
+            Deflection of the centre line at each position [m], half of the total indicator reading.
         phases : array_like, shape (p,) or scalar
             Angle in the shaft at each position [rad].
 
         Returns
         -------
         Bow
-            The bow, a cubic spline through the points.
+            The bow: a cubic spline through the points (a parabola through three, a line through
+            two), and straight lines with its end slopes beyond the first and the last point. The
+            ends of a shaft therefore deflect even where both bearings, at the outer points, do not.
+            Where the deflection of an end is more than half of the largest amplitude, the system
+            warns; give points up to the ends.
         """
         deflections = nested(amplitudes, "bow.amplitudes")
         angles = nested(phases, "bow.phases")

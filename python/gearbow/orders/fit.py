@@ -7,6 +7,7 @@ reported.
 """
 
 import math
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +15,15 @@ import numpy as np
 
 from gearbow._convert import number, whole
 from gearbow._extras import extra
+from gearbow._progress import outside
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Table
 from gearbow._types import Array, ComplexArray, Record
-from gearbow.description.kinematics import Order
+from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import GearbowError
+from gearbow.errors import AccuracyWarning, GearbowError
 from gearbow.orders.channel import channel
+from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, SEPARATION, significant
 from gearbow.recording.recording import Recording
 from gearbow.sensors.sensor import SignalSensor
 
@@ -29,15 +32,21 @@ if TYPE_CHECKING:
 
 __all__ = ["Orders", "orders"]
 
-#: Smallest phase difference of neighbouring orders over the record, in periods.
-_SEPARATION = 0.5
+#: Largest share of the remainder in the RMS about the mean without a warning: the orders then
+#: contain 91 % of the power.
+_LARGE_REST = 0.3
+#: Smallest RMS about the mean of a signal that is more than round-off, relative to its largest
+#: value.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Orders(ReadOnly):
     """Amplitude of a signal at each order of a train.
 
-    The signal is mean + Re Σ A_j exp(i ω_j t) plus a remainder.
+    The signal is mean + Re Σ A_j exp(i ω_j t) plus a remainder, which contains everything that
+    these orders do not: higher harmonics, natural frequencies, transients. Look at `rest_share`
+    before you rank the orders.
 
     Parameters
     ----------
@@ -50,7 +59,7 @@ class Orders(ReadOnly):
     mean : float
         Mean of the signal.
     rest : float
-        RMS of the remainder.
+        RMS of the remainder in the unit of the signal. A sine of amplitude A has the RMS A/√2.
     label : str
         Name of the signal, e.g. "g1 v".
     unit : str
@@ -75,6 +84,19 @@ class Orders(ReadOnly):
     rest: float
     label: str
     unit: str
+
+    @property
+    def rest_share(self) -> float:
+        """Share of the remainder in the motion.
+
+        Returns
+        -------
+        float
+            RMS of the remainder divided by the RMS of the signal about its mean: 0 if the orders
+            contain the complete motion; 0 for a constant signal.
+        """
+        total = math.hypot(self.rest, float(np.linalg.norm(self.amplitudes)) / math.sqrt(2.0))
+        return self.rest / total if total > 0.0 else 0.0
 
     def amplitude(self, name: str) -> float:
         """Find the amplitude of an order by one of its names.
@@ -112,9 +134,9 @@ class Orders(ReadOnly):
         Returns
         -------
         str
-            Order, frequency, amplitude and names.
+            Mean and remainder; then order, frequency, amplitude and names.
         """
-        rows = [f"{self.label}: mean {self.mean:.6g} {self.unit}, rest {self.rest:.2g}"]
+        rows = [f"{self.label}: mean {self.mean:.6g} {self.unit}, {self._remainder()}"]
         rows.append(f"{'order':>9}  {'[Hz]':>9}  {f'[{self.unit}]':>10}  excited by")
         most = None if count is None else whole(count, "count")
         largest = np.argsort(-np.abs(self.amplitudes), kind="stable")[:most]
@@ -140,7 +162,7 @@ class Orders(ReadOnly):
         matplotlib.figure.Figure
             Amplitude of each order, on a logarithmic scale if the amplitudes differ by more than a
             factor of 30. The colour shows whether a shaft, a mesh, a sideband or a bearing excites
-            the order.
+            the order. The title gives the mean, the number of orders and the remainder.
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
@@ -150,7 +172,17 @@ class Orders(ReadOnly):
         chosen = np.sort(largest)
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
         label = f"amplitude of {self.label} [{self.unit}]"
-        return figures.orders(names, amplitudes[chosen], label, ax=ax)
+        drawn = f"{chosen.size} largest of " if chosen.size < amplitudes.size else ""
+        title = (
+            f"mean {self.mean:.4g} {self.unit}; {drawn}{amplitudes.size} orders; "
+            f"{self._remainder()}"
+        )
+        return figures.orders(names, amplitudes[chosen], label, title=title, ax=ax)
+
+    def _remainder(self) -> str:
+        """Describe what the orders do not contain."""
+        share = f"{100.0 * self.rest_share:.3g} %"
+        return f"rest {self.rest:.2g} {self.unit} RMS ({share} of the motion)"
 
     def _rows(self) -> Table:
         largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
@@ -166,6 +198,7 @@ class Orders(ReadOnly):
                 )
                 for i in largest
             ),
+            ("rest", "RMS", f"{self.rest:.4g}", f"{100.0 * self.rest_share:.3g} % of the motion"),
         )
 
     def __repr__(self) -> str:
@@ -185,7 +218,7 @@ def orders(
     quantity: str | None = None,
     *,
     shaft_harmonics: int = 4,
-    mesh_harmonics: int = 3,
+    mesh_harmonics: int | None = None,
     sidebands: int = 1,
     bearing_harmonics: int = 3,
     skip_time: float = 0.0,
@@ -200,8 +233,10 @@ def orders(
         Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.orders`.
-    shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics : int
+    shaft_harmonics, sidebands, bearing_harmonics : int
         Numbers of orders, as in `gearbow.Response.orders`.
+    mesh_harmonics : int, optional
+        Number of harmonics of each tooth frequency; None chooses, as in `gearbow.Response.orders`.
     skip_time : float
         Time at the beginning that is ignored [s].
 
@@ -218,20 +253,86 @@ def orders(
     begin = recording.time[0] if recording.time.size else 0.0
     kept = recording.time >= begin + number(skip_time, "skip_time")
     time, values = recording.time[kept], signal.values[kept]
-    found = recording.kinematics.orders(
-        shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics
+    hertz = abs(recording.speed) / (2.0 * np.pi)
+    meshes = ALWAYS if mesh_harmonics is None else mesh_harmonics
+    found = recording.kinematics.orders(shaft_harmonics, meshes, sidebands, bearing_harmonics)
+    _check(time, hertz * np.array([order.value for order in found]), found)
+    fitted = _fit(time, values, found, hertz)
+    if mesh_harmonics is None:
+        more = _more(recording.kinematics, sidebands, found)
+        fitted = _extended(time, values, fitted, more, hertz)
+    result = Orders(
+        fitted.orders,
+        fitted.frequencies,
+        fitted.amplitudes,
+        fitted.mean,
+        float(np.sqrt(np.mean(fitted.remainder**2))),
+        signal.label,
+        signal.unit,
     )
-    frequencies = np.array([order.value for order in found]) * abs(recording.speed) / (2.0 * np.pi)
-    _check(time, frequencies, found)
+    _warn(result, values)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """A fit: orders, frequencies [Hz], amplitudes, mean and remainder over time."""
+
+    orders: tuple[Order, ...]
+    frequencies: Array
+    amplitudes: ComplexArray
+    mean: float
+    remainder: Array
+
+
+def _fit(time: Array, values: Array, found: tuple[Order, ...], hertz: float) -> _Fit:
+    """Fit sines and cosines of all orders by least squares."""
+    frequencies = hertz * np.array([order.value for order in found])
     angles = 2.0 * np.pi * np.outer(time - time[0], frequencies)
     columns = np.hstack([np.ones((time.size, 1)), np.cos(angles), np.sin(angles)])
     fitted, *_ = np.linalg.lstsq(columns, values, rcond=None)
-    rest = float(np.sqrt(np.mean((values - columns @ fitted) ** 2)))
     count = frequencies.size
     # Phases refer to the time 0, like the angles of the shafts.
     turned = np.exp(-2j * np.pi * frequencies * time[0])
     amplitudes = (fitted[1 : count + 1] - 1j * fitted[count + 1 :]) * turned
-    return Orders(found, frequencies, amplitudes, float(fitted[0]), rest, signal.label, signal.unit)
+    return _Fit(found, frequencies, amplitudes, float(fitted[0]), values - columns @ fitted)
+
+
+def _more(kinematics: Kinematics, sidebands: int, found: tuple[Order, ...]) -> list[Order]:
+    """List the higher harmonics of the tooth frequencies that are not among the orders."""
+    known = np.array([order.value for order in found])
+    return [
+        order
+        for order in kinematics.orders(0, MOST_HARMONICS, sidebands, 0)
+        if not np.isclose(known, order.value, rtol=1e-9, atol=0.0).any()
+    ]
+
+
+def _extended(
+    time: Array, values: Array, fitted: _Fit, candidates: list[Order], hertz: float
+) -> _Fit:
+    """Add the significant candidates to a fit."""
+    lines = np.column_stack([fitted.frequencies, np.abs(fitted.amplitudes)])
+    if not fitted.remainder.std() > _ROUND_OFF * float(np.abs(values).max()):
+        return fitted
+    chosen = significant(time, fitted.remainder, candidates, hertz, lines)
+    if not chosen:
+        return fitted
+    found = sorted((*fitted.orders, *(candidates[j] for j in chosen)), key=lambda each: each.value)
+    return _fit(time, values, tuple(found), hertz)
+
+
+def _warn(found: Orders, values: Array) -> None:
+    """Warn if the orders do not contain a large part of the motion."""
+    moves = float(values.std()) > _ROUND_OFF * float(np.abs(values).max())
+    if moves and found.rest_share > _LARGE_REST:
+        warnings.warn(
+            f"orders: {100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
+            "orders: look at its spectrum; omit a transient with skip_time, or give more "
+            "shaft_harmonics, mesh_harmonics or sidebands",
+            AccuracyWarning,
+            stacklevel=outside(),
+        )
 
 
 def _check(time: Array, frequencies: Array, found: tuple[Order, ...]) -> None:
@@ -247,11 +348,11 @@ def _check(time: Array, frequencies: Array, found: tuple[Order, ...]) -> None:
     gaps = np.diff(frequencies, prepend=0.0)
     closest = int(gaps.argmin())
     gap = float(gaps[closest])
-    if span * gap < _SEPARATION:
+    if span * gap < SEPARATION:
         below = repr(found[closest - 1].names[0]) if closest > 0 else "the mean"
         raise GearbowError(
             f"{below} and {found[closest].names[0]!r} with a distance of {gap:.3g} Hz need a "
-            f"record of {_SEPARATION / gap:.3g} s, got {span:.3g} s: simulate for longer, or ask "
+            f"record of {SEPARATION / gap:.3g} s, got {span:.3g} s: simulate for longer, or ask "
             "for fewer orders (shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics)"
         )
     step = float(np.diff(time).max())

@@ -30,7 +30,7 @@ WINDOWS = {
 
 
 #: Number of harmonics of the tooth frequencies with a name in a spectrum.
-_NAMED_HARMONICS = 10
+_NAMED_HARMONICS = 20
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """Figures of spectra, orders and waterfalls."""
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -51,7 +52,7 @@ def family(name: str) -> str:
     str
         "shaft", "mesh", "sideband" or "bearing".
     """
-    if "× mesh " in name:
+    if "× mesh" in name:
         return "sideband" if " + " in name or " − " in name else "mesh"
     return "bearing" if "× ball pass " in name or "× cage " in name else "shaft"
 
@@ -161,23 +162,22 @@ def name_orders(
     size = text_size(0.79)
     figure, place = figure_of(panel), panel.get_position()
     height = place.height * figure.get_figheight()
+    left, right = panel.get_xlim()
     # The height of a line of text as a length of the axis of frequencies.
-    line = (
-        1.3 * size / 72.0 / (place.width * figure.get_figwidth()) * float(np.ptp(panel.get_xlim()))
-    )
-    named: list[float] = []
-    wanted = [
-        peak
-        for peak in found
-        if (sidebands or family(peak[0]) != "sideband") and _length(peak[0]) < 0.6 * height
-    ]
-    for name, x, y in sorted(wanted, key=lambda peak: -peak[2]):
-        if len(named) < most and all(abs(x - other) > line for other in named):
-            named.append(x)
+    point = (right - left) / (72.0 * place.width * figure.get_figwidth())
+    line = 1.3 * size * point
+    named: list[tuple[str, float, float]] = []
+    short = zip(_short([name for name, _, _ in found]), found, strict=True)
+    for name, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
+        wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.6 * height
+        if wanted and len(named) < most and all(abs(x - other) > line for _, other, _ in named):
+            # A name stands above the markers beside its peak, and within the panel.
+            above = max(v for _, u, v in found if abs(u - x) < 0.7 * line)
+            named.append((name, x, above))
             panel.annotate(
                 name,
-                (x, y),
-                xytext=(0, 7),
+                (x, above),
+                xytext=(max(0.0, 0.75 * size - (x - left) / point), 7),
                 textcoords="offset points",
                 rotation=90,
                 ha="center",
@@ -185,7 +185,19 @@ def name_orders(
                 fontsize=size,
                 color=FAMILIES[family(name)][1],
             )
-    _raise_limit(panel, [(name, y) for name, x, y in wanted if x in named], height)
+    _raise_limit(panel, [(name, y) for name, _, y in named], height)
+
+
+def _short(names: Sequence[str]) -> list[str]:
+    """Leave out the gears in the names of orders if there is one mesh only."""
+    # The name of a mesh ends before that of a sideband or before the frequency.
+    meshes = {
+        re.split(r" [+−(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
+    }
+    if len(meshes) != 1:
+        return list(names)
+    (only,) = meshes
+    return [name.replace(f"× mesh {only}", "× mesh") for name in names]
 
 
 def _length(name: str) -> float:
@@ -203,7 +215,12 @@ def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float)
     for name, y in named:
         part = np.log(y / low) / np.log(high / low)
         share = min(share, max(0.4, (1.0 - _length(name) / height) / max(part, 0.1)))
+    # No signal is above the old limit: ticks there would suggest one.
+    ticks = [tick for tick in panel.get_yticks() if low <= tick <= high]
     panel.set_ylim(low, low * (high / low) ** (1.0 / share))
+    if len(ticks) > 1:
+        panel.set_yticks(ticks)
+        panel.set_yticks([], minor=True)
 
 
 def _peaks(
@@ -229,7 +246,14 @@ def _peaks(
     return list(found.values())
 
 
-def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes = None) -> Figure:
+def orders(
+    names: Sequence[str],
+    amplitudes: Array,
+    label: str,
+    *,
+    title: str = "",
+    ax: GivenAxes = None,
+) -> Figure:
     """Draw orders as bars.
 
     Parameters
@@ -240,6 +264,8 @@ def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes
         Amplitudes.
     label : str
         Name and unit of the amplitude.
+    title : str
+        What the bars leave out.
     ax : Axes, optional
         Panel of the user.
 
@@ -253,6 +279,7 @@ def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes
     low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
     logarithmic = top > _LOGARITHMIC * low > 0.0
     with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
+        names = _short(names)
         shades = [FAMILIES[family(name)][1] for name in names]
         bars = panel.barh(np.arange(len(names)), amplitudes, color=shades, log=logarithmic)
         panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
@@ -260,6 +287,7 @@ def orders(names: Sequence[str], amplitudes: Array, label: str, *, ax: GivenAxes
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
         panel.set(xlabel=label)
+        panel.set_title(title, loc="right", fontsize=text_size(0.86))
         if logarithmic:
             begin = 0.5 * low
             panel.set_xlim(begin, top * (top / begin) ** 0.15)

@@ -19,6 +19,7 @@ from gearbow.plotting.style import (
     legend,
     panels,
     place_legend,
+    text_size,
 )
 
 __all__ = [
@@ -52,10 +53,13 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
     -------
     matplotlib.figure.Figure
         One panel for each centre: w against v [µm], the transient in grey. A dot marks the end. All
-        panels have axes of the same length.
+        panels have axes of the same length, except those of orbits below a tenth of the largest.
     """
     count = len(motion)
-    with panels(count, 4.0, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
+    with panels(count, 4.3, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
+        if ax is None:
+            # Titles of a row do not touch the labels of the row above.
+            figure.get_layout_engine().set(h_pad=0.12)  # type: ignore[union-attr]
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             v, w = MICRO * values.T
             if skipped:
@@ -72,7 +76,7 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
 def history(
     time: Array, motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
 ) -> Figure:
-    """Draw the displacement of each centre against time.
+    """Draw the displacement of each centre about its mean against time.
 
     Parameters
     ----------
@@ -88,12 +92,16 @@ def history(
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each centre: v and w [µm]; the time of the transient is grey.
+        One panel for each centre: v and w about their means after the transient [µm], which the
+        title gives; the time of the transient is grey.
     """
-    with panels(len(motion), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(len(motion), 2.9, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
-            _lines(panel, time, MICRO * values, ("v", "w"))
+            mean = values[skipped:].mean(axis=0) if values.size else np.zeros(2)
+            _lines(panel, time, MICRO * (values - mean), ("v − mean", "w − mean"))
+            v, w = (f"{MICRO * part:.4g}".replace("-", "−") for part in mean)
             panel.set(ylabel=f"{label} [µm]")
+            panel.set_title(f"mean v {v} µm, w {w} µm", loc="right", fontsize=text_size(0.86))
         _finish(figure, axes, time, skipped, ax)
     return figure
 
@@ -194,7 +202,7 @@ def mesh(
 
 def geometry(
     time: Array,
-    meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]],
+    meshes: Mapping[tuple[str, str], tuple[Array, Array, Array, Array]],
     *,
     skipped: int = 0,
     ax: GivenAxes = None,
@@ -206,8 +214,8 @@ def geometry(
     time : ndarray, shape (k,)
         Times [s].
     meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
-        Contact ratio, pressure angle [rad] and angle of the line of centres [rad] of each mesh
-        (driver, driven).
+        Contact ratio, pressure angle [rad], angle of the line of centres [rad] and centre distance
+        [m] of each mesh (driver, driven).
     skipped : int
         Number of times at the beginning that belong to the transient.
     ax : sequence of Axes, optional
@@ -216,16 +224,17 @@ def geometry(
     Returns
     -------
     matplotlib.figure.Figure
-        A column for each mesh: contact ratio, pressure angle [°] and angle of the line of centres
-        [°].
+        A column for each mesh: contact ratio, pressure angle [°], angle of the line of centres [°]
+        and centre distance [mm].
     """
     rows = {
         pair: {
             "contact ratio": contact_ratio,
             "pressure angle [°]": np.degrees(pressure_angle),
             "line of centres [°]": np.degrees(centre_line_angle),
+            "centre distance [mm]": 1e3 * distance,
         }
-        for pair, (contact_ratio, pressure_angle, centre_line_angle) in meshes.items()
+        for pair, (contact_ratio, pressure_angle, centre_line_angle, distance) in meshes.items()
     }
     return _columns(time, rows, skipped, ax)
 
@@ -313,10 +322,10 @@ def _columns(
     skipped: int,
     ax: GivenAxes,
 ) -> Figure:
-    """Draw a column for each mesh, with a panel for each of its three quantities."""
-    columns = len(meshes)
+    """Draw a column for each mesh, with a panel for each of its quantities."""
+    columns, count = len(meshes), len(next(iter(meshes.values())))
     width = max(9.0, 6.0 * columns)
-    with panels(3 * columns, 2.6, columns=columns, width=width, sharex=True, ax=ax) as (
+    with panels(count * columns, 2.6, columns=columns, width=width, sharex=True, ax=ax) as (
         figure,
         axes,
     ):

@@ -48,6 +48,8 @@ MARKS: dict[str, tuple[str, Any, str]] = {
     "coupled": (PALETTE[3], ":", "D"),
     "rigid": (PALETTE[6], "-", "."),
 }
+#: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
+_OWN_SCALE, _ROUND_OFF = 0.1, 1e-6
 
 #: Panels of a user: one, or several in any nesting; None makes a new figure.
 GivenAxes: TypeAlias = Any
@@ -185,19 +187,29 @@ def figure_of(panel: Axes) -> Figure:
 def equal_ranges(axes: Sequence[Axes]) -> None:
     """Give orbits a common scale: equal lengths of all axes, each about the middle of its data.
 
+    An orbit below a tenth of the largest has its own scale, which a text in its panel says. One
+    that is round-off has the common scale.
+
     Parameters
     ----------
     axes : sequence of Axes
         The panels.
     """
     boxes = [panel.dataLim for panel in axes]
-    half = 0.54 * max(max(box.width, box.height) for box in boxes)
-    for panel, box in zip(axes, boxes, strict=True):
+    sizes = [max(box.width, box.height) for box in boxes]
+    largest = max(sizes)
+    for panel, box, size in zip(axes, boxes, sizes, strict=True):
+        own = _ROUND_OFF * largest < size < _OWN_SCALE * largest
+        half = 0.54 * (size if own else largest)
         if math.isfinite(half) and half > 0.0:
             x, y = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
             panel.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         panel.set_aspect("equal", adjustable="box")
         panel.locator_params(nbins=4)
+        if own:
+            panel.ticklabel_format(useOffset=False)
+            place: dict[str, Any] = {"ha": "left", "va": "top", "fontsize": text_size(0.79)}
+            panel.text(0.03, 0.98, "own scale", transform=panel.transAxes, **place)
 
 
 def label_x(axes: Sequence[Axes], label: str) -> None:

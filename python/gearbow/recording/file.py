@@ -18,11 +18,11 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
-from gearbow.recording.channels import RATES, ROLLING
+from gearbow.recording.channels import MESH, RATES, ROLLING
 from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.record import MeshResponse, RunRecord
+from gearbow.recording.record import RunRecord
 from gearbow.recording.request import OPTIONS, RunRequest
 from gearbow.recording.schema import (
     any_number,
@@ -248,7 +248,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
     """Make a recorded run from checked data."""
     final = {**about["final"], **{name: arrays[f"final_{name}"] for name in _STATE}}
     check_final(final)
-    mesh = {field.name: arrays[f"mesh_{field.name}"] for field in fields(MeshResponse)}
+    mesh = {name: arrays[f"mesh_{name}"] for name in MESH}
     rolling = [arrays[f"rolling_{name}"] for name in ROLLING if about["rolling_bearings"]]
     contact = np.stack(rolling, 2) if rolling else np.empty((arrays["time"].size, 0, len(ROLLING)))
     energies = {name: arrays.get(f"energy_{name}") for name in (*ENERGIES, *WORKS)}

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Shown, short, to_html
 from gearbow._types import Array, RunData
@@ -86,9 +89,11 @@ class MeshResponse(ReadOnly):
     Parameters
     ----------
     deflection : ndarray, shape (k,)
-        Mesh deflection along the line of action [m].
+        Mesh deflection along the line of action of the drive flanks [m].
     force : ndarray, shape (k,)
-        Mesh force [N].
+        Net mesh force [N]: that of the drive flanks minus that of the back flanks. Where both
+        flanks are in contact, each carries more than this force. A negative force is contact of the
+        back flanks; without backlash, teeth that pull.
     stiffness : ndarray, shape (k,)
         Mesh stiffness [N/m].
     pressure_angle : ndarray, shape (k,)
@@ -105,6 +110,9 @@ class MeshResponse(ReadOnly):
     thrust : ndarray, shape (k,)
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
+    contact : ndarray of int8, shape (k,)
+        Flanks in contact, as values of `gearbow.Contact`: 0 none, 1 drive, 2 back, 3 both. They
+        follow from the events, which are exact. `Response.contact_shares` gives shares of the time.
 
     Examples
     --------
@@ -131,6 +139,7 @@ class MeshResponse(ReadOnly):
     contact_ratio: Array
     pairs_in_contact: Array
     thrust: Array
+    contact: NDArray[np.int8]
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,16 @@
 """Access to the recorded signals of a run by name and place."""
 
+from gearbow._times import begin_after
 from gearbow._types import Array
 from gearbow.errors import ChannelError
+from gearbow.recording.contact import (
+    Contact,
+    ContactShares,
+    MeshScene,
+    contact_at,
+    first_contact,
+    shares,
+)
 from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.motion import MotionRecording
 from gearbow.recording.record import Event, MeshResponse
@@ -55,13 +64,58 @@ class Recording(MotionRecording):
         ChannelError
             If it was not recorded; the message says what to record.
         """
+        found = self._mesh(driver, driven)
+        contact = contact_at(self.time, *self._contact(driver, driven, found))
+        return MeshResponse(**found, contact=contact)
+
+    def contact_shares(self, driver: str, driven: str, *, skip_time: float = 0.0) -> ContactShares:
+        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
+
+        The contact changes at the exact times of the events, also between recorded instants.
+
+        Parameters
+        ----------
+        driver : str
+            Name of the driving gear.
+        driven : str
+            Name of the driven gear.
+        skip_time : float
+            Time at the beginning that is ignored [s].
+
+        Returns
+        -------
+        ContactShares
+            The shares between the first and the last recorded time; `ContactShares.lost` is the
+            share without contact of the drive flanks. A mesh without backlash is always in contact.
+
+        Raises
+        ------
+        ChannelError
+            If the mesh was not recorded; the message says what to record.
+        SceneError
+            If `skip_time` is negative or longer than the record.
+        """
+        begin = begin_after(self.time, skip_time)
+        given = self._contact(driver, driven, self._mesh(driver, driven))
+        return shares(begin, float(self.time[-1]), *given)
+
+    def _contact(
+        self, driver: str, driven: str, found: dict[str, Array]
+    ) -> tuple[list[Event], Contact]:
+        """Give the events of a mesh, and its contact before the first of them."""
+        events = [each for each in self.events if (each.driver, each.driven) == (driver, driven)]
+        scene = None if self.request is None else MeshScene.of(self.request, driver, driven)
+        return events, first_contact(self.time, found, events, scene)
+
+    def _mesh(self, driver: str, driven: str) -> dict[str, Array]:
+        """Give the recorded quantities of a mesh."""
         meshes = [tuple(pair) for pair in self._data["meshes"]]
         if (driven, driver) in meshes:
             raise ChannelError(f"{driven!r} drives {driver!r}: ask for ({driven!r}, {driver!r})")
         if (driver, driven) not in meshes:
             raise self._missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))
         i = meshes.index((driver, driven))
-        return MeshResponse(**{name: values[:, i] for name, values in self._data["mesh"].items()})
+        return {name: values[:, i] for name, values in self._data["mesh"].items()}
 
     @property
     def energy(self) -> Array:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import array, number, shown
+from gearbow._convert import number, shown
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import replacing
+from gearbow._times import within
 from gearbow._types import Array
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.train import Train
@@ -187,15 +188,7 @@ def _span(response: Recording, times: tuple[float, float] | None) -> tuple[float
         speed = abs(float(_speed(response, response.time[-1:])[0]))
         turn = 2.0 * math.pi / (slowest * speed) if slowest * speed > 0.0 else math.inf
         return max(first, last - turn), last
-    given = array(times, "times")
-    if given.shape != (2,):
-        raise SceneError(f"times: must be (first, last), got {shown(times)}")
-    begin, end = float(given[0]), float(given[1])
-    if not first <= begin < end <= last:
-        raise SceneError(
-            f"times: must ascend within the record, {first:g} s to {last:g} s, got {times!r}"
-        )
-    return begin, end
+    return within(response.time, times)
 
 
 def _at(response: Recording, values: Array, time: Array) -> Array:

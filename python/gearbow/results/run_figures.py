@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow._times import begin_after, window
 from gearbow._types import At
 from gearbow.description.places import is_pair, is_place, place_label, places
 from gearbow.description.speed import SpeedProfile
@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 __all__ = ["PLOT_KINDS", "RunFigures"]
 
 #: Kinds of figures of `Response.plot`.
+#: Quantities of the figures of meshes.
+_MESH_FIELDS = {
+    "mesh": ("force", "deflection", "stiffness"),
+    "geometry": ("contact_ratio", "pressure_angle", "centre_line_angle", "centre_distance"),
+}
 PLOT_KINDS = ("orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum")
 
 
@@ -43,6 +48,7 @@ class RunFigures(SignalResponse):
         kind: str = "orbits",
         names: Any = None,
         *,
+        times: tuple[float, float] | None = None,
         skip_time: float | None = None,
         ax: Any = None,
     ) -> "Figure":
@@ -51,23 +57,29 @@ class RunFigures(SignalResponse):
         Parameters
         ----------
         kind : str
-            - "orbits": orbits of the centres.
-            - "history", "twist": displacement or twist against time.
+            - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
+              scale.
+            - "history": displacement about its mean against time.
+            - "twist": twist against time.
             - "mesh": force, deflection and stiffness of the meshes against time.
-            - "geometry": contact ratio, pressure angle and angle of the line of centres of the
-              meshes against time.
+            - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
+              distance of the meshes against time.
             - "bearings": forces on the bearings against time.
             - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
         names : str, tuple or sequence of them, optional
             Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
-            (shaft, position [m]) for "bearings". None is all recorded items; of places, the gears
-            and disks if there are any.
+            (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
+            ones if there are any, for "twist" those that twist.
+        times : tuple of (float, float), optional
+            First and last time of the figure [s]; None is the complete record. A few revolutions
+            show what fills the figure of a long run.
         skip_time : float, optional
             Time at the beginning with the transient [s]: orbits and histories show it in grey,
             spectra omit it. None is 0, but orbits at a constant speed then show the last turn of
             the slowest shaft in colour.
         ax : Axes or sequence of Axes, optional
-            One panel for each name, for a mesh three; None makes a new figure.
+            One panel for each name, for a mesh three and for its geometry four; None makes a new
+            figure.
 
         Returns
         -------
@@ -79,62 +91,62 @@ class RunFigures(SignalResponse):
         GearbowError
             If the kind or `ax` is invalid, or no suitable signal was recorded.
         SceneError
-            If `skip_time` is negative or longer than the record.
+            If `skip_time` is negative or longer than the record, or `times` are not in it.
         """
         with extra("plot"):
             from gearbow.plotting import response as figures  # noqa: PLC0415
 
         if kind not in PLOT_KINDS:
             raise GearbowError(f"kind: must be one of {', '.join(PLOT_KINDS)}, got {kind!r}")
-        skipped = self._skipped(skip_time, turn=kind == "orbits")
-        if kind in ("mesh", "geometry"):
-            fields = {
-                "mesh": ("force", "deflection", "stiffness"),
-                "geometry": ("contact_ratio", "pressure_angle", "centre_line_angle"),
-            }[kind]
-            found = {pair: self.mesh(*pair) for pair in self._pairs(names)}
+        cut = window(self.time, times)
+        skipped = self._skipped(skip_time, cut, turn=kind == "orbits")
+        time = self.time[cut]
+        if kind in _MESH_FIELDS:
             chosen = {
-                pair: tuple(getattr(one, name) for name in fields) for pair, one in found.items()
+                pair: tuple(getattr(self.mesh(*pair), name)[cut] for name in _MESH_FIELDS[kind])
+                for pair in self._pairs(names)
             }
-            return getattr(figures, kind)(self.time, chosen, skipped=skipped, ax=ax)  # type: ignore[no-any-return]
+            return getattr(figures, kind)(time, chosen, skipped=skipped, ax=ax)  # type: ignore[no-any-return]
         if kind == "bearings":
-            forces = {place_label(at): self.bearing_force(*at) for at in self._bearings(names)}
-            return figures.bearings(self.time, forces, skipped=skipped, ax=ax)
+            bearings = self._bearings(names)
+            forces = {place_label(at): self.bearing_force(*at)[cut] for at in bearings}
+            return figures.bearings(time, forces, skipped=skipped, ax=ax)
         places_of = self._chosen(names)
         if kind == "twist":
-            twists = {place_label(at): self.twist(at) for at in places_of}
-            return figures.twist(self.time, twists, skipped=skipped, ax=ax)
-        motion = {place_label(at): self.displacement(at) for at in places_of}
+            twists = {place_label(at): self.twist(at)[cut] for at in places_of}
+            moving = {label: values for label, values in twists.items() if np.any(values)}
+            shown = twists if names is not None or not moving else moving
+            return figures.twist(time, shown, skipped=skipped, ax=ax)
+        motion = {place_label(at): self.displacement(at)[cut] for at in places_of}
         if kind == "orbits":
             return figures.orbits(motion, skipped=skipped, ax=ax)
         if kind == "history":
-            return figures.history(self.time, motion, skipped=skipped, ax=ax)
+            return figures.history(time, motion, skipped=skipped, ax=ax)
         spectra = {
-            label: amplitudes(self.time[skipped:], values[skipped:])
-            for label, values in motion.items()
+            label: amplitudes(time[skipped:], values[skipped:]) for label, values in motion.items()
         }
         return figures.spectrum(spectra, orders=order_frequencies(self), ax=ax)
 
-    def _skipped(self, skip_time: float | None, *, turn: bool) -> int:
-        """Count the times that belong to the transient."""
-        if self.time.size == 0:
+    def _skipped(self, skip_time: float | None, cut: slice, *, turn: bool) -> int:
+        """Count the times within the figure that belong to the transient."""
+        time = self.time[cut]
+        if time.size == 0:
             return 0
         if skip_time is not None:
-            given = number(skip_time, "skip_time")
-            span = float(self.time[-1] - self.time[0])
-            if not 0.0 <= given < max(span, 1e-300):
-                raise SceneError(
-                    f"skip_time: must be from 0 to below the length {span:g} s of the record, "
-                    f"got {given:g}"
-                )
-            begin = self.time[0] + given
+            begin = begin_after(self.time, skip_time)
         elif turn and self.kinematics is not None and not isinstance(self.speed, SpeedProfile):
             slowest = min(abs(ratio) for _, ratio in self.kinematics.shafts) * abs(self.speed)
-            begin = self.time[-1] - (2.0 * math.pi / slowest if slowest > 0.0 else math.inf)
+            begin = time[-1] - (2.0 * math.pi / slowest if slowest > 0.0 else math.inf)
         else:
             return 0
         # Round-off of the times must not exclude the first instant after the transient.
-        return int(np.searchsorted(self.time, begin - 1e-9 * abs(begin)))
+        count = int(np.searchsorted(time, begin - 1e-9 * abs(begin)))
+        if count == time.size:
+            raise SceneError(
+                f"times: {time[0]:g} s to {time[-1]:g} s is within the transient; give later "
+                "times, or a smaller skip_time"
+            )
+        return count
 
     def _chosen(self, names: At | Sequence[At] | None) -> list[At]:
         """Choose the places of a figure."""

@@ -58,7 +58,8 @@ class SignalResponse(Recording):
         quantity : str, optional
             "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
             "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of
-            the force on a bearing, or a field of `MeshResponse`. None is "v", "y" or the mesh force.
+            the force on a bearing, or a number field of `MeshResponse`. None is "v", "y" or the
+            mesh force.
         window : {"hann", "flat top", "none"}
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
             whole periods.
@@ -83,12 +84,14 @@ class SignalResponse(Recording):
         quantity: str | None = None,
         *,
         shaft_harmonics: int = 4,
-        mesh_harmonics: int = 3,
+        mesh_harmonics: int | None = None,
         sidebands: int = 1,
         bearing_harmonics: int = 3,
         skip_time: float = 0.0,
     ) -> Orders:
         """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
+
+        What these orders do not contain is the rest, of which the result states the RMS.
 
         Parameters
         ----------
@@ -96,8 +99,12 @@ class SignalResponse(Recording):
             Owner of the signal, as for `spectrum`.
         quantity : str, optional
             Quantity, as for `spectrum`.
-        shaft_harmonics, mesh_harmonics : int
-            Number of harmonics of each shaft and of each tooth frequency.
+        shaft_harmonics : int
+            Number of harmonics of each shaft.
+        mesh_harmonics : int, optional
+            Number of harmonics of each tooth frequency. None takes three, and of the harmonics 4 to
+            30 and their sidebands those that the record resolves and separates and whose amplitude
+            is above 1 % of the largest.
         sidebands : int
             Number of sidebands on each side of a tooth frequency, for each of the two shafts.
         bearing_harmonics : int
@@ -118,6 +125,11 @@ class SignalResponse(Recording):
         GearbowError
             If the speed changes, the record is too short to separate the orders, or the output
             step is too long for the highest order.
+
+        Warns
+        -----
+        AccuracyWarning
+            If the rest is more than 30 % of the RMS of the signal about its mean.
         """
         return orders(
             self,

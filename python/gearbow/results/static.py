@@ -27,7 +27,7 @@ class MeshState(Shown):
     force : float
         Mesh force [N].
     stiffness : float
-        Mesh stiffness [N/m].
+        Mean mesh stiffness over a tooth cycle [N/m], as of all analyses without time.
     pressure_angle : float
         Operating pressure angle [rad]; NaN where the base circles overlap, which only frozen
         geometry allows.
@@ -38,7 +38,8 @@ class MeshState(Shown):
     contact_ratio : float
         Contact ratio, NaN where the base circles overlap.
     pairs_in_contact : float
-        Number of tooth pairs that carry load.
+        Mean number of tooth pairs that carry load over a tooth cycle, to which the mean stiffness
+        belongs: the contact ratio, or zero if the flanks are separated.
     thrust : float
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
@@ -252,7 +253,11 @@ class Static(ReadOnly):
         if (driver, driven) not in meshes:
             raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {meshes}")
         i = meshes.index((driver, driven))
-        return MeshState(**{name: float(values[i]) for name, values in self._data["mesh"].items()})
+        found = {name: float(values[i]) for name, values in self._data["mesh"].items()}
+        # The core counts the pairs at one instant, but its stiffness is the mean of a tooth cycle.
+        if found["pairs_in_contact"] > 0.0:
+            found["pairs_in_contact"] = found["contact_ratio"]
+        return MeshState(**found)
 
     def _bearing(self, shaft: str, position: float) -> int:
         i = locate(self._data["bearings"], shaft, position)

@@ -100,7 +100,11 @@ class Simulation(LinearAnalyses):
             `Statistics.modes_error` gives the error.
         initial : {"synchronous", "static", "rest"} or Response
             Initial state: static equilibrium plus linear synchronous response, static equilibrium,
-            or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. A
+            or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. The
+            synchronous response is linear: where a bow uses up the backlash, the flanks of this
+            state overlap, and the run begins with large forces that are no motion of the machine
+            (`MeshResponse.contact` is then 3 at the start). Skip the transient, or use
+            `steady_state`. A
             response (or its `final`) is continued: at the same speed without rounding, at another
             speed with the same displacements, velocities and shaft angles.
         output_step : float, optional

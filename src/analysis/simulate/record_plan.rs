@@ -76,7 +76,13 @@ impl RecordPlan {
         }
         let of_points = |request: &&Request| [VELOCITY, ACCELERATION].iter().any(|name| request.is(name));
         if let (true, Some(Request::Name(name))) = (plan.points.is_empty(), requests.iter().find(of_points)) {
-            let message = format!("\"{name}\" is that of the recorded places; add one, such as \"gears\"");
+            let message = if plan.bearings.is_empty() {
+                format!("\"{name}\" is that of the recorded places; add one, such as \"gears\"")
+            } else {
+                format!(
+                    "\"{name}\" is that of the recorded places, and a bearing is none: it stands on the ground or on a support; add the name of its support, or (shaft, position)"
+                )
+            };
             return Err(SceneError::new("record", message));
         }
         Ok(plan)
@@ -102,7 +108,12 @@ impl RecordPlan {
                     (None, None) => {
                         let bodies = scene.bodies().map(|body| body.name.as_str());
                         let shafts = scene.shafts.iter().map(|shaft| shaft.name.as_str());
-                        let near = nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(GROUPS));
+                        // "mesh" is the beginning of a group, but its edit distance to "meshes" is large.
+                        let near = match GROUPS.iter().find(|group| name.len() > 2 && group.starts_with(name.as_str()))
+                        {
+                            Some(group) => format!("; did you mean \"{group}\"?"),
+                            None => nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(GROUPS)),
+                        };
                         let groups = GROUPS.join(", ");
                         return Err(at.error(format!(
                             "\"{name}\" is no gear, disk, shaft or housing, and none of {groups}{near}"

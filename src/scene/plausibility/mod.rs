@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
 use super::number::short;
-use super::{BearingCoefficient, Body, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
+use super::{BearingCoefficient, Body, Bow, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
 use findings::Findings;
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
@@ -26,6 +26,9 @@ const GRAVITY: f64 = 9.806_65;
 const INERTIA_TOLERANCE: f64 = 0.05;
 /// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
 const PITCH_LINE_SPEED: f64 = 250.0;
+
+/// Largest plausible deflection of a bow at the end of a shaft beyond the points, relative to the largest amplitude.
+const EXTRAPOLATED: f64 = 0.5;
 
 /// Smallest plausible stiffness of a bearing relative to that of its shaft. Smaller values give a warning if the
 /// displacement under the weight also exceeds [`SETTLING`].
@@ -115,7 +118,30 @@ fn check_shaft(
         .flatten()
         .enumerate()
         .for_each(|(i, phase)| found.check_angle(&at.field("phases").index(i), *phase));
+    check_extrapolation(shaft, list.unwrap_or(0.0), &at, found);
     Ok(())
+}
+
+/// Warns of a bow whose points end before the shaft does, if the straight extrapolation is large compared with the points.
+fn check_extrapolation(shaft: &Shaft, largest: f64, at: &EntryPath, found: &mut Findings) {
+    let Some(Bow::Points(spline)) = &shaft.bow else { return };
+    let [first, last] = spline.range();
+    for (end, measured) in [(0.0, first), (shaft.length(), last)] {
+        let deflection = spline.at(end).0.norm();
+        if (end - measured).abs() > 1e-9 * shaft.length() && deflection > EXTRAPOLATED * largest {
+            found.add(
+                "extrapolated bow",
+                &at.field("positions"),
+                &format!(
+                    "the points end at {} m, and the straight line beyond them deflects the end of the shaft at {} m by {} m, more than half of the largest amplitude, {} m; add points up to the ends of the shaft",
+                    short(measured),
+                    short(end),
+                    short(deflection),
+                    short(largest)
+                ),
+            );
+        }
+    }
 }
 
 /// Whether a density means a massless shaft, for example of a Jeffcott rotor. Such a density is at most 1 and is not the

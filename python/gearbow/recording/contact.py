@@ -1,0 +1,261 @@
+"""Contact of the flanks of a mesh over a recorded run, from its events."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._shown import Shown
+from gearbow._types import Array
+from gearbow.description.gears import Gear, Mesh
+from gearbow.recording.record import Event
+from gearbow.recording.request import RunRequest
+
+__all__ = ["Contact", "ContactShares", "MeshScene", "contact_at", "first_contact", "shares"]
+
+
+class Contact(IntEnum):
+    """Flanks of a mesh that are in contact.
+
+    NONE is 0, DRIVE 1, BACK 2 and BOTH 3. The drive flanks push the driven gear in its direction of
+    rotation, the back flanks against it. Both are in contact where the displacements of the shafts
+    reduce the centre distance by more than the backlash allows.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.Contact(2)
+    <Contact.BACK: 2>
+    """
+
+    NONE = 0
+    DRIVE = 1
+    BACK = 2
+    BOTH = 3
+
+
+#: Contact after each kind of event that changes it.
+_AFTER = {
+    "contact": Contact.DRIVE,
+    "back contact": Contact.BACK,
+    "separation": Contact.NONE,
+    "tight": Contact.BOTH,
+}
+
+
+@dataclass(frozen=True)
+class ContactShares(Shown):
+    """Shares of the time in each state of contact of a mesh; their sum is 1.
+
+    Parameters
+    ----------
+    drive : float
+        Share with contact of the drive flanks only.
+    back : float
+        Share with contact of the back flanks only.
+    both : float
+        Share with contact of both flanks.
+    none : float
+        Share without contact.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shares = gb.ContactShares(drive=0.9, back=0.02, both=0.0, none=0.08)
+    >>> print(f"{shares.lost:.2f}")
+    0.10
+    """
+
+    drive: float
+    back: float
+    both: float
+    none: float
+
+    @property
+    def lost(self) -> float:
+        """Share of the time without contact of the drive flanks.
+
+        Returns
+        -------
+        float
+            Sum of `back` and `none`.
+        """
+        return self.back + self.none
+
+
+def contact_at(times: Array, events: Sequence[Event], first: Contact) -> NDArray[np.int8]:
+    """Find the contact of a mesh at given times.
+
+    Parameters
+    ----------
+    times : ndarray, shape (k,)
+        Times [s].
+    events : sequence of Event
+        Events of the mesh.
+    first : Contact
+        Contact before the first change.
+
+    Returns
+    -------
+    ndarray of int8, shape (k,)
+        Values of `Contact`.
+    """
+    changes, states = _changes(events)
+    after = np.array([first, *states], dtype=np.int8)
+    return after[np.searchsorted(changes, times, side="right")]
+
+
+def shares(begin: float, end: float, events: Sequence[Event], first: Contact) -> ContactShares:
+    """Find the share of each state of contact between two times.
+
+    Parameters
+    ----------
+    begin, end : float
+        First and last time [s].
+    events : sequence of Event
+        Events of the mesh.
+    first : Contact
+        Contact before the first change.
+
+    Returns
+    -------
+    ContactShares
+        The shares; of one instant, 1 for its state.
+    """
+    changes, _ = _changes(events)
+    bounds = np.concatenate([[begin], changes[(changes > begin) & (changes < end)], [end]])
+    lengths = np.diff(bounds)
+    weights = lengths / (end - begin) if end > begin else np.ones(1)
+    found = contact_at(bounds[:-1], events, first)
+    total = np.bincount(found, weights=weights, minlength=len(Contact))
+    return ContactShares(
+        **{name: float(total[Contact[name.upper()]]) for name in ("drive", "back", "both", "none")}
+    )
+
+
+def first_contact(
+    time: Array, mesh: Mapping[str, Array], events: Sequence[Event], scene: "MeshScene | None"
+) -> Contact:
+    """Find the contact before the first change, which no event tells.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        Times [s].
+    mesh : mapping of {str: ndarray of shape (k,)}
+        Recorded quantities of the mesh.
+    events : sequence of Event
+        Events of the mesh.
+    scene : MeshScene or None
+        Backlash and geometry; None if unknown.
+
+    Returns
+    -------
+    Contact
+        The contact. It follows from the last recorded instant before the first change.
+    """
+    changes, _ = _changes(events)
+    before = int(np.searchsorted(time, changes[0])) if changes.size else time.size
+    if before == 0 or (scene is not None and scene.backlash is None):
+        return Contact.DRIVE
+    at = {name: float(values[before - 1]) for name, values in mesh.items()}
+    if at["stiffness"] == 0.0:
+        return Contact.NONE
+    if scene is None:
+        return Contact.DRIVE if at["force"] >= 0.0 else Contact.BACK
+    if scene.back_deflection(at) > 0.0:
+        return Contact.BOTH if at["deflection"] > 0.0 else Contact.BACK
+    return Contact.DRIVE
+
+
+@dataclass(frozen=True)
+class MeshScene(Shown):
+    """Backlash of a mesh, and what lets it change with the centre distance.
+
+    Parameters
+    ----------
+    backlash : float or None
+        Backlash normal to the teeth for the centres at rest [m]; None if the flanks never separate.
+    pressure_angle : float
+        Pressure angle of the basic rack in the transverse section [rad].
+    centre_distance : float or None
+        Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
+    base_helix_cosine : float
+        Cosine of the base helix angle.
+    frozen : bool
+        Whether the run has frozen geometry.
+    """
+
+    backlash: float | None
+    pressure_angle: float
+    centre_distance: float | None
+    base_helix_cosine: float
+    frozen: bool
+
+    @classmethod
+    def of(cls, request: RunRequest, driver: str, driven: str) -> "MeshScene":
+        """Take the data of one mesh from the scene of a run.
+
+        Parameters
+        ----------
+        request : RunRequest
+            Scene and options of the run.
+        driver, driven : str
+            Names of the gears.
+
+        Returns
+        -------
+        MeshScene
+            The data.
+        """
+        plain = {entry["name"]: entry for entry in request.description["gears"]}
+        gear: Gear = Gear._from_description(plain[driver])
+        mesh = next(
+            Mesh._from_description(entry)
+            for entry in request.description["meshes"]
+            if (entry["driver"], entry["driven"]) == (driver, driven)
+        )
+        helix, normal = gear.helix_angle, gear.pressure_angle
+        return cls(
+            mesh.backlash,
+            math.atan(math.tan(normal) / math.cos(helix)),
+            mesh.centre_distance,
+            math.sqrt(1.0 - (math.sin(helix) * math.cos(normal)) ** 2),
+            request.options.get("geometry") == "frozen",
+        )
+
+    def back_deflection(self, at: Mapping[str, float]) -> float:
+        """Find the deflection of the back flanks, positive in contact.
+
+        A transmission error, which moves the drive flanks only, is left out.
+
+        Parameters
+        ----------
+        at : mapping of {str: float}
+            Recorded quantities of the mesh at one instant.
+
+        Returns
+        -------
+        float
+            Deflection normal to the teeth [m].
+        """
+        distance, angle = at["centre_distance"], at["pressure_angle"]
+        base = distance * math.cos(angle)
+        rest = self.centre_distance or base / math.cos(self.pressure_angle)
+        angle_at_rest = math.acos(min(1.0, base / rest))
+        if self.frozen:
+            longer = math.sin(angle_at_rest) * (distance - rest)
+        else:
+            involute = math.tan(angle) - angle - math.tan(angle_at_rest) + angle_at_rest
+            longer = base * involute
+        return -at["deflection"] - (self.backlash or 0.0) - 2.0 * longer * self.base_helix_cosine
+
+
+def _changes(events: Sequence[Event]) -> tuple[Array, list[Contact]]:
+    """Give the times at which the contact changes, and the contact after each."""
+    changes = [event for event in events if event.kind in _AFTER]
+    changes.sort(key=lambda event: event.time)
+    return np.array([event.time for event in changes]), [_AFTER[each.kind] for each in changes]
