@@ -156,8 +156,7 @@ pub fn initial_state<'py>(
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) =
-        background::run(py, None, move |_, watch| steady::initial_state(&cached, &options, watch))?;
+    let (outcome, raised) = background::run(py, None, move |_, watch| steady::initial_state(&cached, &options, watch))?;
     let state = finished(outcome, raised)?;
     Ok(PyArray1::from_vec(py, by_halves(&state, |q| owner.model().numbering.to_user_order(q))))
 }
