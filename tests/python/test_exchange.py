@@ -175,6 +175,8 @@ def test_a_table_of_coefficients(tmp_path: Path):
         ("[rpm]", "[Hz]", "line 2, column \"speed\": 'Hz' is not a known unit"),
         ("[rpm]", "[mm]", 'line 2, column "speed": must have a unit that converts to rad/s'),
         ("kyz", "kxy", "line 2: 'kxy [N/um]' is not a column; there are speed, k, kyy"),
+        ("kyz", "kxy", "kxx, kxy, kyx, kyy for kyy, kyz, kzy, kzz"),
+        ("speed [rpm]", "rpm", 'in brackets behind its column, for example "speed [rpm]"'),
         ("kyz", "kzz", "line 2: the column 'kzz' occurs twice"),
         (
             "25;",

@@ -259,8 +259,22 @@ def test_a_start_on_the_synchronous_motion_takes_the_bearings_of_the_first_speed
     )
 
 
+def test_an_analysis_without_speed_says_how_to_give_one():
+    bearing = gb.Bearing(
+        "s", 0.0, stiffness=gb.SpeedTable(gb.rpm(np.array([500.0, 1e4])), [1e7, 2e7])
+    )
+    system = gb.RotorSystem(
+        [gb.Shaft("s", length=1.0, outer_diameter=0.05)],
+        bearings=[bearing, gb.Bearing("s", 1.0, stiffness=1e7)],
+    )
+    text = r"ranges from 52.36 to 1047 rad/s \(500 to 10000 rpm\), .* 0 rad/s .*; give .* speed="
+    for ask in (system.modes, system.matrices, system.static):
+        with pytest.raises(gb.SceneError, match=text):
+            ask()
+
+
 def test_speeds_outside_the_table_name_bearing_speed_and_range():
-    text = r'bearings\[0\].stiffness: the table ranges from 0 to 160 rad/s, but the shaft "s" turns at 200 rad/s'
+    text = r'bearings\[0\].stiffness: the table ranges from 0 to 160 rad/s \(0 to 1528 rpm\), but the shaft "s" turns at 200 rad/s \(1910 rpm\); extend'
     system = rotor()
     for ask in (
         lambda: system.modes(200.0),
@@ -364,8 +378,8 @@ def test_tables_of_different_ranges_limit_every_analysis_to_the_common_range(nam
     for speed in (50.0, LAST_COMMON):
         analysis(system, speed)
     outside = {
-        40.0: r'bearings\[0\].stiffness: the table ranges from 50 to 150 rad/s, but the shaft "a" turns at 40 rad/s',
-        80.0: r'bearings\[2\].stiffness: the table ranges from 20 to 60 rad/s, but the shaft "b" turns at 62.5 rad/s',
+        40.0: r'bearings\[0\].stiffness: the table ranges from 50 to 150 rad/s .*, but the shaft "a" turns at 40 rad/s',
+        80.0: r'bearings\[2\].stiffness: the table ranges from 20 to 60 rad/s .*, but the shaft "b" turns at 62.5 rad/s',
     }
     for speed, message in outside.items():
         with pytest.raises(gb.SceneError, match="^" + message):
