@@ -28,8 +28,6 @@ const RANGE: f64 = 1.01;
 /// A model with modal damping and the loaded flanks of one direction of rotation.
 pub struct RotatingResponse<'m> {
     model: &'m Model,
-    /// Speed of the loaded tooth flanks (reference shaft), rad/s.
-    flank_speed: f64,
     /// √A.
     root: SquareRoot<'m>,
     /// K.
@@ -39,24 +37,23 @@ pub struct RotatingResponse<'m> {
 }
 
 impl<'m> RotatingResponse<'m> {
-    /// Prepares responses with the loaded tooth flanks of `flank_speed` (reference shaft, rad/s); `range` has the
+    /// Prepares responses at speeds with the loaded tooth flanks of `speed` (reference shaft, rad/s); `range` has the
     /// undamped frequencies.
     ///
     /// # Errors
     /// [`DecompositionError`] if a linear system has no accurate solution.
-    pub fn new(model: &'m Model, flank_speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
+    pub fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
         let lowest = range.slowest.unwrap_or(range.fastest);
         Ok(Self {
-            root: SquareRoot::new(model, flank_speed, [lowest / RANGE, range.fastest * RANGE])?,
-            stiffness: model.sparse_stiffness(flank_speed),
-            symmetric_part: model.sparse_symmetric_stiffness(flank_speed),
+            root: SquareRoot::new(model, speed, [lowest / RANGE, range.fastest * RANGE])?,
+            stiffness: model.sparse_stiffness(speed),
+            symmetric_part: model.sparse_symmetric_stiffness(speed),
             model,
-            flank_speed,
         })
     }
 
-    /// Phasors of the response to `force`, N and N m, at the speed and the spin of the force, rad/s: n entries, m and rad.
-    /// Second: the number of iterations. `None` if round-off or the iteration leaves no accurate solution.
+    /// Phasors of the response to `force`, N and N m, at the speed of the reference shaft and the spin of the force, rad/s: n
+    /// entries, m and rad. Second: the number of iterations. `None` if round-off or the iteration leaves no accurate solution.
     pub fn solve(&self, [speed, spin]: [f64; 2], force: &DVector<Complex64>) -> Option<(DVector<Complex64>, usize)> {
         let (square, damping) = (spin * spin, Complex64::new(0.0, self.model.scene.modal_damping * spin.signum()));
         let weights = Weights {
@@ -65,7 +62,7 @@ impl<'m> RotatingResponse<'m> {
             gyroscopic: Complex64::new(0.0, spin * speed),
             ..Weights::dynamic(Complex64::new(0.0, spin), 0.0)
         };
-        let factors = self.model.dynamic_stiffness(&weights, self.flank_speed).factor(spin.signum()).ok()?;
+        let factors = self.model.dynamic_stiffness(&weights, speed).factor(spin.signum()).ok()?;
         let start = self.solve_bands(&factors, force).ok()?;
         // (I − E) x.
         let apply = |x: &DVector<Complex64>| {

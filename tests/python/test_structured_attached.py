@@ -11,7 +11,7 @@ import pytest
 import gearbow as gb
 from test_structured_solver import (
     assert_lowest_modes,
-    assert_same_response,
+    assert_response_with_modal_damping,
     round_off,
     through_dense_matrices,
 )
@@ -141,7 +141,8 @@ def test_the_critical_speeds_are_those_of_dense_matrices():
 def test_the_synchronous_response_is_that_of_dense_matrices(name: str):
     if name == "free to turn":
         pytest.skip("the dense inverse of a free body has the round-off of its zero frequency")
-    assert_same_response(SYSTEMS[name](), np.array([17.0, 150.0, 400.0]))
+    system = SYSTEMS[name]().replace(modal_damping=0.02)
+    assert_response_with_modal_damping(system, [17.0, 150.0, 400.0])
 
 
 @pytest.mark.parametrize("name", ["damped", "torque over the speed", "no drive"])

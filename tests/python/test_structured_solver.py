@@ -347,3 +347,10 @@ def test_nine_thousand_elements_need_memory_in_proportion():
     for refused in (system.matrices, system.modes):
         with pytest.raises(gb.SceneError, match=r"36004 degrees of freedom need .* GB of memory"):
             refused()
+
+
+def test_too_many_overdamped_modes_are_refused_before_dense_matrices():
+    # 2044 degrees of freedom, almost all modes overdamped
+    system = shaft_of(510).replace(rayleigh=(0.0, 1e-3), modal_damping=0.02)
+    with pytest.raises(gb.ConvergenceError, match=r"^the 10 lowest modes .* use at most 2000"):
+        system.modes(100.0, count=10)
