@@ -6,7 +6,7 @@ Sweep over speed and bow: a table and a map
 of a point, the other measures it. The result is an array, or a data frame with one row for each
 point.
 
-The figure shows the amplitude of the mesh force over speed and bow. White crosses mark the points
+The figure shows the amplitude of the mesh force over speed and bow. Red crosses mark the points
 at which the teeth lose contact; the mesh has backlash, so that its teeth separate and do not pull.
 The first turn is the transient.
 """
@@ -62,6 +62,6 @@ colours = panel.pcolormesh(
     grid["speed"], 1e6 * grid["bow"], sweep.values("amplitude").T, norm="log"
 )
 row, column = np.nonzero(sweep.values("lost"))
-panel.plot(grid["speed"][row], 1e6 * grid["bow"][column], "wx")
+panel.plot(grid["speed"][row], 1e6 * grid["bow"][column], "rx")
 figure.colorbar(colours, label="amplitude of the mesh force [N]")
 panel.set(xlabel="speed of the input shaft [rad/s]", ylabel="bow [µm]")
