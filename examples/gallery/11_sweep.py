@@ -6,7 +6,9 @@ Sweep over speed and bow: a table and a map
 of a point, the other measures it. The result is an array, or a data frame with one row for each
 point.
 
-The figure shows the amplitude of the mesh force over speed and bow.
+The figure shows the amplitude of the mesh force over speed and bow. Red crosses mark the points
+at which the teeth lose contact; the mesh has backlash, so that its teeth separate and do not pull.
+The first turn is the transient.
 """
 
 import numpy as np
@@ -30,7 +32,7 @@ def make(speed, bow):
             gb.Gear("pinion", "input", 0.2, teeth=25, **tooth),
             gb.Gear("wheel", "output", 0.2, teeth=50, **tooth),
         ],
-        meshes=[gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.05)],
+        meshes=[gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.05, backlash=2e-4)],
         bearings=[
             gb.Bearing(shaft, x, stiffness=1e8, damping=2e3)
             for shaft in ("input", "output")
@@ -45,7 +47,8 @@ def measure(system, speed, bow):
     times = np.linspace(turn, 2 * turn, 200)
     run = system.simulate(2 * turn, speed, times=times, record=["meshes"], accuracy="draft")
     force = run.mesh("pinion", "wheel").force
-    return {"mean": force.mean(), "amplitude": np.ptp(force) / 2}
+    lost = run.contact_shares("pinion", "wheel").lost  # share of the time
+    return {"mean": force.mean(), "amplitude": np.ptp(force) / 2, "lost": lost}
 
 
 grid = {"speed": np.linspace(200.0, 1600.0, 8), "bow": np.linspace(2.5e-5, 1e-4, 4)}
@@ -58,5 +61,7 @@ panel = figure.subplots()
 colours = panel.pcolormesh(
     grid["speed"], 1e6 * grid["bow"], sweep.values("amplitude").T, norm="log"
 )
+row, column = np.nonzero(sweep.values("lost"))
+panel.plot(grid["speed"][row], 1e6 * grid["bow"][column], "rx")
 figure.colorbar(colours, label="amplitude of the mesh force [N]")
 panel.set(xlabel="speed of the input shaft [rad/s]", ylabel="bow [µm]")

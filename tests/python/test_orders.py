@@ -53,7 +53,7 @@ def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
     with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 v is not at"):
         found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
     assert found.rest_share == pytest.approx(1.0, abs=0.01)
-    assert "rest 7.1e-07 m RMS (100 % of the motion)" in found.table()
+    assert "rest 7.1e-07 m RMS (99.9 % of the motion)" in found.table()
     # The RMS of a sine; the fit absorbs a small part of it.
     assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
 
@@ -67,8 +67,9 @@ def test_the_default_contains_significant_higher_harmonics():
         "31× mesh": (775.0, 1e-7 + 0j),
     }
     found = made(1.0, **content).orders("g1", "v")
-    assert found.amplitude("7× mesh g1–g2") == pytest.approx(3e-6)
-    assert found.amplitude("7× mesh g1–g2 + 1× input") == pytest.approx(1e-6)
+    # The lines outside the fit disturb it by 2e-5.
+    assert found.amplitude("7× mesh g1–g2") == pytest.approx(3e-6, rel=1e-4)
+    assert found.amplitude("7× mesh g1–g2 + 1× input") == pytest.approx(1e-6, rel=1e-4)
     # The ninth harmonic is below 1 % of the largest; the default ends with the thirtieth.
     values = {round(order.value, 6) for order in found.orders}
     assert not {225.0, 775.0} & values
@@ -88,8 +89,10 @@ def test_the_default_takes_only_what_the_record_resolves_and_separates():
     found = response.orders("g1", "v")
     assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)
     assert found.rest < 1e-12
-    coarse = made(1.0, 6e-4, a=(25.0, 1e-6 + 0j), b=(25.0, 0j))
-    assert max(order.value for order in coarse.orders("g1", "v").orders) < 0.5 / 6e-4 / SPEED * 6.3
+    # A step of 0.4 ms resolves orders below 78.5: the fourth harmonic appears as another order.
+    coarse = made(1.0, 4e-4, a=(25.0, 1e-6 + 0j), b=(100.0, 1e-6 + 0j))
+    with pytest.warns(gb.AccuracyWarning, match="is not at these orders"):
+        assert max(order.value for order in coarse.orders("g1", "v").orders) == 76.0
 
 
 def test_a_signal_at_rest_has_no_rest():

@@ -419,3 +419,20 @@ def test_ctrl_c_stops_the_runs_in_threads_and_keeps_the_others(tmp_path):
     ended = python(INTERRUPTED, tmp_path / "map.sweep")
     text = "Sweep(torque 2 × bow 1: 2 points, 1 not computed)"
     assert ended.stdout == f"{text} 1.0\n{text}\n", ended.stderr
+
+
+def test_a_sweep_is_drawn_over_one_or_two_parameters():
+    one = gb.sweep(lambda x: x, {"x": [2.0, 1.0]}, lambda s, x: {"y": 3.0 * x})
+    (panel,) = one.plot("y").axes
+    assert panel.get_lines()[0].get_xydata().tolist() == [[1.0, 3.0], [2.0, 6.0]]
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("x", "y")
+    grid = {"a": [1.0, 2.0], "b": [5.0], "c": [1.0, 3.0, 2.0]}
+    two = gb.sweep(lambda a, b, c: a, grid, lambda s, a, b, c: {"y": a + c, "text": "t"})
+    panel, bar = two.plot("y").axes
+    assert panel.collections[0].get_array().tolist() == [[2.0, 3.0], [3.0, 4.0], [4.0, 5.0]]
+    assert (panel.get_xlabel(), panel.get_ylabel(), bar.get_ylabel()) == ("a", "c", "y")
+    with pytest.raises(gb.GearbowError, match=r"^plot: text is not one number"):
+        two.plot("text")
+    points = gb.sweep(lambda x: x, [{"x": 1.0}], lambda s, x: x)
+    with pytest.raises(gb.GearbowError, match=r"^plot: needs a sweep over a grid"):
+        points.plot("value")

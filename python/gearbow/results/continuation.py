@@ -19,6 +19,7 @@ from gearbow.results.response import Response
 from gearbow.results.steady import instability
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -188,6 +189,7 @@ class Continuation(Shown):
         quantity: str | None = None,
         *,
         statistic: str | None = None,
+        speed_unit: str = "rad/s",
         ax: Any = None,
     ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
@@ -201,6 +203,8 @@ class Continuation(Shown):
             Quantity, as for `Response.spectrum`.
         statistic : {"min", "max", "mean", "rms"}, optional
             Number that describes the signal; None is the amplitude.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of a branch over the speed.
         ax : Axes, optional
             Panel for the branch; None makes a new figure.
 
@@ -216,30 +220,77 @@ class Continuation(Shown):
         """
         with extra("plot"):
             from gearbow.plotting import branch as figures  # noqa: PLC0415
+            from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
-        if of is None:
-            recorded = sorted(self._signals.recorded, key=lambda item: not is_pair(item))
-            if not recorded:
-                raise GearbowError("nothing was recorded; give record=['meshes'] to continuation")
-            of = recorded[0]
+        factor, label = speed_axis(speed_unit)
+        if self.parameter != "speed":
+            unit = UNITS[self.parameter]
+            factor, label = (
+                1.0,
+                f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
+            )
+        of = self._first() if of is None else of
         name = channel(self._signals, of, quantity)
         values = (
             self.amplitude(of, quantity)
             if statistic is None
             else self.statistic(statistic, of, quantity)
         )
-        unit = UNITS[self.parameter]
         return figures.branch(
-            self.values,
+            factor * self.values,
             values,
             self.stable,
             self.kinds,
-            labels=(
-                f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
-                f"{statistic or 'amplitude'} of {name.label} [{name.unit}]",
-            ),
+            labels=(label, f"{statistic or 'amplitude'} of {name.label} [{name.unit}]"),
             ax=ax,
         )
+
+    def to_dataframe(self, of: Record | None = None, quantity: str | None = None) -> "pd.DataFrame":
+        """Give the branch as a table with one row for each point.
+
+        Parameters
+        ----------
+        of : str or tuple, optional
+            Owner of the signal, as for `plot`.
+        quantity : str, optional
+            Quantity, as for `Response.spectrum`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns with their unit: the parameter, "stable", "kind", and the statistics and the
+            amplitude of the signal.
+
+        Raises
+        ------
+        ChannelError
+            If the signal was not recorded.
+        MissingExtraError
+            If pandas is not installed.
+        """
+        with extra("dataframe"):
+            import pandas as pd  # noqa: PLC0415
+
+        of = self._first() if of is None else of
+        name = channel(self._signals, of, quantity)
+        unit = UNITS[self.parameter]
+        columns: dict[str, Any] = {
+            f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor": self.values,
+            "stable": self.stable,
+            "kind": self.kinds,
+        }
+        found = {each: self.statistic(each, of, quantity) for each in STATISTICS}
+        found["amplitude"] = self.amplitude(of, quantity)
+        columns |= {f"{each} of {name.label} [{name.unit}]": found[each] for each in found}
+        table: pd.DataFrame = pd.DataFrame(columns)
+        return table
+
+    def _first(self) -> Record:
+        """Give the first recorded mesh, or the first recorded place."""
+        recorded = sorted(self._signals.recorded, key=lambda item: not is_pair(item))
+        if not recorded:
+            raise GearbowError("nothing was recorded; give record=['meshes'] to continuation")
+        return recorded[0]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to a file without rounding.

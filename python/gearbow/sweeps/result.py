@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from numpy.typing import NDArray
 
+from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow._types import Plain
@@ -19,6 +20,7 @@ from gearbow.sweeps.points import Points
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 __all__ = ["Sweep", "SweepPoint"]
 
@@ -191,6 +193,47 @@ class Sweep(Shown, Sequence[SweepPoint]):
         """
         named = {name: self.values(name) for name in self._names()}
         return tables.to_xarray(self._points, named)
+
+    def plot(self, name: str, *, ax: Any = None) -> "Figure":
+        """Draw a value over one or two parameters of a grid.
+
+        Parameters
+        ----------
+        name : str
+            Name of the value, a number at each point.
+        ax : Axes, optional
+            Panel for the value; None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A line over one parameter; a map with colours over two. Points that failed are empty.
+            The figure is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If the sweep is no grid, not one or two of its parameters vary, one of them is not
+            numeric, the value is no number, or `ax` is not one panel.
+        """
+        with extra("plot"):
+            from gearbow.plotting import sweep as figures  # noqa: PLC0415
+
+        if self._points.axes is None:
+            raise GearbowError("plot: needs a sweep over a grid; read values and draw them")
+        axes = {key: axis for key, axis in self.parameters.items() if len(axis) > 1}
+        if len(axes) not in (1, 2):
+            raise GearbowError(
+                f"plot: draws one or two parameters, but {len(axes)} vary: "
+                f"{', '.join(axes) or 'none'}"
+            )
+        for key, axis in axes.items():
+            if not all(isinstance(value, int | float) for value in axis):
+                raise GearbowError(f"plot: the parameter {key} is not numeric")
+        values = self.values(name)
+        if values.ndim != len(self._points.shape) or values.dtype.kind not in "biuf":
+            raise GearbowError(f"plot: {name} is not one number at each point")
+        return figures.sweep(axes, values.squeeze(), name, ax=ax)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the sweep as a table with one row for each point.
