@@ -26,6 +26,7 @@ use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
+use crate::model::Model;
 use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
 
@@ -248,8 +249,12 @@ impl<'a, 'm> Reducer<'a, 'm> {
         Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
     }
 
-    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from that of a lower limit: the errors
-    /// c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
+    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from the difference to another limit. The
+    /// errors c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
+    ///
+    /// With an oil film, the error hardly decreases until the modes resolve the motion at the film, and then falls within a
+    /// small range of the limit: a lower limit says little about it. The difference to a higher limit contains it; for an
+    /// error of e/c² there, the two differ by (1 − 1/c²)e.
     fn measure_components(
         &mut self,
         motion: &EquationOfMotion<'m>,
@@ -257,11 +262,20 @@ impl<'a, 'm> Reducer<'a, 'm> {
         observer: &mut impl Observer,
     ) -> Result<(), AnalysisError> {
         self.exact = self.signals(&self.unreduced, observer)?;
-        let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
         let model = &self.run.cached.model;
-        let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
-        let found = differences(&self.signals(&coarse, observer)?, &self.exact);
-        self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
+        let signals = |limit: f64, observer: &mut _| {
+            let other = of_components(self.run, motion, self.plan, limit)?.state_space()?;
+            let other = self.unreduced.with_linear(model, other, self.plan.selection(model));
+            self.signals(&other, observer)
+        };
+        let (found, decrease) = if has_film(model) {
+            let fine = signals(limit * NEXT_LIMIT, observer)?;
+            (differences(&self.exact, &fine), 1.0 - NEXT_LIMIT.powi(-2))
+        } else {
+            let coarse = signals(limit / COARSER, observer)?;
+            (differences(&coarse, &self.exact), COARSER * COARSER - 1.0)
+        };
+        self.components = Some(found.map(|difference| difference / decrease));
         Ok(())
     }
 
@@ -374,12 +388,11 @@ fn of_components(
     loaded.sort_unstable();
     loaded.dedup();
     let highest = limit * excited_frequency(motion, fastest);
-    // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
-    let has_film = model.nonlinear_bearings.iter().any(|bearing| bearing.film().is_some());
     let share = COMPONENT_SHARE / (limit * limit);
     let found = at_fastest.subspace((speed, highest, ports), |ports| {
         let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
-        if has_film {
+        // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
+        if has_film(model) {
             return Ok(projected);
         }
         let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
@@ -387,6 +400,11 @@ fn of_components(
         projected.restricted(model, speed, &kept)
     });
     Ok(found?)
+}
+
+/// Whether a bearing of the model has an oil film.
+fn has_film(model: &Model) -> bool {
+    model.nonlinear_bearings.iter().any(|bearing| bearing.film().is_some())
 }
 
 /// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
