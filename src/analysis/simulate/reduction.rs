@@ -12,13 +12,14 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::component_subspace::{has_film, of_components};
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::{interface, ports};
+use super::ports::ports;
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::run_cache::RunCache;
@@ -26,7 +27,6 @@ use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Directions, LANES, Projected, StateMatrix};
-use crate::model::Model;
 use crate::motion::EquationOfMotion;
 use crate::scene::SceneError;
 
@@ -51,17 +51,12 @@ const SMALLEST_LIMIT: f64 = 4.0;
 /// Ratio of successive frequency limits, and their number, until the error is below the target.
 const NEXT_LIMIT: f64 = 1.6;
 const MAX_LIMITS: usize = 4;
-/// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
-const COMPONENT_SHARE: f64 = 0.01;
 /// Ratio of the frequency limits of which the error is estimated.
 const COARSER: f64 = 1.5;
 /// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
 const FIRST_SHARE: f64 = 0.1;
 /// Largest errors, in multiples of the target, with which a continued run keeps its modes.
 const CONTINUED: f64 = 3.0;
-/// Harmonics of the tooth meshing frequency that count as excited.
-const HARMONICS: f64 = 10.0;
-
 /// Sets up a run, and reduces its linear motion as the options ask.
 pub(super) fn set_up<'m>(
     run: &Run<'m>,
@@ -263,17 +258,16 @@ impl<'a, 'm> Reducer<'a, 'm> {
     ) -> Result<(), AnalysisError> {
         self.exact = self.signals(&self.unreduced, observer)?;
         let model = &self.run.cached.model;
-        let signals = |limit: f64, observer: &mut _| {
-            let other = of_components(self.run, motion, self.plan, limit)?.state_space()?;
-            let other = self.unreduced.with_linear(model, other, self.plan.selection(model));
-            self.signals(&other, observer)
-        };
+        let other = |limit: f64| of_components(self.run, motion, self.plan, limit);
         let (found, decrease) = if has_film(model) {
-            let fine = signals(limit * NEXT_LIMIT, observer)?;
-            (differences(&self.exact, &fine), 1.0 - NEXT_LIMIT.powi(-2))
+            // The maps of a larger subspace do not follow from those of this one.
+            let fine = other(limit * NEXT_LIMIT)?;
+            let fine = self.run.complete(motion.clone(), self.start, self.plan, Some(&fine))?;
+            (differences(&self.exact, &self.signals(&fine, observer)?), 1.0 - NEXT_LIMIT.powi(-2))
         } else {
-            let coarse = signals(limit / COARSER, observer)?;
-            (differences(&coarse, &self.exact), COARSER * COARSER - 1.0)
+            let coarse = other(limit / COARSER)?.state_space()?;
+            let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
+            (differences(&self.signals(&coarse, observer)?, &self.exact), COARSER * COARSER - 1.0)
         };
         self.components = Some(found.map(|difference| difference / decrease));
         Ok(())
@@ -368,47 +362,4 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
         Ok(Reduction { modes: setup.linear.modes, errors })
     }
-}
-
-/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite, and in
-/// it in the directions that matter for the loads and the recorded coordinates.
-fn of_components(
-    run: &Run<'_>,
-    motion: &EquationOfMotion<'_>,
-    plan: &RecordPlan,
-    limit: f64,
-) -> Result<Arc<Projected>, AnalysisError> {
-    let (fastest, speed) = (run.options.fastest(), reference_speed(run.options));
-    // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
-    let at_fastest = run.cached.at_speed(fastest)?;
-    let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
-    let model = &at_fastest.model;
-    let mut loaded = model.coupled_coordinates(fastest);
-    loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
-    loaded.sort_unstable();
-    loaded.dedup();
-    let highest = limit * excited_frequency(motion, fastest);
-    let share = COMPONENT_SHARE / (limit * limit);
-    let found = at_fastest.subspace((speed, highest, ports), |ports| {
-        let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
-        // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
-        if has_film(model) {
-            return Ok(projected);
-        }
-        let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
-        let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
-        projected.restricted(model, speed, &kept)
-    });
-    Ok(found?)
-}
-
-/// Whether a bearing of the model has an oil film.
-fn has_film(model: &Model) -> bool {
-    model.nonlinear_bearings.iter().any(|bearing| bearing.film().is_some())
-}
-
-/// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
-/// the tooth meshing frequency.
-fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
-    motion.highest_mesh_frequency().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
 }
