@@ -594,6 +594,7 @@ def test_a_reduced_run_keeps_the_oil_films():
 
 
 @pytest.mark.parametrize("modes", [60, 140])
+@pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_the_estimate_of_a_reduced_run_on_oil_films(modes: int):
     given = pair(20.0, THIN)
     shafts = [replace(shaft, elements=24, bow=gb.Bow.half_sine(2e-5)) for shaft in given.shafts]

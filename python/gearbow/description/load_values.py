@@ -38,10 +38,11 @@ def _outline(function: Callable[[Any], Any], path: str) -> dict[str, Plain]:
     """Give samples of the beginning of a function; zeros for one that has no numbers there."""
     times = np.linspace(0.0, _OUTLINE, _SAMPLES)
     try:
-        real, imaginary = (
-            evaluated(lambda t, part=part: part(function(t)), times, path)  # type: ignore[misc]
-            for part in (np.real, np.imag)
-        )
+        with np.errstate(all="ignore"):
+            real, imaginary = (
+                evaluated(lambda t, part=part: part(function(t)), times, path)  # type: ignore[misc]
+                for part in (np.real, np.imag)
+            )
     except (ArithmeticError, LookupError, TypeError, ValueError):
         # A run reports what is wrong with the function.
         real, imaginary = np.zeros((2, _SAMPLES))
