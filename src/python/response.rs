@@ -90,14 +90,14 @@ pub fn response_dict<'py>(
         dict.set_item("acceleration", stack(py, record.acceleration, times, points, 2)?)?;
     }
     if model.scene.axial {
-        dict.set_item("axial", table(py, record.axial, times, points)?)?;
+        dict.set_item("axial", table(py, record.axial.displacement, times, points)?)?;
         if plan.velocity {
-            dict.set_item("axial_velocity", table(py, record.axial_velocity, times, points)?)?;
+            dict.set_item("axial_velocity", table(py, record.axial.velocity, times, points)?)?;
         }
         if plan.acceleration {
-            dict.set_item("axial_acceleration", table(py, record.axial_acceleration, times, points)?)?;
+            dict.set_item("axial_acceleration", table(py, record.axial.acceleration, times, points)?)?;
         }
-        dict.set_item("axial_bearing_force", table(py, record.axial_bearing_force, times, bearings)?)?;
+        dict.set_item("axial_bearing_force", table(py, record.axial.bearing_force, times, bearings)?)?;
     }
     dict.set_item("bearings", plan.bearings.iter().map(|node| owner.place(*node)).collect::<Vec<_>>())?;
     dict.set_item("bearing_force", stack(py, record.bearing_force, times, bearings, 2)?)?;

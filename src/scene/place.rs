@@ -4,16 +4,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::description::{Base, Place, SceneDescription, Support};
+use super::shaft::Station;
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
-
-/// A position on a shaft that needs a node.
-#[derive(Clone, Copy)]
-pub(super) struct Station {
-    /// Position, m.
-    pub position: f64,
-    /// List, index and field of the entry that contains the position.
-    pub entry: (&'static str, usize, &'static str),
-}
 
 /// A name, with the list, index and field of its entry.
 struct NamePlace<'a> {

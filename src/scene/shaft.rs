@@ -1,7 +1,6 @@
 //! Checks shafts and divides them into nodes and elements.
 
 use super::description::{self, STEEL, SceneDescription};
-use super::place::Station;
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 
 /// Positions closer than this fraction of the length of the shaft share a node.
@@ -38,6 +37,15 @@ pub struct Shaft {
     pub degree: usize,
     /// Residual bow.
     pub bow: Option<Bow>,
+}
+
+/// A position on a shaft that needs a node.
+#[derive(Clone, Copy)]
+pub(super) struct Station {
+    /// Position, m.
+    pub position: f64,
+    /// List, index and field of the entry that contains the position.
+    pub entry: (&'static str, usize, &'static str),
 }
 
 impl Shaft {

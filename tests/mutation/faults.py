@@ -79,7 +79,7 @@ FAULTS: list[Fault] = [
         "sensors/probe.py",
         "sensors",
         ("self.angle - recording.angle(self.shaft)", "self.angle + recording.angle(self.shaft)"),
-        ("motion - recording.displacement(self.support)", "motion"),
+        ("motion - displacement(self.support)", "motion"),
         ("np.exp(-1j * angles)", "np.exp(1j * angles)"),
     ),
     *_faults(

@@ -329,7 +329,9 @@ def test_files_checkpoints_tables_and_sensors(tmp_path: Path):
     sensor = gb.Accelerometer("sensor", axial=True)
     assert sensor.label == "accelerometer sensor, axial"
     np.testing.assert_array_equal(run.measure(sensor), run.axial_acceleration("sensor"))
-    with pytest.raises(gb.SceneError, match="accelerometer.angle: an axial accelerometer has none"):
+    with pytest.raises(
+        gb.SceneError, match=r"accelerometer\.angle: an axial accelerometer has none"
+    ):
         gb.Accelerometer("sensor", angle=0.1, axial=True)
     probed = system.simulate(5e-3, 100.0, initial="rest", record=[("rotor", 0.0), "sensor"])
     probe = gb.Probe("rotor", 0.0, support="sensor", axial=True)

@@ -591,3 +591,30 @@ def test_a_reduced_run_keeps_the_oil_films():
     # directions of undamped motion alone would leave 6 % whatever the number of modes
     assert difference.max() < 0.01
     assert difference.max() < run.statistics.modes_error[0] < 0.1
+
+
+@pytest.mark.parametrize("modes", [60, 140])
+@pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
+def test_the_estimate_of_a_reduced_run_on_oil_films(modes: int):
+    given = pair(20.0, THIN)
+    shafts = [replace(shaft, elements=24, bow=gb.Bow.half_sine(2e-5)) for shaft in given.shafts]
+    options: dict[str, Any] = {"initial": "static", "output_step": 1e-4, "rtol": 1e-5}
+    options |= {"method": "exponential", "record": ["gears", "meshes"]}
+    system = given.replace(shafts=shafts)
+    exact = system.simulate(0.005, SPEED, **options)
+    run = system.simulate(0.005, SPEED, modes=modes, **options)
+
+    def error(found: np.ndarray, wanted: np.ndarray) -> float:
+        variation = ((wanted - wanted.mean(axis=0)) ** 2).sum()
+        return float(np.sqrt(((found - wanted) ** 2).sum() / variation))
+
+    gears = [gear.name for gear in system.gears]
+    forces = [each.mesh(*gears).force for each in (run, exact)]
+    true = [
+        max(error(run.displacement(name), exact.displacement(name)) for name in gears),
+        error(*forces),
+    ]
+    ratio = np.array(run.statistics.modes_error) / true
+    # With 140 modes, component modes up to a lower limit would suggest up to 60 times the error.
+    assert (ratio > 1 / 3).all()
+    assert (ratio < 3).all()

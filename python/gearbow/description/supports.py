@@ -81,8 +81,9 @@ class Housing(Part):
 
     `Bearing(support=name)` puts a bearing on it. A housing adds two coordinates, its displacements
     v and w, with `inertia` three more: its rotations B, G about y, z and its roll "twist" about x,
-    and with `axial_stiffness` its axial displacement u. The lever arms of the bearings follow from the positions of the shafts at rest: the first
-    shaft begins at the origin, meshes and couplings give the positions of the others.
+    and with `axial_stiffness` its axial displacement u. The lever arms of the bearings follow from
+    the positions of the shafts at rest: the first shaft begins at the origin, meshes and couplings
+    give the positions of the others.
 
     Parameters
     ----------

@@ -49,8 +49,8 @@ def channel(
         "energy", or a probe or accelerometer.
     quantity : str, optional
         "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
-        "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of the force on a bearing, or a field of
-        `MeshResponse`. None is "v", "y" or the mesh force.
+        "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of the
+        force on a bearing, or a field of `MeshResponse`. None is "v", "y" or the mesh force.
 
     Returns
     -------

@@ -58,7 +58,8 @@ class SignalResponse(Recording):
         quantity : str, optional
             "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
             "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of
-            the force on a bearing, or a field of `MeshResponse`. None is "v", "y" or the mesh force.
+            the force on a bearing, or a field of `MeshResponse`. None is "v", "y" or the mesh
+            force.
         window : {"hann", "flat top", "none"}
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
             whole periods.

@@ -53,8 +53,8 @@ class Accelerometer(SignalSensor):
         object.__setattr__(self, "angle", number(self.angle, "accelerometer.angle"))
         if self.axial and self.angle != 0.0:
             raise SceneError(
-                f"accelerometer.angle: an axial accelerometer has none, got {self.angle}; leave out "
-                "angle or axial"
+                f"accelerometer.angle: an axial accelerometer has none, got {self.angle}; "
+                "leave out angle or axial"
             )
 
     @property

@@ -2,6 +2,7 @@
 
 mod audit;
 mod checkpoint;
+mod component_subspace;
 mod events;
 mod exponential;
 mod initial;
@@ -26,7 +27,7 @@ pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub(in crate::analysis) use period_map::{PeriodMap, with_period_map};
-pub use record::Record;
+pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};
 
 use super::{AnalysisError, Spectrum};

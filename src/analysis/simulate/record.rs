@@ -23,14 +23,8 @@ pub struct Record {
     pub twist_rate: Vec<f64>,
     /// (v̈, ẅ) of every point, m/s².
     pub acceleration: Vec<f64>,
-    /// u of every point, m; empty in a scene without axial motion, like the two following.
-    pub axial: Vec<f64>,
-    /// u̇ of every point, m/s; empty where not asked for.
-    pub axial_velocity: Vec<f64>,
-    /// ü of every point, m/s²; empty where not asked for.
-    pub axial_acceleration: Vec<f64>,
-    /// Axial force of the shaft on the bearings of every bearing node, N; empty in a scene without axial motion.
-    pub axial_bearing_force: Vec<f64>,
+    /// Axial motion; empty in a scene without it.
+    pub axial: AxialRecord,
     /// Force of the shaft on the bearings of every bearing node over (y, z), N.
     pub bearing_force: Vec<f64>,
     /// Displacement (y, z) of the shaft at every recorded bearing node relative to what the bearing stands on, m.
@@ -43,6 +37,19 @@ pub struct Record {
     pub energy: Vec<(Energies, [f64; 6])>,
     /// Contact events and warnings of the meshes.
     pub events: Vec<Event>,
+}
+
+/// The recorded axial motion, in the form of [`Record`].
+#[derive(Clone, Debug, Default)]
+pub struct AxialRecord {
+    /// u of every point, m.
+    pub displacement: Vec<f64>,
+    /// u̇ of every point, m/s; empty where not asked for.
+    pub velocity: Vec<f64>,
+    /// ü of every point, m/s²; empty where not asked for.
+    pub acceleration: Vec<f64>,
+    /// Force of the shaft on the bearings of every bearing node, N.
+    pub bearing_force: Vec<f64>,
 }
 
 /// Largest number of outputs that are read together.
@@ -90,10 +97,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             velocity: room(if plan.velocity { 2 * plan.points.len() } else { 0 }),
             twist_rate: room(if plan.velocity { plan.points.len() } else { 0 }),
             acceleration: room(if plan.acceleration { 2 * plan.points.len() } else { 0 }),
-            axial: room(if model.scene.axial { plan.points.len() } else { 0 }),
-            axial_velocity: room(if model.scene.axial && plan.velocity { plan.points.len() } else { 0 }),
-            axial_acceleration: room(if model.scene.axial && plan.acceleration { plan.points.len() } else { 0 }),
-            axial_bearing_force: room(if model.scene.axial { plan.bearings.len() } else { 0 }),
+            axial: AxialRecord::default(),
             bearing_force: room(2 * plan.bearings.len()),
             bearing_displacement: room(2 * plan.bearings.len()),
             rolling: Vec::new(),
@@ -222,16 +226,16 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         if model.scene.axial {
             let points = || self.plan.points.iter();
-            self.record.axial.extend(points().map(|point| along_row(&point.axial, q)));
+            self.record.axial.displacement.extend(points().map(|point| along_row(&point.axial, q)));
             if self.plan.velocity {
-                self.record.axial_velocity.extend(points().map(|point| along_row(&point.axial, v)));
+                self.record.axial.velocity.extend(points().map(|point| along_row(&point.axial, v)));
             }
             if self.plan.acceleration {
                 let a = &self.acceleration[own];
-                self.record.axial_acceleration.extend(points().map(|point| along_row(&point.axial, a)));
+                self.record.axial.acceleration.extend(points().map(|point| along_row(&point.axial, a)));
             }
             let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
-            self.record.axial_bearing_force.extend(forces);
+            self.record.axial.bearing_force.extend(forces);
         }
         Ok(())
     }

@@ -12,13 +12,14 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::component_subspace::{has_film, of_components};
 use super::exponential::countable_grid;
 use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::{interface, ports};
+use super::ports::ports;
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::run_cache::RunCache;
@@ -50,17 +51,12 @@ const SMALLEST_LIMIT: f64 = 4.0;
 /// Ratio of successive frequency limits, and their number, until the error is below the target.
 const NEXT_LIMIT: f64 = 1.6;
 const MAX_LIMITS: usize = 4;
-/// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
-const COMPONENT_SHARE: f64 = 0.01;
 /// Ratio of the frequency limits of which the error is estimated.
 const COARSER: f64 = 1.5;
 /// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
 const FIRST_SHARE: f64 = 0.1;
 /// Largest errors, in multiples of the target, with which a continued run keeps its modes.
 const CONTINUED: f64 = 3.0;
-/// Harmonics of the tooth meshing frequency that count as excited.
-const HARMONICS: f64 = 10.0;
-
 /// Sets up a run, and reduces its linear motion as the options ask.
 pub(super) fn set_up<'m>(
     run: &Run<'m>,
@@ -248,8 +244,12 @@ impl<'a, 'm> Reducer<'a, 'm> {
         Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
     }
 
-    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from that of a lower limit: the errors
-    /// c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
+    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from the difference to another limit. The
+    /// errors c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
+    ///
+    /// With an oil film, the error hardly decreases until the modes resolve the motion at the film, and then falls within a
+    /// small range of the limit: a lower limit says little about it. The difference to a higher limit contains it; for an
+    /// error of e/c² there, the two differ by (1 − 1/c²)e.
     fn measure_components(
         &mut self,
         motion: &EquationOfMotion<'m>,
@@ -257,11 +257,19 @@ impl<'a, 'm> Reducer<'a, 'm> {
         observer: &mut impl Observer,
     ) -> Result<(), AnalysisError> {
         self.exact = self.signals(&self.unreduced, observer)?;
-        let coarse = of_components(self.run, motion, self.plan, limit / COARSER)?.state_space()?;
         let model = &self.run.cached.model;
-        let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
-        let found = differences(&self.signals(&coarse, observer)?, &self.exact);
-        self.components = Some(found.map(|difference| difference / (COARSER * COARSER - 1.0)));
+        let other = |limit: f64| of_components(self.run, motion, self.plan, limit);
+        let (found, decrease) = if has_film(model) {
+            // The maps of a larger subspace do not follow from those of this one.
+            let fine = other(limit * NEXT_LIMIT)?;
+            let fine = self.run.complete(motion.clone(), self.start, self.plan, Some(&fine))?;
+            (differences(&self.exact, &self.signals(&fine, observer)?), 1.0 - NEXT_LIMIT.powi(-2))
+        } else {
+            let coarse = other(limit / COARSER)?.state_space()?;
+            let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
+            (differences(&self.signals(&coarse, observer)?, &self.exact), COARSER * COARSER - 1.0)
+        };
+        self.components = Some(found.map(|difference| difference / decrease));
         Ok(())
     }
 
@@ -354,43 +362,4 @@ impl<'a, 'm> Reducer<'a, 'm> {
         let errors = std::array::from_fn(|kind| found[kind].hypot(components[kind]));
         Ok(Reduction { modes: setup.linear.modes, errors })
     }
-}
-
-/// The linear motion in the component modes up to `limit`, in multiples of the frequency that the teeth excite, and in
-/// it in the directions that matter for the loads and the recorded coordinates.
-fn of_components(
-    run: &Run<'_>,
-    motion: &EquationOfMotion<'_>,
-    plan: &RecordPlan,
-    limit: f64,
-) -> Result<Arc<Projected>, AnalysisError> {
-    let (fastest, speed) = (run.options.fastest(), reference_speed(run.options));
-    // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
-    let at_fastest = run.cached.at_speed(fastest)?;
-    let ports = interface(&run.cached.model, fastest, &plan.selection(&run.cached.model));
-    let model = &at_fastest.model;
-    let mut loaded = model.coupled_coordinates(fastest);
-    loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
-    loaded.sort_unstable();
-    loaded.dedup();
-    let highest = limit * excited_frequency(motion, fastest);
-    // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
-    let has_film = model.nonlinear_bearings.iter().any(|bearing| bearing.film().is_some());
-    let share = COMPONENT_SHARE / (limit * limit);
-    let found = at_fastest.subspace((speed, highest, ports), |ports| {
-        let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
-        if has_film {
-            return Ok(projected);
-        }
-        let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
-        let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
-        projected.restricted(model, speed, &kept)
-    });
-    Ok(found?)
-}
-
-/// Highest angular frequency that teeth excite, rad/s: of the gears on their mesh stiffness, or of the harmonics of
-/// the tooth meshing frequency.
-fn excited_frequency(motion: &EquationOfMotion<'_>, speed: f64) -> f64 {
-    motion.highest_mesh_frequency().max(HARMONICS * motion.model().max_mesh_order() * speed.abs())
 }
