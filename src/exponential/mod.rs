@@ -66,6 +66,7 @@ pub use interface_maps::InterfaceMaps;
 pub use level_control::LevelControl;
 pub use nonlinear_loads::NonlinearLoads;
 pub use output::{OutputMap, Selection};
+pub(crate) use phi::phi;
 pub use quadrature::{MAX_STAGES, QuadratureRule};
 pub use rotating_source::is_resonant;
 pub use step::Stepper;

@@ -40,6 +40,22 @@ impl Curve {
         [y + t * (m + t * (c + t * d)), m + t * (2.0 * c + t * 3.0 * d)]
     }
 
+    /// Width of each piece, and the coefficients of dy/dx = a + b s + c s² in the distance s from its begin.
+    pub fn derivative_pieces(&self) -> impl Iterator<Item = (f64, [f64; 3])> + '_ {
+        let knots = self.x.windows(2).zip(self.y.windows(2)).zip(self.slopes.windows(2));
+        knots.map(|((x, y), slopes)| {
+            let (width, m, n) = (x[1] - x[0], slopes[0], slopes[1]);
+            let secant = (y[1] - y[0]) / width;
+            (width, [m, 2.0 * (3.0 * secant - 2.0 * m - n) / width, 3.0 * (m + n - 2.0 * secant) / (width * width)])
+        })
+    }
+
+    /// Difference of the largest and the smallest y of the points.
+    pub fn span(&self) -> f64 {
+        let [low, high] = self.y.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], y| [l.min(*y), h.max(*y)]);
+        high - low
+    }
+
     /// First and last x.
     pub fn range(&self) -> [f64; 2] {
         [self.x[0], self.x[self.x.len() - 1]]

@@ -13,7 +13,7 @@ from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
-__all__ = ["SpeedProfile", "plain_speed", "read_speed", "sampled"]
+__all__ = ["SpeedProfile", "evaluated", "plain_speed", "read_speed", "sampled"]
 
 #: Tolerance of the sampling of a function, relative to the largest speed. Each cubic piece is
 #: compared with the function at two points; elsewhere the error is at most twice as large.
@@ -290,7 +290,7 @@ def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, A
         parts = np.array([0.0, 1 / 3, 2 / 3, 1.0, 1 / 6, 1 / 2])[:, np.newaxis]
         times = left + (right - left) * parts
         times[3] = right  # exactly the beginning of the next piece
-        values = _evaluated(f, times, path)
+        values = evaluated(f, times, path)
         largest = max(largest, float(np.abs(values).max()))
         a, b, c, d = values[:4]
         h = right - left
@@ -321,8 +321,28 @@ def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, A
     )
 
 
-def _evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
-    """Evaluate a function that takes one time or an array of times."""
+def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
+    """Evaluate a function that takes one time or an array of times.
+
+    Parameters
+    ----------
+    f : callable
+        Gives a real number at a time [s], or at an array of times.
+    times : ndarray
+        Times [s].
+    path : str
+        Beginning of error messages.
+
+    Returns
+    -------
+    ndarray, shape of times
+        The values.
+
+    Raises
+    ------
+    SceneError
+        If a value is no finite number.
+    """
     flat = times.reshape(-1)
     try:
         values: NDArray[Any] = np.asarray(f(flat))

@@ -239,11 +239,15 @@ class SystemDescription(CheckedKeywords, Shown):
         return self._model.description()
 
     def _over_time(self, begin: float, duration: float) -> "Self":
-        """Replace functions of time by their samples over a run."""
+        """Replace functions of time by their samples over a run. The elements stay the same."""
         lists = {"torques": self.torques, "forces": self.forces}
         if not functions(**lists):
             return self
-        return self.replace(**{k: over_time(v, begin, duration, k) for k, v in lists.items()})
+        changes: dict[str, Any] = {k: over_time(v, begin, duration, k) for k, v in lists.items()}
+        if self._model.choice is not None:
+            given = self._model.resolved()["shafts"]
+            changes["shafts"] = [Shaft._from_description(shaft) for shaft in given]
+        return self.replace(**changes)
 
     @property
     def discretisation(self) -> Discretisation:

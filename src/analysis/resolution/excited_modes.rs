@@ -1,5 +1,6 @@
 //! The modes that the teeth excite: frequency, damping, amplitude, and the elastic energy in each part of the shafts.
 
+use super::varying_loads::{VaryingLoad, varying_loads};
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
@@ -48,8 +49,8 @@ pub struct Excitation {
     pub modes: Vec<ExcitedMode>,
 }
 
-/// The response of the mesh forces and of the gears to steps of the mesh forces, and of gears and disks to the loads of a
-/// run that starts from rest. Without meshes, also that of the shafts to a uniform and a linear acceleration of each shaft.
+/// The response of the mesh forces and of the gears to steps of the mesh forces, of gears and disks to the loads of a run that
+/// starts from rest, and of both to loads over time. Without meshes, also that of the shafts to a uniform and a linear acceleration of each shaft.
 pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
     let model = &cached.model;
     let of_components;
@@ -70,6 +71,9 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
     }
     for load in released_loads(model) {
         add_release(model, &load, &elastic, &mut signals, &mut squares);
+    }
+    for load in varying_loads(model) {
+        add_varying(model, &load, &elastic, &mut signals, &mut squares);
     }
     if model.meshes.is_empty() {
         for load in inertia_loads(model) {
@@ -138,29 +142,70 @@ fn add_release(
     squares: &mut [Vec<f64>],
 ) {
     let amplitudes: Vec<f64> = elastic.iter().map(|(w, shape)| dot(load, shape) / (w * w)).collect();
-    let bodies =
-        model.scene.gears.iter().map(|gear| gear.body.node).chain(model.scene.disks.iter().map(|disk| disk.node));
-    let moved: Vec<Vec<f64>> = bodies
-        .filter_map(|node| model.numbering.translation(node))
-        .map(|v| {
-            let displacement =
-                |((_, shape), amplitude): (&(f64, &[f64]), &f64)| shape[v].hypot(shape[v + 1]) * amplitude;
-            elastic.iter().zip(&amplitudes).map(|pair| displacement(pair).powi(2)).collect()
-        })
-        .collect();
+    let moved = lateral_motion(model, elastic, &amplitudes);
+    if moved.is_empty() {
+        add_all_masses(&amplitudes, signals, squares);
+    }
+    push_moved(&moved, true, signals, squares);
+}
+
+/// Adds the lateral displacements and twists of gears and disks, and the mesh forces, that a load over time causes.
+fn add_varying(
+    model: &Model,
+    load: &VaryingLoad<'_>,
+    elastic: &[(f64, &[f64])],
+    signals: &mut Vec<Signal>,
+    squares: &mut [Vec<f64>],
+) {
+    let amplitude = |(w, shape): &(f64, &[f64])| {
+        let force: f64 = load.entries.iter().map(|(index, coefficient)| coefficient * shape[*index]).sum();
+        force * load.amplitude(*w, damping(model, *w, shape)) / (w * w)
+    };
+    let amplitudes: Vec<f64> = elastic.iter().map(amplitude).collect();
+    let each = |scalar: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
+        elastic.iter().zip(&amplitudes).map(|((_, shape), amplitude)| (scalar(shape) * amplitude).powi(2)).collect()
+    };
+    let meshes = model.meshes.iter().enumerate();
+    let forces: Vec<_> =
+        meshes.map(|(i, mesh)| each(&|shape| mesh.deflection_at_rest(model.sigma(i, 0.0), shape))).collect();
+    let twisted = model.scene.bodies().filter_map(|body| model.numbering.twist(body.node));
+    let twists: Vec<_> = twisted.map(|index| each(&|shape| shape[index])).collect();
+    let moved = lateral_motion(model, elastic, &amplitudes);
+    if moved.is_empty() && twists.is_empty() && forces.is_empty() {
+        add_all_masses(&amplitudes, signals, squares);
+    }
+    push_moved(&forces, false, signals, squares);
+    push_moved(&moved, true, signals, squares);
+    push_moved(&twists, true, signals, squares);
+}
+
+/// Squares of the lateral displacement of each gear and disk in each mode of the given amplitudes.
+fn lateral_motion(model: &Model, elastic: &[(f64, &[f64])], amplitudes: &[f64]) -> Vec<Vec<f64>> {
+    let bodies = model.scene.bodies().filter_map(|body| model.numbering.translation(body.node));
+    let moved = bodies.map(|v| {
+        let displacement = |((_, shape), amplitude): (&(f64, &[f64]), &f64)| shape[v].hypot(shape[v + 1]) * amplitude;
+        elastic.iter().zip(amplitudes).map(|pair| displacement(pair).powi(2)).collect()
+    });
+    moved.collect()
+}
+
+/// Adds signals of one kind, except those that are round-off beside the largest.
+fn push_moved(moved: &[Vec<f64>], displacement: bool, signals: &mut Vec<Signal>, squares: &mut [Vec<f64>]) {
     let sizes: Vec<f64> = moved.iter().map(|each| each.iter().sum()).collect();
     let largest = sizes.iter().copied().fold(0.0, f64::max);
     for (each, size) in moved.iter().zip(sizes) {
         if size > largest * ROUND_OFF * ROUND_OFF {
-            signals.push(Signal { steady: 0.0, displacement: true });
+            signals.push(Signal { steady: 0.0, displacement });
             squares.iter_mut().zip(each).for_each(|(squares, square)| squares.push(*square));
         }
     }
-    if moved.is_empty() {
-        // The modes have unit modal mass, so that the sum of these squares is the mean weighted with the mass.
-        signals.push(Signal { steady: 0.0, displacement: true });
-        squares.iter_mut().zip(&amplitudes).for_each(|(squares, amplitude)| squares.push(amplitude.powi(2)));
-    }
+}
+
+/// Adds the RMS displacement of all masses.
+fn add_all_masses(amplitudes: &[f64], signals: &mut Vec<Signal>, squares: &mut [Vec<f64>]) {
+    // The modes have unit modal mass, so that the sum of these squares is the mean weighted with the mass.
+    signals.push(Signal { steady: 0.0, displacement: true });
+    squares.iter_mut().zip(amplitudes).for_each(|(squares, amplitude)| squares.push(amplitude.powi(2)));
 }
 
 /// Loads that a run releases at its start, n entries each: bow, torques and gravity of a run from rest, the bow of a run

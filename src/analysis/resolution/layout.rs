@@ -7,6 +7,10 @@ use crate::scene::{Material, Shaft, description};
 const MAX_ELEMENTS: f64 = 100.0;
 /// Largest κ = wavenumber × element length that an element of degree p represents, divided by p.
 const RESOLVED_WAVENUMBER: f64 = 2.5;
+/// Relative error of the frequencies at a tone that the elements of the examined model may have.
+const TONE_ERROR: f64 = 1e-2;
+/// Number of element lengths that are tried for a tone; each is 0.8 of the one before.
+const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
 /// square.
@@ -100,6 +104,15 @@ impl Layout {
     /// Number of elements of each segment, so that no element is longer than `longest`, m.
     pub fn counts(&self, longest: f64) -> Vec<usize> {
         self.segments.iter().map(|segment| segment.count(longest)).collect()
+    }
+
+    /// Number of elements of each segment, no element longer than `longest`, m, whose frequencies up to that of a tone, rad/s,
+    /// are about right.
+    pub fn counts_for(&self, tone: f64, longest: f64, degree: usize) -> Vec<usize> {
+        let resolves = |counts: &[usize]| self.highest_frequency(&self.lengths(counts), degree, TONE_ERROR) >= tone;
+        let lengths = (0..TONE_LENGTHS).map(|i| longest * 0.8_f64.powi(i));
+        let mut counts = lengths.map(|longest| self.counts(longest)).skip_while(|counts| !resolves(counts));
+        counts.next().unwrap_or_else(|| self.counts(longest * 0.8_f64.powi(TONE_LENGTHS)))
     }
 
     /// The largest number of elements below `count` that a segment of this index may have; `None` for the first number.

@@ -1,7 +1,8 @@
 //! Number and degree of the shaft elements, chosen from the scene where it does not give them.
 //!
 //! Teeth that enter and leave contact are steps of the load on the meshes. A run from rest or from the equilibrium begins
-//! with a step of bow, unbalance, torques and gravity. The response to a step shows which modes it excites, with which
+//! with a step of bow, unbalance, torques and gravity. Loads over time count by the free vibration that they leave in each
+//! mode, which is that of a step at any time. The response to a step shows which modes it excites, with which
 //! amplitude, and how fast they decay. An element changes the natural frequencies. Within the
 //! time T, the change Δω of a frequency becomes a phase error Δω·T, unless damping decays the mode before. The expected
 //! error is the RMS of the difference between the step responses with ω and with ω + Δω, relative to the RMS of the
@@ -10,10 +11,12 @@
 
 mod excited_modes;
 mod layout;
+mod varying_loads;
 
 use super::AnalysisError;
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
+use varying_loads::highest_tone;
 
 use crate::element::{BendingFunction, rod_degrees};
 use crate::modal::CachedModel;
@@ -92,10 +95,12 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
         Resolution::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
         Resolution::Draft | Resolution::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
     };
+    let tone = highest_tone(&scene);
     let probe = with_elements(given, &automatic, |i| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
-        (layouts[i].counts((probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS)), probe_degree)
+        let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
+        (layouts[i].counts_for(tone, longest, probe_degree), probe_degree)
     });
     let model = Model::new(Scene::new(&probe)?)?;
     let permitted_error = permitted(level, model.meshes.is_empty());
