@@ -381,8 +381,8 @@ FAULTS: list[Fault] = [
         ("frequency_hz=float(value.imag) / (2.0 * np.pi)", "frequency_hz=float(value.imag)"),
         ("self.eigenvalues.imag / (2.0 * np.pi)", "np.abs(self.eigenvalues) / (2.0 * np.pi)"),
         ("size > 0.0, -eigenvalues.real /", "size > 0.0, eigenvalues.real /"),
-        ("{intersection.mode + 1:>4}", "{intersection.mode:>4}"),
-        ("{100.0 * intersection.damping_ratio:>11.3f}", "{intersection.damping_ratio:>11.3f}"),
+        ('f"{mode + 1}"', 'f"{mode}"'),
+        ('f"{100.0 * damping:.3f}"', 'f"{damping:.3f}"'),
         ('"frequency [Hz]": intersection.frequency_hz', '"frequency [Hz]": intersection.speed'),
         (
             '"damping ratio": intersection.damping_ratio',

@@ -350,7 +350,9 @@ def test_invalid_drives_and_loads(parts: dict[str, Any], message: str):
 
 def test_a_speed_outside_the_table_of_a_torque():
     system = pendulum(gb.Torque("wheel", gb.SpeedTable([10.0, 100.0], [1.0, 2.0])))
-    message = r"^torques\[0\].value: the table ranges from 10 to 100 rad/s .*, but the shaft turns at"
+    message = (
+        r"^torques\[0\].value: the table ranges from 10 to 100 rad/s .*, but the shaft turns at"
+    )
     for ask in (system.static, lambda: system.simulate(0.01, 150.0), lambda: system.modes(5.0)):
         with pytest.raises(gb.SceneError, match=message):
             ask()

@@ -242,7 +242,7 @@ class Campbell(ReadOnly):
 
     @property
     def unstable_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Ranges of speeds at which a mode of the diagram is unstable.
+        """Speed range in which a mode of the diagram is unstable, one for each such range.
 
         Returns
         -------
@@ -261,17 +261,8 @@ class Campbell(ReadOnly):
             One line for each intersection: speed, frequency, damping, whirl, mode and excitation;
             a threshold says in place of the excitation whether the mode is unstable above it.
         """
-        head, *rows = self._rows()
-        widths = (13, 14, 11, -9, 4)
-        lines = [
-            [
-                f"{cell:{'<' if w < 0 else '>'}{abs(w)}}"
-                for cell, w in zip(row, widths, strict=False)
-            ]
-            + [row[-1]]
-            for row in (head, *rows)
-        ]
-        return "\n".join("  ".join(line) for line in lines)
+        form = "{:>13}  {:>14}  {:>11}  {:<9}  {:>4}  {}"
+        return "\n".join(form.format(*row) for row in self._rows())
 
     def _rows(self) -> Table:
         found = [
