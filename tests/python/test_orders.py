@@ -84,13 +84,13 @@ def test_the_default_contains_significant_higher_harmonics():
 
 
 def test_the_default_takes_only_what_the_record_resolves_and_separates():
-    # 250 samples resolve orders up to 157; 0.1 s separate no sidebands of the shafts.
-    response = made(0.25, 1e-4, **{"a": (25.0, 1e-6 + 0j), "b": (125.0, 1e-6 + 0j)})
+    # 0.25 s separate orders with a distance of 0.126.
+    response = made(0.25, 1e-4, a=(25.0, 1e-6 + 0j), b=(125.0, 1e-6 + 0j))
     found = response.orders("g1", "v")
     assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)
     assert found.rest < 1e-12
     # A step of 0.4 ms resolves orders below 78.5: the fourth harmonic appears as another order.
-    coarse = made(1.0, 4e-4, **{"a": (25.0, 1e-6 + 0j), "b": (100.0, 1e-6 + 0j)})
+    coarse = made(1.0, 4e-4, a=(25.0, 1e-6 + 0j), b=(100.0, 1e-6 + 0j))
     with pytest.warns(gb.AccuracyWarning, match="is not at these orders"):
         assert max(order.value for order in coarse.orders("g1", "v").orders) == 76.0
 
