@@ -51,7 +51,8 @@ def main() -> None:
     record = ["gears", "meshes"]
     response = train().simulate(4.0 * TURN, SPEED, output_step=TURN / 2500, record=record)
     response.spectrum(MESH).plot().savefig(FIGURES / "spectrum.png", dpi=80)
-    response.orders(MESH, skip_time=TURN).plot(10).savefig(FIGURES / "orders.png", dpi=80)
+    found = response.orders(MESH, skip_time=TURN, sidebands=3)
+    found.plot(10).savefig(FIGURES / "orders.png", dpi=80)
     response.animate(FIGURES / "train.gif", duration=5.0, fps=10.0)
 
 

@@ -397,3 +397,9 @@ def test_an_interrupted_branch_keeps_its_points():
     assert kept.stable.all()
     assert "backlash" in repr(kept)
     kept.plot(MESH, "deflection").savefig(Path("/dev/null"), format="png")
+    (panel,) = kept.plot(MESH, speed_unit="rpm").axes
+    assert panel.get_xlabel() == "backlash [m]"
+    table = kept.to_dataframe(MESH)
+    assert len(table) == kept.values.size
+    assert table.columns[1:3].tolist() == ["stable", "kind"]
+    np.testing.assert_array_equal(table.iloc[:, -1], kept.amplitude(MESH))

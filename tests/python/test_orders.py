@@ -84,7 +84,7 @@ def test_the_default_contains_significant_higher_harmonics():
 
 
 def test_the_default_takes_only_what_the_record_resolves_and_separates():
-    # 250 samples resolve orders up to 157; 0.1 s separate no sidebands of the shafts.
+    # 0.25 s separate orders with a distance of 0.126.
     response = made(0.25, 1e-4, a=(25.0, 1e-6 + 0j), b=(125.0, 1e-6 + 0j))
     found = response.orders("g1", "v")
     assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)

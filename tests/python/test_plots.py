@@ -141,3 +141,37 @@ def test_an_energy_balance_omits_zero_terms():
     np.testing.assert_array_equal(drawn(work)[-1], balance.work)
     np.testing.assert_array_equal(drawn(residual)[0], balance.residual)
     assert all(axes.get_ylabel().endswith("[J]") for axes in (energy, work, residual))
+
+
+def test_a_part_of_a_run_is_drawn():
+    response = recorded(rows=10)
+    first, last = float(response.time[2]), float(response.time[5])
+    kinds = ("orbits", "history", "twist", "mesh", "geometry", "bearings")
+    for kind in kinds[1:]:
+        for panel in response.plot(kind, times=(first, last)).axes:
+            np.testing.assert_array_equal(panel.get_lines()[0].get_xdata(), response.time[2:6])
+    (panel, *_) = response.plot("orbits", times=(first, last)).axes
+    assert panel.get_lines()[-2].get_xdata().size <= 4
+    with pytest.raises(gb.SceneError, match=r"^times: .* is within the transient"):
+        response.plot("mesh", times=(first, last), skip_time=float(response.time[-2]))
+    with pytest.raises(gb.SceneError, match=r"^times: must be \(first, last\)"):
+        response.plot("mesh", times=(first, last, last))  # type: ignore[arg-type]
+
+
+def test_a_small_orbit_has_its_own_scale_and_a_place_without_twist_no_panel():
+    response = recorded(rows=50)
+    angle = np.linspace(0.0, 2.0 * np.pi, 50)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    motion = np.stack([1e-4 * circle, 3e-5 * circle, 1e-6 * circle], axis=1)
+    twist = np.column_stack([np.sin(angle), np.zeros(50), np.cos(angle)])
+    response._data["displacement"], response._data["twist"] = motion, twist
+    names = ["g1", "g2", ("input", 0.1)]
+    large, middle, small = response.plot("orbits", names).axes
+    assert np.ptp(large.get_xlim()) == pytest.approx(np.ptp(middle.get_xlim()))
+    assert np.ptp(small.get_xlim()) == pytest.approx(1e-2 * np.ptp(large.get_xlim()))
+    assert [text.get_text() for text in small.texts] == ["own scale"]
+    assert not large.texts
+    assert not middle.texts
+    assert len(response.plot("twist", names).axes) == 3
+    (panel,) = response.plot("twist").axes
+    assert panel.get_ylabel() == "g1 [mrad]"

@@ -233,10 +233,12 @@ def orders(
         Owner of the signal, as in `gearbow.Response.orders`.
     quantity : str, optional
         Quantity, as in `gearbow.Response.orders`.
-    shaft_harmonics, sidebands, bearing_harmonics : int
-        Numbers of orders, as in `gearbow.Response.orders`.
+    shaft_harmonics : int
+        Number of harmonics of each shaft.
     mesh_harmonics : int, optional
         Number of harmonics of each tooth frequency; None chooses, as in `gearbow.Response.orders`.
+    sidebands, bearing_harmonics : int
+        Numbers of orders, as in `gearbow.Response.orders`.
     skip_time : float
         Time at the beginning that is ignored [s].
 

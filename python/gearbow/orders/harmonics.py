@@ -55,11 +55,12 @@ def significant(
         sizes[j] = abs(np.exp(-2j * np.pi * frequencies[j] * (time - time[0])) @ weighted)
     least = _SIGNIFICANT * max(fitted[:, 1].max(initial=0.0), sizes.max(initial=0.0))
     most = min(_MOST_ADDED, (time.size - 2) // 2 - len(fitted))
-    taken, chosen = list(fitted[:, 0]), []
+    taken: list[float] = fitted[:, 0].tolist()
+    chosen: list[int] = []
     for j in resolved[np.argsort(-sizes[resolved], kind="stable")]:
         if len(chosen) >= most or not sizes[j] > least:
             break
         if np.abs(np.array(taken) - frequencies[j]).min(initial=np.inf) * span >= SEPARATION:
-            taken.append(frequencies[j])
+            taken.append(float(frequencies[j]))
             chosen.append(int(j))
     return chosen

@@ -169,7 +169,7 @@ def name_orders(
     named: list[tuple[str, float, float]] = []
     short = zip(_short([name for name, _, _ in found]), found, strict=True)
     for name, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
-        wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.6 * height
+        wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.45 * height
         if wanted and len(named) < most and all(abs(x - other) > line for _, other, _ in named):
             # A name stands above the markers beside its peak, and within the panel.
             above = max(v for _, u, v in found if abs(u - x) < 0.7 * line)

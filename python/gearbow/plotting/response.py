@@ -59,7 +59,8 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
     with panels(count, 4.3, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
         if ax is None:
             # Titles of a row do not touch the labels of the row above.
-            figure.get_layout_engine().set(h_pad=0.12)  # type: ignore[union-attr]
+            layout: Any = figure.get_layout_engine()
+            layout.set(h_pad=0.12)
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             v, w = MICRO * values.T
             if skipped:
