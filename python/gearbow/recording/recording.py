@@ -156,7 +156,7 @@ class Recording(MotionRecording):
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """Changes of the tooth contact.
+        """Contact events of the teeth.
 
         A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
         only after the start of the run. The contact mode at the start is not an event, even if
