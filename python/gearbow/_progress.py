@@ -1,18 +1,14 @@
 """Progress of long work: progress bar, and warning about a long run."""
 
-import sys
 import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from gearbow._parallel import check_stop
+from gearbow._stack import outside
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning
-
-if TYPE_CHECKING:
-    from types import FrameType
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
@@ -90,12 +86,3 @@ class _Estimate:
                 RunTimeWarning,
                 stacklevel=outside(),
             )
-
-
-def outside() -> int:
-    """Count the stack frames up to the first one outside the package: the line of the user."""
-    level = 0
-    frame: FrameType | None = sys._getframe(1)
-    while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":
-        level, frame = level + 1, frame.f_back
-    return level + 1

@@ -3,7 +3,8 @@
 use std::ffi::CString;
 
 use pyo3::exceptions::PyKeyboardInterrupt;
-use pyo3::{PyErr, PyResult, PyTypeInfo, Python};
+use pyo3::types::PyAnyMethods;
+use pyo3::{Bound, PyAny, PyErr, PyResult, PyTypeInfo, Python};
 
 use crate::analysis::AnalysisError;
 use crate::linalg::DecompositionError;
@@ -16,17 +17,21 @@ pyo3::import_exception!(gearbow.errors, ConvergenceError);
 pyo3::import_exception!(gearbow.errors, AccuracyWarning);
 pyo3::import_exception!(gearbow.errors, SceneWarning);
 
-/// Issues an `AccuracyWarning` at the caller of the Python function that called the core.
+/// Issues an `AccuracyWarning` at the line of the user.
 pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
-    let text = CString::new(text).unwrap_or_default();
-    PyErr::warn(py, &AccuracyWarning::type_object(py), &text, 2)
+    warn_as(py, &AccuracyWarning::type_object(py), text)
+}
+
+/// Issues a warning of a class at the first line of the stack outside the package.
+fn warn_as(py: Python<'_>, class: &Bound<'_, PyAny>, text: String) -> PyResult<()> {
+    let level = py.import("gearbow._stack")?.getattr("outside")?.call0()?.extract()?;
+    PyErr::warn(py, class, &CString::new(text).unwrap_or_default(), level)
 }
 
 /// Issues a `SceneWarning` if a speed of the reference shaft, rad/s, is implausibly high for the gears.
 pub fn warn_of_speed(py: Python<'_>, scene: &Scene, speed: f64) -> PyResult<()> {
     let Some(text) = scene.pitch_line_warning(speed) else { return Ok(()) };
-    let text = CString::new(text).unwrap_or_default();
-    PyErr::warn(py, &SceneWarning::type_object(py), &text, 2)
+    warn_as(py, &SceneWarning::type_object(py), text)
 }
 
 impl From<crate::scene::SceneError> for PyErr {

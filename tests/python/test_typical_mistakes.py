@@ -408,6 +408,15 @@ def test_a_keyword_keeps_its_place_in_signatures_and_copies():
     assert Own([shaft], label="mine", gravity=9.81).gravity == 9.81
 
 
+def test_a_warning_of_the_core_points_to_the_line_of_the_user():
+    stiffness = [[3e7, 2e7], [-2e7, 3e7]]
+    bearings = [gb.Bearing("s", x, stiffness=stiffness, damping=2e3) for x in (0.0, 1.0)]
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    with pytest.warns(gb.AccuracyWarning, match="unstable") as caught:
+        gb.RotorSystem([shaft], bearings=bearings).synchronous([400.0])
+    assert [one.filename for one in caught] == [__file__]
+
+
 def test_the_warning_of_a_speed_points_to_the_line_of_the_user():
     with pytest.warns(gb.SceneWarning, match="the last time is") as caught:
         run(2e-3, ([0.0, 1e-3], [100.0, 110.0]))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearbow._core import Model
+from gearbow._stack import outside
 from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.recording.record import Event, Statistics
 
@@ -209,4 +210,4 @@ def check_reduction(statistics: Statistics, level: Level | None, *, given: bool)
                 f"{'modes' if given else 'accuracy'}: {statistics.modes} modes leave an error of "
                 f"{error:.1e} in {kind}, above {most:.0e} of accuracy {level.name!r}; {cure}"
             )
-            warnings.warn(message, AccuracyWarning, stacklevel=3)
+            warnings.warn(message, AccuracyWarning, stacklevel=outside())

@@ -15,9 +15,9 @@ import numpy as np
 
 from gearbow._convert import number, whole
 from gearbow._extras import extra
-from gearbow._progress import outside
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Table
+from gearbow._stack import outside
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile

@@ -21,6 +21,7 @@ from gearbow._compare import differences, short
 from gearbow._convert import number
 from gearbow._core import __version__, check_final
 from gearbow._files import BusyError, FileLock
+from gearbow._stack import outside
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError
@@ -220,7 +221,7 @@ class Checkpoint:
         except (OSError, MemoryError) as error:
             reason = getattr(error, "strerror", None) or str(error) or "out of memory"
             message = f"checkpoint: {self.path} could not be written and is unchanged: {reason}"
-            warnings.warn(message, CheckpointWarning, stacklevel=2)
+            warnings.warn(message, CheckpointWarning, stacklevel=outside())
 
 
 class _Watch:

@@ -8,8 +8,8 @@ from gearbow._convert import copied, nested, number, shown, text
 from gearbow._core import Model
 from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
-from gearbow._progress import outside
 from gearbow._shown import Shown, Table, listed
+from gearbow._stack import outside
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force

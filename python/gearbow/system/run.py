@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, real, shown
-from gearbow._progress import outside
+from gearbow._stack import outside
 from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile

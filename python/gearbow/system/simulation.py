@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, text, whole
 from gearbow._progress import reported
+from gearbow._stack import outside
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
 from gearbow.accuracy.levels import Level, check_reduction, find_level
@@ -251,7 +252,7 @@ class Simulation(LinearAnalyses):
                 f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; "
                 f"{level.finer(self._model)}"
             )
-            warnings.warn(message, AccuracyWarning, stacklevel=3)
+            warnings.warn(message, AccuracyWarning, stacklevel=outside())
         return level, coarse
 
     def _checkpoint(
