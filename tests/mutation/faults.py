@@ -647,7 +647,7 @@ FAULTS: list[Fault] = [
         ("abs(largest) > 1.0 + _ERROR", "abs(largest) > 1.1"),
     ),
     *_faults(
-        "analysis/arclength.py",
+        "analysis/branch_point.py",
         "continuation",
         ("return float(point.tangent[-1])", "return abs(float(point.tangent[-1]))"),
     ),

@@ -105,6 +105,8 @@ def test_strongly_damped_trains_with_modal_damping_have_the_response_of_dense_ma
         assert_response_with_modal_damping(system.replace(modal_damping=0.02), [17.0, 900.0])
 
 
+# The oil whirls at the highest speed; the equations have their solution all the same.
+@pytest.mark.filterwarnings("ignore:speeds. the motion is unstable")
 @pytest.mark.parametrize("speed", [50.0, 300.0, 900.0])
 def test_the_response_on_journal_bearings_is_that_of_dense_matrices(speed: float):
     # at high speed the films are unstable
