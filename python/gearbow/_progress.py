@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from gearbow._parallel import check_stop
-from gearbow._stack import outside
 from gearbow._types import Progress
-from gearbow.errors import RunTimeWarning
+from gearbow.errors import RunTimeWarning, outside
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0

@@ -3,7 +3,11 @@
 This module imports nothing from the package: the compiled core imports it.
 """
 
-from typing import Any
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 __all__ = [
     "AccuracyWarning",
@@ -17,6 +21,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "StabilityError",
+    "outside",
 ]
 
 
@@ -106,3 +111,18 @@ class AccuracyWarning(UserWarning):
     >>> str(caught[-1].message)
     '...the fastest mode is that of bearings[0], of 1.000e20 N/m'
     """
+
+
+def outside() -> int:
+    """Count the stack frames up to the first one outside the package: the line of the user.
+
+    Returns
+    -------
+    int
+        The `stacklevel` of a warning by the caller.
+    """
+    level = 0
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":
+        level, frame = level + 1, frame.f_back
+    return level + 1

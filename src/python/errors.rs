@@ -24,7 +24,7 @@ pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
 
 /// Issues a warning of a class at the first line of the stack outside the package.
 fn warn_as(py: Python<'_>, class: &Bound<'_, PyAny>, text: String) -> PyResult<()> {
-    let level = py.import("gearbow._stack")?.getattr("outside")?.call0()?.extract()?;
+    let level = py.import("gearbow.errors")?.getattr("outside")?.call0()?.extract()?;
     PyErr::warn(py, class, &CString::new(text).unwrap_or_default(), level)
 }
 

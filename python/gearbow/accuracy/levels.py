@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearbow._core import Model
-from gearbow._stack import outside
-from gearbow.errors import AccuracyWarning, SceneError
+from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event, Statistics
 
 __all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level"]

@@ -17,11 +17,10 @@ from gearbow._convert import number, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Table
-from gearbow._stack import outside
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import AccuracyWarning, GearbowError
+from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
 from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, SEPARATION, significant
 from gearbow.recording.recording import Recording

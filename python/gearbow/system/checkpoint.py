@@ -21,10 +21,9 @@ from gearbow._compare import differences, short
 from gearbow._convert import number
 from gearbow._core import __version__, check_final
 from gearbow._files import BusyError, FileLock
-from gearbow._stack import outside
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import CheckpointWarning, GearbowError, SceneError
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording import file
 from gearbow.recording.container import suffix
 from gearbow.recording.record import RunRecord

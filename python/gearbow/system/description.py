@@ -9,7 +9,6 @@ from gearbow._core import Model
 from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
 from gearbow._shown import Shown, Table, listed
-from gearbow._stack import outside
 from gearbow._types import Array, Dof, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force
@@ -23,7 +22,7 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing, Support
 from gearbow.description.train import PARTS, parts_of
-from gearbow.errors import SceneError, SceneWarning
+from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.discretisation import Discretisation
 from gearbow.units.convert import without_texts
 

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, real, shown
-from gearbow._stack import outside
 from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import SceneError, SceneWarning
+from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.recording.tables import optional_arrays
 
 #: Accepted types of the speed of a run.

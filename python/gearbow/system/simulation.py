@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, text, whole
 from gearbow._progress import reported
-from gearbow._stack import outside
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
 from gearbow.accuracy.levels import Level, check_reduction, find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import AccuracyWarning, SceneError
+from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
 from gearbow.system.linear import LinearAnalyses
