@@ -45,7 +45,7 @@ pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> R
 /// stable is not found.
 ///
 /// # Errors
-/// As [`is_unstable`].
+/// As `is_unstable`.
 pub fn unstable_ranges(
     cached: &CachedModel,
     speeds: &[f64],

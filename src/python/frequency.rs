@@ -12,7 +12,7 @@ use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource};
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError, range_with_rpm, with_rpm};
 
-/// N_c [rad/s], amplitude [m], N₁ and N₂ [rad/s] of a peak, and whether the motion is stable there.
+/// N_c (rad/s), amplitude (m), N₁ and N₂ (rad/s) of a peak, and whether the motion is stable there.
 pub type PeakRow = (f64, f64, f64, f64, bool);
 
 /// Finds a part of the excitation by name.
