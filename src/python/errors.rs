@@ -22,7 +22,7 @@ pub fn warn(py: Python<'_>, text: String) -> PyResult<()> {
     warn_as(py, &AccuracyWarning::type_object(py), text)
 }
 
-/// Issues a warning of a class at the first line of the stack outside the package.
+/// Issues a warning of the given class. It points to the line of the user that called the package.
 fn warn_as(py: Python<'_>, class: &Bound<'_, PyAny>, text: String) -> PyResult<()> {
     let level = py.import("gearbow.errors")?.getattr("outside")?.call0()?.extract()?;
     PyErr::warn(py, class, &CString::new(text).unwrap_or_default(), level)

@@ -15,12 +15,12 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// Formats a speed, rad/s, in both usual units.
+/// Formats a speed, given in rad/s, as rad/s and as rpm.
 pub fn with_rpm(speed: f64) -> String {
     format!("{} rad/s ({} rpm)", short(speed), short(rpm(speed)))
 }
 
-/// Formats a range of speeds, rad/s, in both usual units.
+/// Formats a range of speeds, given in rad/s, as rad/s and as rpm.
 pub fn range_with_rpm([low, high]: [f64; 2]) -> String {
     format!("{} to {} rad/s ({} to {} rpm)", short(low), short(high), short(rpm(low)), short(rpm(high)))
 }

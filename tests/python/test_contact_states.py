@@ -101,7 +101,7 @@ def test_shares_are_exact_times_between_events(rattling):
     assert sum((shares.drive, shares.back, shares.both, shares.none)) == pytest.approx(1.0)
     samples = np.bincount(rattling.mesh(*MESH).contact, minlength=4) / rattling.time.size
     given = (shares.none, shares.drive, shares.back, shares.both)
-    # Samples miss at most one step at each event.
+    # The share from samples is wrong by at most one sample for each change of the contact.
     error = len(rattling.events) / rattling.time.size
     np.testing.assert_allclose(given, samples, atol=error)
     assert shares.lost == shares.back + shares.none > 0.05

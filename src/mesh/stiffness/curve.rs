@@ -45,7 +45,7 @@ impl UniformCurve {
         if place <= 0.0 {
             return (self.knots[0].0, 0.0);
         }
-        // A signed number takes fewer instructions.
+        // The conversion to a signed integer takes fewer instructions than that to an unsigned one.
         let i = place as i64;
         match self.pieces.get(i as usize) {
             Some(piece) => evaluate(piece, place - i as f64, self.spacing),
