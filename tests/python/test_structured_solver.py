@@ -35,10 +35,21 @@ def assert_same_response(system: gb.RotorSystem, speeds: np.ndarray) -> None:
     assert_response(system, speeds, wanted)
 
 
+def distance_to_resonance(system: gb.RotorSystem, speed: float) -> float:
+    """Return the smallest |λ − iω| / ω of all modes λ and spins ω, at most 1.
+
+    Near a resonance the round-off of the frequencies changes the response by their relative
+    round-off divided by this distance, in both methods.
+    """
+    spins = 1j * np.abs(speed * system.speed_ratios)
+    apart = np.abs(system.modes(speed).eigenvalues - spins[:, np.newaxis])
+    return float(min(1.0, (apart / np.abs(spins)[:, np.newaxis]).min())) if speed else 1.0
+
+
 def assert_response(system: gb.RotorSystem, speeds: np.ndarray, wanted: np.ndarray) -> None:
     found = system.synchronous(speeds).amplitudes
     for speed, one, other in zip(speeds, found, wanted, strict=True):
-        scale = max(np.abs(other).max(), 1e-12)
+        scale = max(np.abs(other).max(), 1e-12) / distance_to_resonance(system, speed)
         assert np.abs(one - other).max() <= tolerance(system, speed) * scale
 
 
@@ -51,6 +62,8 @@ def through_dense_matrices(system: gb.RotorSystem) -> gb.RotorSystem:
     return system.replace(modal_damping=1e-300)
 
 
+# An undamped rotor may turn at a critical speed by chance.
+@pytest.mark.filterwarnings("ignore:a displacement is")
 @scenes(30)
 def test_the_synchronous_response_is_that_of_dense_matrices(scene: Drawn):
     assert_same_response(scene.system(), np.array([-300.0, 0.0, 17.0, 150.0, 900.0]))
@@ -243,12 +256,21 @@ def test_the_modes_on_journal_bearings_are_those_of_dense_matrices(ratio: float,
     assert_lowest_modes(on_films(ratio), speed, count=10)
 
 
+def index_of_twist(system: gb.RotorSystem, gear: gb.Gear) -> int:
+    """Return the index of the rotation of a gear about its axis; labels round positions."""
+    twists = [
+        (abs(position - gear.position), index)
+        for index, (name, position, direction) in enumerate(system.dofs)
+        if (name, direction) == (gear.shaft, "twist") and isinstance(position, float)
+    ]
+    return min(twists)[1]
+
+
 def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
     """Return the equilibrium in frozen geometry without backlash: a linear problem."""
     matrices = system.matrices()
-    dofs = {dof: index for index, dof in enumerate(matrices.dofs)}
-    gravity = np.zeros(len(dofs))
-    for (_, position, direction), index in dofs.items():
+    gravity = np.zeros(len(matrices.dofs))
+    for index, (_, position, direction) in enumerate(matrices.dofs):
         if isinstance(position, float) and direction in "vw":
             gravity[index] = system.gravity["vw".index(direction)]
     load = matrices.mass @ gravity
@@ -258,7 +280,7 @@ def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
     given = system.torques[0].value
     values = [given, -given * ratios[places[0].shaft] / ratios[places[-1].shaft]]
     for gear, value in zip(places, values, strict=True):
-        load[dofs[gear.shaft, gear.position, "twist"]] += value
+        load[index_of_twist(system, gear)] += value
     modes = system.modes()
     # overdamped modes have no frequency either
     is_rigid = modes.eigenvalues == 0.0
