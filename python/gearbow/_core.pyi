@@ -38,6 +38,7 @@ __all__ = [
     "initial_state",
     "multipliers",
     "recorded_period",
+    "section_length",
     "rolling_coefficients",
     "steady_state",
     "user_order",
@@ -110,6 +111,7 @@ class Model:
     ) -> RunData: ...
 
 def common_period(model: Model, speed: float, given: float | None, longest: float) -> float: ...
+def section_length(model: Model, speed: float, longest: float) -> float | None: ...
 def steady_state(
     model: Model,
     *,
@@ -117,6 +119,7 @@ def steady_state(
     samples: int,
     record: list[Record],
     progress: Callable[[float], object] | None,
+    longest_section: float | None,
     **options: Unpack[RunOptions],
 ) -> tuple[RunData, dict[str, Any]]: ...
 def user_order(model: Model, state: Array) -> Array: ...

@@ -45,6 +45,8 @@ mod _core {
     #[pymodule_export]
     use super::steady::recorded_period;
     #[pymodule_export]
+    use super::steady::section_length;
+    #[pymodule_export]
     use super::steady::steady_state;
     #[pymodule_export]
     use super::steady::user_order;

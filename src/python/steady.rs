@@ -23,7 +23,7 @@ use crate::scene::{EntryPath, SceneError};
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
 #[derive(Serialize)]
 struct SteadyEntries {
-    /// Period, s.
+    /// Period, s; infinite without one.
     period: f64,
     /// Relative difference after one more period.
     residual: f64,
@@ -46,22 +46,32 @@ pub fn common_period(model: &Bound<'_, PyModel>, speed: f64, given: Option<f64>,
     Ok(found?)
 }
 
-/// Finds the steady state with the period `duration` and records a number of samples.
+/// Length of the sections of a motion without a common period, s, up to a `longest` one; None where it cannot be found from
+/// sections.
+#[pyfunction]
+pub fn section_length(model: &Bound<'_, PyModel>, speed: f64, longest: f64) -> Option<f64> {
+    steady::sections(model.get().model(), speed, longest).map(|sections| sections.length)
+}
+
+/// Finds the steady state with the period `duration` and records a number of samples. With `longest_section`, s, it has no
+/// period; `duration` is then that of the record, a multiple of the length of its sections.
 ///
 /// # Errors
 /// The reason for which there is none, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, samples, record, progress, **options))]
+#[pyo3(signature = (model, *, initial, samples, record, progress, longest_section, **options))]
 pub fn steady_state<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     samples: usize,
     record: Vec<RecordEntry>,
     progress: Option<Py<PyAny>>,
+    longest_section: Option<f64>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
+    let sections = longest_section.and_then(|longest| steady::sections(owner.model(), options.fastest(), longest));
     if let Some(text) = options.unattainable() {
         warn(py, text)?;
     }
@@ -70,8 +80,9 @@ pub fn steady_state<'py>(
     let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
-    let (outcome, raised) = background::run(py, progress, move |_, watch| {
-        steady::steady_state(&cached, &options, &recorded, samples, watch)
+    let (outcome, raised) = background::run(py, progress, move |_, watch| match &sections {
+        None => steady::steady_state(&cached, &options, &recorded, samples, watch),
+        Some(sections) => steady::quasi_periodic_state(&cached, &options, (&recorded, sections), samples, watch),
     })?;
     let found = finished(outcome, raised)?;
     let largest = found.response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -79,7 +90,11 @@ pub fn steady_state<'py>(
         period: found.period,
         residual: found.residual,
         periods: found.periods,
-        method: if found.is_affine { "linear" } else { "nonlinear" },
+        method: match (found.period.is_finite(), found.is_affine) {
+            (false, _) => "quasi-periodic",
+            (true, true) => "linear",
+            (true, false) => "nonlinear",
+        },
     };
     let response = response_dict(owner, py, &plan, found.response)?;
     if let Some(text) = small_displacement_check(owner.model(), largest) {

@@ -82,15 +82,18 @@ class SteadyState(Shown):
     response : Response
         One period of the motion, without the instant at its end. Without a period, a part of it.
     period : float
-        Period [s]; infinite for a sum of motions without a common period.
+        Period [s]; infinite for a motion without a common period.
     residual : float
         Difference of the state after one more period, relative to the motion, both in the energy
-        norm. It is measured by a run with the given tolerance. For a sum, the largest of them.
+        norm. It is measured by a run with the given tolerance. For a sum, the largest of them; for
+        a quasi-periodic motion, the largest difference after a section and at the end of the
+        record.
     periods : int
-        Number of periods that the solution integrated, with the recorded one.
-    method : {"linear", "nonlinear", "superposition"}
-        Whether the state after a period is an affine function of the state before, or the motion is
-        a sum of motions without a common period.
+        Number of periods, or of sections, that the solution integrated, with the recorded ones.
+    method : {"linear", "nonlinear", "superposition", "quasi-periodic"}
+        Whether the state after a period is an affine function of the state before; or how a motion
+        without a common period was found: as a sum of motions, or from the harmonics of its
+        sections.
 
     Examples
     --------

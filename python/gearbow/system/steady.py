@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from gearbow._convert import number, text, whole
-from gearbow._core import common_period, recorded_period, steady_state
+from gearbow._core import common_period, recorded_period, section_length, steady_state
 from gearbow._progress import reported
 from gearbow._types import Progress, Record, RunData
 from gearbow.accuracy.levels import check_reduction
@@ -17,7 +17,7 @@ from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests
 from gearbow.system.simulation import Simulation
-from gearbow.system.superposition import Superposition
+from gearbow.system.superposition import Superposition, recorded_duration
 
 __all__ = ["SteadyAnalyses"]
 
@@ -47,8 +47,9 @@ class SteadyAnalyses(Simulation):
 
         The motion is periodic with the common period of all excitations. The solution takes about
         ten periods, where running in takes up to hundreds. A motion that is unstable is found too.
-        Without a common period, the motion is found for linear systems with constant coefficients:
-        it is the sum of the steady motions of the sources.
+        Without a common period, or with one longer than `max_period`, the motion is found as the
+        sum of the steady motions of the sources, if the system is linear with constant
+        coefficients; otherwise from the harmonics of its states at sections of a tooth cycle.
 
         Parameters
         ----------
@@ -59,7 +60,8 @@ class SteadyAnalyses(Simulation):
             after several of them. None is the common period, which follows from the numbers of
             teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
         max_period : float
-            Longest accepted common period, and longest record without one [s].
+            Longest accepted common period, and longest record without one [s]. Motions with a
+            longer period are found like those without one.
         accuracy : {"draft", "engineering", "reference"}, optional
             Total error, as for `simulate`.
         step : float, optional
@@ -94,10 +96,11 @@ class SteadyAnalyses(Simulation):
         Raises
         ------
         SceneError
-            If an argument is invalid, or the excitation of a system that is nonlinear or has
-            varying coefficients has no common period up to `max_period`.
+            If an argument is invalid, or the excitation has no common period up to `max_period`
+            and contains a load over time.
         ConvergenceError
-            If the iteration does not converge. The message gives the residual.
+            If the iteration does not converge, or the motion is none of its frequencies. The
+            message gives the residual.
         StabilityError, ContactError
             As for `simulate`.
 
@@ -118,7 +121,7 @@ class SteadyAnalyses(Simulation):
         speed = number(speed, "speed")
         longest = number(max_period, "max_period", infinite=True)
         geometry = text(geometry, "geometry")
-        period, sources = self._period(speed, period, longest, geometry)
+        period, without = self._period(speed, period, longest, geometry)
         system = self._over_time(begin, period)
         given = {"method": None, "step": step, "rtol": rtol}
         if accuracy is not None:
@@ -143,7 +146,7 @@ class SteadyAnalyses(Simulation):
             "reduction": None if level is None else level.reduction,
         }
         samples = system._samples(period, speed, output_step)
-        data, about = _solved(system, sources, (arguments, samples), progress)
+        data, about = _solved(system, without, (arguments, samples), progress)
         response = system._steady_response(data, speed, arguments)
         if level is not None and stages is None and modes is None:
             response.accuracy = level.explanation(response.events, coarse)
@@ -153,8 +156,12 @@ class SteadyAnalyses(Simulation):
 
     def _period(
         self, speed: float, given: float | None, longest: float, geometry: str
-    ) -> tuple[float, Superposition | None]:
-        """Give the period, or without a common one the length of a record and the sources."""
+    ) -> tuple[float, "Superposition | float | None"]:
+        """Give the period.
+
+        Without a common one, give the length of a record, and the sources of a sum of motions or
+        the longest section of a quasi-periodic motion.
+        """
         if given is not None:
             given = number(given, "period")
             if not given > 0.0:
@@ -163,9 +170,13 @@ class SteadyAnalyses(Simulation):
             return common_period(self._model, speed, given, longest), None
         except SceneError:
             sources = Superposition.of(self, speed, geometry)
-            if sources is None:
+            if sources is not None:
+                return min(sources.duration, longest), sources
+            section = section_length(self._model, speed, longest)
+            if section is None:
                 raise
-            return min(sources.duration, longest), sources
+            count = math.ceil(min(recorded_duration(self, speed), longest) / section)
+            return count * section, longest
 
     def _steady_response(self, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
         """Give the recorded period; its request continues from its end, with the same motion."""
@@ -187,16 +198,22 @@ class SteadyAnalyses(Simulation):
 
 def _solved(
     system: Simulation,
-    sources: Superposition | None,
+    without: "Superposition | float | None",
     run: tuple[dict[str, Any], int],
     progress: bool | Progress | None,
 ) -> tuple[RunData, dict[str, Any]]:
-    """Record a periodic motion, or the sum of the steady motions of sources without a period."""
+    """Record a periodic motion, or one without a period."""
     arguments, samples = run
-    if sources is None:
+    if not isinstance(without, Superposition):
         with reported(progress, 1.0) as report:
-            return steady_state(system._model, **arguments, samples=samples, progress=report)
-    state, residual, periods = sources.solve(arguments)
+            return steady_state(
+                system._model,
+                **arguments,
+                longest_section=without,
+                samples=samples,
+                progress=report,
+            )
+    state, residual, periods = without.solve(arguments)
     given = {**arguments, "initial": "static"}
     data = recorded_period(system._model, state=state, samples=samples, **given)
     about = {"period": math.inf, "residual": residual, "periods": periods}

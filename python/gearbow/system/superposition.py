@@ -19,7 +19,7 @@ from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
 from gearbow.system.simulation import Simulation
 
-__all__ = ["Superposition"]
+__all__ = ["Superposition", "recorded_duration"]
 
 #: Length of the record in periods of the slowest source.
 _RECORDED = 10.0
@@ -76,7 +76,7 @@ class Superposition:
         float
             Duration of a record [s].
         """
-        return _RECORDED * self._turn(float(min(abs(self.system.speed_ratios))))
+        return recorded_duration(self.system, self.speed)
 
     def solve(self, arguments: dict[str, Any]) -> tuple[Array, float, int]:
         """Find the state at the start, and describe the solutions that it consists of.
@@ -104,7 +104,9 @@ class Superposition:
         for period, changes in self._sources():
             model = variant(meshed, **{**self._silent(meshed.shafts), **changes})._model
             given = {**options, "duration": period}
-            data, about = steady_state(model, **given, samples=1, record=[], progress=None)
+            data, about = steady_state(
+                model, **given, longest_section=None, samples=1, record=[], progress=None
+            )
             state = state + user_order(model, data["final"]["state"]) - rest
             residual = max(residual, about["residual"])
             periods += about["periods"]
@@ -162,6 +164,24 @@ class Superposition:
     def _turn(self, order: float) -> float:
         """Give the period of an order of the reference shaft [s]."""
         return 2.0 * math.pi / abs(order * self.speed)
+
+
+def recorded_duration(system: Simulation, speed: float) -> float:
+    """Give the duration of the record of a motion without a period: ten turns of the slowest shaft.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The system.
+    speed : float
+        Speed of the reference shaft [rad/s].
+
+    Returns
+    -------
+    float
+        Duration [s].
+    """
+    return _RECORDED * 2.0 * math.pi / abs(float(min(abs(system.speed_ratios))) * speed)
 
 
 def _silent_force(force: Force) -> Force:

@@ -34,6 +34,8 @@ pub struct PeriodMap<'a> {
     cached: &'a CachedModel,
     options: &'a Options,
     plan: &'a RecordPlan,
+    /// Period, s.
+    period: f64,
     setup: ModalSetup<'a>,
     reduction: Option<Reduction>,
     stepper: Stepper<'a>,
@@ -60,14 +62,38 @@ pub fn with_period_map<T>(
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
+    let several = Options { duration: PERIODS * options.duration, ..options.clone() };
+    with_map_of((cached, options, plan), (&several, options.duration), watch, solve)
+}
+
+/// Calls `solve` with the map over sections of the length `section`, s, that follow each other for `options.duration`, s.
+///
+/// # Errors
+/// [`AnalysisError`] of the set-up, or of `solve`.
+pub fn with_section_map<T>(
+    cached: &CachedModel,
+    options: &Options,
+    (plan, section): (&RecordPlan, f64),
+    watch: &mut dyn FnMut(f64) -> bool,
+    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
+) -> Result<T, AnalysisError> {
+    with_map_of((cached, options, plan), (options, section), watch, solve)
+}
+
+/// Calls `solve` with the map over a period, s. The modes are those of the run `several`.
+fn with_map_of<T>(
+    (cached, options, plan): (&CachedModel, &Options, &RecordPlan),
+    (several, period): (&Options, f64),
+    watch: &mut dyn FnMut(f64) -> bool,
+    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
+) -> Result<T, AnalysisError> {
     options.check()?;
     for speed in options.speed.magnitudes() {
         cached.model.check_speed(speed)?;
     }
     let cached = &*of_run(cached, options)?;
-    let several = Options { duration: PERIODS * options.duration, ..options.clone() };
     let spectrum = Spectrum::new(cached, options.fastest())?;
-    let start = start(cached, &several, &spectrum, watch)?;
+    let start = start(cached, several, &spectrum, watch)?;
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
     if plan.energy {
         motion = motion.with_modal_damping(cached)?;
@@ -77,7 +103,7 @@ pub fn with_period_map<T>(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = start.state.elapsed + several.duration;
-    let run = Run { cached, base: None, options: &several, spectrum: &spectrum, floor: start.floor, end };
+    let run = Run { cached, base: None, options: several, spectrum: &spectrum, floor: start.floor, end };
     let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
     let (setup, reduction) = reduced_setup::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
     let setup = if setup.linear.includes_meshes {
@@ -87,9 +113,9 @@ pub fn with_period_map<T>(
         let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
         run.complete(motion, &start, plan, Some(&complete))?
     };
-    let grid = countable_grid(cached, &several, (&setup.linear, &setup.nonlinear_loads), end)?;
-    let steps = (options.duration / grid.longest).ceil().max(1.0);
-    let time_grid = TimeGrid { longest: options.duration / steps, ..grid };
+    let grid = countable_grid(cached, several, (&setup.linear, &setup.nonlinear_loads), end)?;
+    let steps = (period / grid.longest).ceil().max(1.0);
+    let time_grid = TimeGrid { longest: period / steps, ..grid };
     let spins = setup.nonlinear_loads.spins();
     let cache = propagators(cached, options, (&setup.linear, setup.maps.clone()), time_grid, spins);
     let stepper = Stepper::new(setup.nonlinear_loads.clone(), cache);
@@ -98,6 +124,7 @@ pub fn with_period_map<T>(
         cached,
         options,
         plan,
+        period,
         setup,
         reduction,
         stepper,
@@ -120,7 +147,7 @@ impl PeriodMap<'_> {
 
     /// Period, s.
     pub fn period(&self) -> f64 {
-        self.options.duration
+        self.period
     }
 
     /// Relative tolerance of the options.
@@ -175,7 +202,7 @@ impl PeriodMap<'_> {
     pub fn apply(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
         let control = LevelControl::Planned { levels: Arc::clone(&self.levels), solve_rtol: SOLVE_RTOL };
         let mut stepper = self.stepper.clone();
-        Ok(self.follow(&mut stepper, control, z)?.y)
+        Ok(self.follow(&mut stepper, control, self.state(z))?.y)
     }
 
     /// State after one period with steps that meet the tolerance, whose levels are kept.
@@ -193,7 +220,7 @@ impl PeriodMap<'_> {
     pub fn adapt_to(&mut self, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
-        let state = self.follow(&mut stepper, self.control(rtol), z)?;
+        let state = self.follow(&mut stepper, self.control(rtol), self.state(z))?;
         self.levels = stepper.levels.unwrap_or_default().into();
         Ok(state.y)
     }
@@ -224,16 +251,41 @@ impl PeriodMap<'_> {
         Ok(())
     }
 
+    /// State after the period of number `index` from a state z at its begin, with steps that meet the relative tolerance
+    /// `rtol`. Without a common period, the map depends on the number.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn period_of_number(&mut self, index: u64, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
+        let mut stepper = self.stepper.clone();
+        let elapsed = self.start.state.elapsed + self.time_grid.time(index * self.steps * self.time_grid.units(0));
+        let state = State { elapsed, ..State::new(z.to_vec()) };
+        Ok(self.follow(&mut stepper, self.control(rtol), state)?.y)
+    }
+
     /// The recorded motion of one period from a state z, with steps that meet the tolerance, whose levels are kept.
     /// Returns the state at the end too.
     ///
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
     pub fn record(&mut self, z: &[f64], samples: usize) -> Result<(Response, Vec<f64>), AnalysisError> {
-        let (origin, begin, end) = (self.start.rotation.origin, self.start.state.elapsed, self.end());
-        let period = self.period();
+        self.record_periods(1, z, samples)
+    }
+
+    /// The same for a number of periods.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the run ends early.
+    pub fn record_periods(
+        &mut self,
+        count: u64,
+        z: &[f64],
+        samples: usize,
+    ) -> Result<(Response, Vec<f64>), AnalysisError> {
+        let (origin, begin) = (self.start.rotation.origin, self.start.state.elapsed);
+        let (end, duration) = (self.end(begin, count), self.period * count as f64);
         let times: Vec<f64> =
-            (0..samples).map(|sample| origin + begin + period * sample as f64 / samples as f64).collect();
+            (0..samples).map(|sample| origin + begin + duration * sample as f64 / samples as f64).collect();
         let motion = self.setup.nonlinear_loads.motion.clone();
         let during = (begin, tolerance(self.options, &motion));
         let mut stepper = self.stepper.clone();
@@ -251,14 +303,14 @@ impl PeriodMap<'_> {
         let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, &mut observer, &mut statistics);
         let (record, recorder_state) = observer.recorder.finish();
         outcome.map_err(|halted| explain(self.cached, &halted, origin))?;
-        self.runs += 1;
+        self.runs += count as usize;
         self.levels = stepper.levels.take().unwrap_or_default().into();
         let last = state.y.clone();
         let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads);
         let response = Response {
             record,
             recorder_state,
-            last: self.options.last(&self.start.rotation, origin + begin + period, state),
+            last: self.options.last(&self.start.rotation, origin + begin + duration, state),
             limited_by: limited_by(self.options, &statistics),
             statistics,
             spectrum: self.spectrum,
@@ -269,8 +321,13 @@ impl PeriodMap<'_> {
     }
 
     /// Integrates over one period.
-    fn follow(&mut self, stepper: &mut Stepper<'_>, control: LevelControl, z: &[f64]) -> Result<State, AnalysisError> {
-        let (mut state, end) = (self.state(z), self.end());
+    fn follow(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        control: LevelControl,
+        mut state: State,
+    ) -> Result<State, AnalysisError> {
+        let end = self.end(state.elapsed, 1);
         let mut output = self.setup.output.clone();
         let outcome =
             integrate((stepper, &mut output), control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
@@ -288,11 +345,10 @@ impl PeriodMap<'_> {
         State { elapsed: self.start.state.elapsed, ..State::new(z.to_vec()) }
     }
 
-    /// Elapsed time up to which a period is integrated, s. A quarter of a unit after its last step, so that round-off does
-    /// not exclude this step.
-    fn end(&self) -> f64 {
-        let units = self.steps * self.time_grid.units(0);
-        self.start.state.elapsed + self.time_grid.time(units) + 0.25 * self.time_grid.unit()
+    /// Elapsed time up to which a number of periods is integrated, s. A quarter of a unit after the last step, so that
+    /// round-off does not exclude this step.
+    fn end(&self, begin: f64, count: u64) -> f64 {
+        begin + self.time_grid.time(count * self.steps * self.time_grid.units(0)) + 0.25 * self.time_grid.unit()
     }
 
     /// Steps that meet the tolerance, or fixed ones if the options ask for them.

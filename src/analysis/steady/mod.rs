@@ -6,18 +6,22 @@
 
 mod anderson;
 mod gmres;
+mod harmonics;
 mod multipliers;
 mod period;
 mod preconditioner;
+mod quasi_periodic;
 mod solver;
+mod turning;
 
 use nalgebra::Complex;
 
 use super::AnalysisError;
-use super::simulate::{Options, RecordPlan, Response, with_period_map};
+use super::simulate::{Options, RecordPlan, Response, with_period_map, with_section_map};
 use crate::modal::CachedModel;
-pub use period::{common_period, has_constant_coefficients};
+pub use period::{Sections, common_period, has_constant_coefficients, sections};
 use preconditioner::Preconditioner;
+use quasi_periodic::QuasiPeriodic;
 use solver::Solver;
 
 /// A steady state.
@@ -47,6 +51,24 @@ pub fn steady_state(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
     with_period_map(cached, options, plan, watch, |map| Solver::new(map, samples)?.solve())
+}
+
+/// Finds the steady motion without a common period from its sections, and records `samples` instants of
+/// `options.duration`, s, which is a multiple of their length.
+///
+/// # Errors
+/// [`AnalysisError`] if there is none, or if the iteration does not converge.
+pub fn quasi_periodic_state(
+    cached: &CachedModel,
+    options: &Options,
+    (plan, sections): (&RecordPlan, &Sections),
+    samples: usize,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<SteadyState, AnalysisError> {
+    let count = (options.duration / sections.length).round().max(1.0) as u64;
+    with_section_map(cached, options, (plan, sections.length), watch, |map| {
+        QuasiPeriodic::new(map, sections.base.clone())?.solve(count, samples)
+    })
 }
 
 /// States after one step of the fixed-point iteration.

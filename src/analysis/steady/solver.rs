@@ -12,7 +12,7 @@ use crate::scene::SceneError;
 const EXPECTED: f64 = 0.5;
 /// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
 /// the iteration, and each has an error of the tolerance.
-const REPEATED: f64 = 10.0;
+pub(super) const REPEATED: f64 = 10.0;
 /// Largest error in multiples of the tolerance at which the iteration may stall, and the reduction of the error that is too
 /// little.
 const STALLED: f64 = 100.0;
@@ -21,13 +21,13 @@ const SLOW: f64 = 0.3;
 const MAX_ITERATIONS: usize = 30;
 /// Tolerance of the first iteration. That of the next ones is a fraction of the error that is left, until it is the given one:
 /// a period of a large error need not be integrated accurately.
-const COARSEST: f64 = 1e-4;
+pub(super) const COARSEST: f64 = 1e-4;
 /// That fraction.
-const FRACTION: f64 = 1e-3;
+pub(super) const FRACTION: f64 = 1e-3;
 /// Error of a state in multiples of the tolerance of the integration.
-const AMPLIFICATION: f64 = 10.0;
+pub(super) const AMPLIFICATION: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
-const SECANT: f64 = 5.0;
+pub(super) const SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
 const RUN_IN: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
@@ -216,11 +216,7 @@ impl<'s, 'a> Solver<'s, 'a> {
     /// The steady state of a recorded point.
     fn found(&self, point: Point) -> Result<SteadyState, AnalysisError> {
         let Point { mut defect, size, response, .. } = point;
-        let drift = self.preconditioner.velocities.iter().map(|entry| defect[*entry].abs()).fold(0.0, f64::max);
-        if drift > DRIFT * self.tolerance * size {
-            let message = "a mean torque accelerates the train, so that no motion is periodic; balance the torques, or hold the rotation with gb.Drive(at, stiffness=...)";
-            return Err(SceneError::new("torques", message).into());
-        }
+        drift(&self.preconditioner, &defect, self.tolerance * size)?;
         for entry in &self.preconditioner.positions {
             defect[*entry] = 0.0;
         }
@@ -235,8 +231,21 @@ impl<'s, 'a> Solver<'s, 'a> {
     }
 }
 
+/// Whether a mean torque changes the rigid-body velocity by more than `tolerance` allows.
+///
+/// # Errors
+/// [`SceneError`] that names the remedy if it does.
+pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: f64) -> Result<(), AnalysisError> {
+    let drift = preconditioner.velocities.iter().map(|entry| defect[*entry].abs()).fold(0.0, f64::max);
+    if drift <= DRIFT * tolerance {
+        return Ok(());
+    }
+    let message = "a mean torque accelerates the train, so that no motion is periodic; balance the torques, or hold the rotation with gb.Drive(at, stiffness=...)";
+    Err(SceneError::new("torques", message).into())
+}
+
 /// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.
-fn predicted(errors: &[f64]) -> f64 {
+pub(super) fn predicted(errors: &[f64]) -> f64 {
     match errors {
         [.., before, last] => last * (last / before).min(1.0),
         [first] => *first,
@@ -245,12 +254,12 @@ fn predicted(errors: &[f64]) -> f64 {
 }
 
 /// Whether the error is near the tolerance and decreases little: it is the error of the integration.
-fn stalls(errors: &[f64]) -> bool {
+pub(super) fn stalls(errors: &[f64]) -> bool {
     matches!(errors, [.., before, last] if *last <= STALLED && *last > SLOW * before)
 }
 
 /// Completed part of the solution: that of the decades between the first error and the tolerance.
-fn progress(errors: &[f64], last: f64) -> f64 {
+pub(super) fn progress(errors: &[f64], last: f64) -> f64 {
     let first = errors.first().copied().unwrap_or(last).max(10.0);
     ((first / last).ln() / first.ln()).clamp(0.0, 0.95)
 }
