@@ -96,6 +96,9 @@ pub fn steady_state<'py>(
             (true, false) => "nonlinear",
         },
     };
+    if let Some(text) = found.warning {
+        warn(py, text)?;
+    }
     let response = response_dict(owner, py, &plan, found.response)?;
     if let Some(text) = small_displacement_check(owner.model(), largest) {
         warn(py, text)?;

@@ -202,7 +202,7 @@ impl PeriodMap<'_> {
     pub fn apply(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
         let control = LevelControl::Planned { levels: Arc::clone(&self.levels), solve_rtol: SOLVE_RTOL };
         let mut stepper = self.stepper.clone();
-        Ok(self.follow(&mut stepper, control, self.state(z))?.y)
+        Ok(self.follow_period(&mut stepper, control, z)?.y)
     }
 
     /// State after one period with steps that meet the tolerance, whose levels are kept.
@@ -220,7 +220,7 @@ impl PeriodMap<'_> {
     pub fn adapt_to(&mut self, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
-        let state = self.follow(&mut stepper, self.control(rtol), self.state(z))?;
+        let state = self.follow_period(&mut stepper, self.control(rtol), z)?;
         self.levels = stepper.levels.unwrap_or_default().into();
         Ok(state.y)
     }
@@ -251,16 +251,23 @@ impl PeriodMap<'_> {
         Ok(())
     }
 
-    /// State after the period of number `index` from a state z at its begin, with steps that meet the relative tolerance
-    /// `rtol`. Without a common period, the map depends on the number.
+    /// State after `count` periods from the begin of the period of number `first` on, where it is z, with steps that meet the
+    /// relative tolerance `rtol`. Without a common period, the map depends on the number.
     ///
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
-    pub fn period_of_number(&mut self, index: u64, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
+    pub fn periods_from(
+        &mut self,
+        (first, count): (i64, u64),
+        z: &[f64],
+        rtol: f64,
+    ) -> Result<Vec<f64>, AnalysisError> {
         let mut stepper = self.stepper.clone();
-        let elapsed = self.start.state.elapsed + self.time_grid.time(index * self.steps * self.time_grid.units(0));
+        let elapsed =
+            self.start.state.elapsed + first as f64 * self.time_grid.time(self.steps * self.time_grid.units(0));
         let state = State { elapsed, ..State::new(z.to_vec()) };
-        Ok(self.follow(&mut stepper, self.control(rtol), state)?.y)
+        let (control, end) = (self.control(rtol), self.end(elapsed, count));
+        Ok(self.follow((&mut stepper, control), state, (end, count))?.y)
     }
 
     /// The recorded motion of one period from a state z, with steps that meet the tolerance, whose levels are kept.
@@ -321,18 +328,29 @@ impl PeriodMap<'_> {
     }
 
     /// Integrates over one period.
-    fn follow(
+    fn follow_period(
         &mut self,
         stepper: &mut Stepper<'_>,
         control: LevelControl,
-        mut state: State,
+        z: &[f64],
     ) -> Result<State, AnalysisError> {
+        let state = self.state(z);
         let end = self.end(state.elapsed, 1);
+        self.follow((stepper, control), state, (end, 1))
+    }
+
+    /// Integrates up to the elapsed time `end`, over a number of periods.
+    fn follow(
+        &mut self,
+        (stepper, control): (&mut Stepper<'_>, LevelControl),
+        mut state: State,
+        (end, count): (f64, u64),
+    ) -> Result<State, AnalysisError> {
         let mut output = self.setup.output.clone();
         let outcome =
             integrate((stepper, &mut output), control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
         outcome.map_err(|halted| self.explained(&halted))?;
-        self.runs += 1;
+        self.runs += count as usize;
         Ok(state)
     }
 

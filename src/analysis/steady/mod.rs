@@ -37,6 +37,8 @@ pub struct SteadyState {
     pub periods: usize,
     /// Whether the period map is affine.
     pub is_affine: bool,
+    /// What limits the accuracy, if something does.
+    pub warning: Option<String>,
 }
 
 /// Finds the steady state with the period `options.duration`, s, and records `samples` of it.

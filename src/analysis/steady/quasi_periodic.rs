@@ -9,7 +9,7 @@
 use nalgebra::DMatrix;
 
 use super::anderson::Anderson;
-use super::harmonics::{BaseFrequency, Harmonics};
+use super::harmonics::{BaseFrequency, Combinations, Harmonics};
 use super::preconditioner::Preconditioner;
 use super::solver::{AMPLIFICATION, COARSEST, FRACTION, REPEATED, SECANT, drift, predicted, progress, stalls};
 use super::turning::Turning;
@@ -17,8 +17,15 @@ use super::{SteadyState, norm};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 
-/// Largest order of combinations of frequencies.
-const MAX_ORDER: usize = 12;
+/// Number of successive additions of harmonics that help too little, the reduction of the change that is too little, and
+/// the largest number of additions.
+const RESISTS: usize = 2;
+const LITTLE: f64 = 0.5;
+const MAX_ADDITIONS: usize = 20;
+/// Largest error, relative to the motion, that may remain.
+const ACCEPTABLE: f64 = 1e-2;
+/// Coefficients of a harmonic in multiples of the tolerance from which its neighbours matter.
+const SIGNIFICANT: f64 = 0.1;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 40;
 /// Relative error up to which the first order is solved where higher orders follow, and the fraction of the last change up to
@@ -49,6 +56,28 @@ struct Solution {
     defect: f64,
 }
 
+/// A state at the begin.
+pub struct Begin {
+    /// The state z.
+    pub state: Vec<f64>,
+    /// What is transient, relative to the motion.
+    error: f64,
+    solution: Solution,
+}
+
+impl Solution {
+    /// The state at the beginning of a section.
+    fn state(&self, section: i64) -> Vec<f64> {
+        self.harmonics.state(&self.coefficients, section)
+    }
+
+    /// Norm of the coefficients of a harmonic.
+    fn amplitude(&self, harmonic: usize) -> f64 {
+        let (first, count) = self.harmonics.unknowns_of(harmonic);
+        self.coefficients.columns(first, count).norm()
+    }
+}
+
 impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     /// Creates the solution for a section map and the frequencies that the section does not contain.
     ///
@@ -65,63 +94,82 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     /// # Errors
     /// [`AnalysisError`] if the iteration does not converge.
     pub fn solve(&mut self, sections: u64, samples: usize) -> Result<SteadyState, AnalysisError> {
-        let solution = self.harmonics()?;
-        let (response, last) =
-            self.map.record_periods(sections, &solution.harmonics.state(&solution.coefficients, 0), samples)?;
-        let expected = solution.harmonics.state(&solution.coefficients, sections);
-        let difference = self.distance(&last, &expected);
-        if difference > LEAVES * self.tolerance {
+        let found = self.begin(sections)?;
+        let (response, last) = self.map.record_periods(sections, &found.state, samples)?;
+        let difference = self.distance(&last, &found.solution.state(sections as i64));
+        if found.error == 0.0 && difference > LEAVES * self.tolerance {
             return Err(AnalysisError::Convergence(format!(
-                "the motion of these frequencies is unstable, or contains further harmonics: a run that begins with it differs by {difference:.1e} of the motion at its end; run in with simulate()"
+                "the motion of these frequencies is unstable, or contains further ones: a run that begins with it differs by {difference:.1e} of the motion at its end; run in with simulate()"
             )));
         }
+        let warning = format!(
+            "the motion has more harmonics than its solution: about {:.1e} of it are transient at the begin of the record",
+            found.error
+        );
         Ok(SteadyState {
             response,
             period: f64::INFINITY,
-            residual: solution.defect.max(difference),
+            // What is transient says more than the harmonics that it replaces.
+            residual: if found.error > 0.0 { found.error } else { found.solution.defect.max(difference) },
             periods: self.map.runs,
             is_affine: self.map.is_affine(),
+            warning: Some(warning).filter(|_| found.error > AMPLIFICATION * self.tolerance),
         })
     }
 
-    /// Raises the order of the harmonics until the motion does not change.
-    fn harmonics(&mut self) -> Result<Solution, AnalysisError> {
+    /// The state at the begin, which needs no more accuracy than a run over a number of sections leaves of a transient.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the iteration does not converge.
+    pub fn begin(&mut self, sections: u64) -> Result<Begin, AnalysisError> {
         let initial = self.map.initial();
         self.size = self.map.size(&initial)?;
-        let mut last: Option<Solution> = None;
+        let mut combinations = Combinations::new(self.base.clone());
         let mut coefficients = DMatrix::from_column_slice(initial.len(), 1, &initial);
-        let mut changes: Vec<f64> = Vec::new();
-        for order in 1..=MAX_ORDER {
-            let Some(harmonics) = Harmonics::new(&self.base, order) else { break };
-            if let Some(complete) = last.take_if(|last| last.harmonics.unknowns() == harmonics.unknowns()) {
-                return Ok(complete);
-            }
-            // The unknowns of lower orders come first.
+        let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
+        let mut best: Option<Begin> = None;
+        while !changes.resist() {
+            let Some(harmonics) = Harmonics::new(&combinations) else { break };
+            // The unknowns of earlier harmonics come first.
             let before = coefficients.clone().resize_horizontally(harmonics.unknowns(), 0.0);
-            let goal = match changes.last() {
-                _ if self.map.is_affine() => 1.0,
-                None => (FIRST_GOAL / self.tolerance).max(1.0),
-                Some(change) => (NEXT_GOAL * change).max(1.0),
-            };
-            let mut found = self.iterate(harmonics, before.clone(), goal)?;
-            if order > 1 {
-                changes.push((&found.coefficients - before).norm() / (self.tolerance * self.size));
+            let goal = if self.map.is_affine() { 1.0 } else { changes.goal() };
+            let mut solution = self.iterate(harmonics, before.clone(), goal)?;
+            if coefficients.ncols() > 1 {
+                changes.relative.push((&solution.coefficients - before).norm() / self.size);
             }
-            let converges = self.map.is_affine() || goal <= 1.0 && predicted(&changes) <= 1.0;
-            if converges {
-                let unseen = self.unseen(&found)?;
-                if unseen <= REPEATED * self.tolerance {
-                    found.defect = found.defect.max(unseen);
-                    return Ok(found);
+            coefficients.clone_from(&solution.coefficients);
+            let limit = SIGNIFICANT * self.tolerance * self.size;
+            let grows = combinations.grow(|harmonic| solution.amplitude(harmonic) > limit);
+            if goal <= 1.0 && (self.map.is_affine() || !grows || changes.converge()) {
+                let unseen = self.unseen(&solution)?;
+                if unseen <= REPEATED * AMPLIFICATION * self.tolerance {
+                    solution.defect = solution.defect.max(unseen);
+                    return Ok(Begin { state: solution.state(0), error: 0.0, solution });
                 }
             }
-            coefficients.clone_from(&found.coefficients);
-            last = Some(found);
+            let found = self.settled(solution, sections)?;
+            if found.error <= AMPLIFICATION * self.tolerance {
+                return Ok(found);
+            }
+            best = Some(found);
         }
-        let (count, error) = last.map_or((0, 1.0), |last| (last.harmonics.angles.len(), last.defect));
-        Err(AnalysisError::Convergence(format!(
-            "the quasi-periodic motion did not converge with {count} combinations of its frequencies: the state after a section differs by {error:.1e} of the motion; give a larger rtol, or run in with simulate()"
-        )))
+        best.filter(|best| best.error <= ACCEPTABLE).ok_or_else(|| {
+            AnalysisError::Convergence(format!(
+                "the quasi-periodic motion did not converge with {} unknowns of each coordinate: further harmonics change {:.1e} of it; run in with simulate()",
+                coefficients.ncols(),
+                changes.last()
+            ))
+        })
+    }
+
+    /// The state at the begin after running in for a number of sections, which shows what the harmonics leave out.
+    fn settled(&mut self, solution: Solution, sections: u64) -> Result<Begin, AnalysisError> {
+        let mut after = |count: u64| {
+            let first = -(count as i64);
+            self.map.periods_from((first, count), &solution.state(first), self.tolerance)
+        };
+        let (state, short) = (after(sections)?, after(sections.div_ceil(2))?);
+        Ok(Begin { error: self.distance(&state, &short), state, solution })
     }
 
     /// The accelerated iteration from given coefficients up to a `goal` in multiples of the tolerance.
@@ -185,9 +233,9 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         &mut self,
         harmonics: &Harmonics,
         coefficients: &DMatrix<f64>,
-        (section, rtol): (u64, f64),
+        (section, rtol): (i64, f64),
     ) -> Result<Vec<f64>, AnalysisError> {
-        let image = self.map.period_of_number(section, &harmonics.state(coefficients, section), rtol)?;
+        let image = self.map.periods_from((section, 1), &harmonics.state(coefficients, section), rtol)?;
         let next = harmonics.state(coefficients, section + 1);
         Ok(image.iter().zip(&next).map(|(image, next)| image - next).collect())
     }
@@ -197,9 +245,9 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let parts = harmonics.coefficients(defects)?;
         let mut correction = DMatrix::zeros(parts.nrows(), parts.ncols());
         correction.column_mut(0).copy_from_slice(&self.constant.correct(parts.column(0).as_slice()));
-        for ((harmonic, first), turning) in harmonics.first_unknowns().skip(1).zip(turning) {
-            let corrected = turning.correct(&harmonics.complex(harmonic, first, &parts))?;
-            harmonics.store(harmonic, first, &corrected, &mut correction);
+        for (harmonic, turning) in (1..).zip(turning) {
+            let corrected = turning.correct(&harmonics.complex(harmonic, &parts))?;
+            harmonics.store(harmonic, &corrected, &mut correction);
         }
         Some(correction)
     }
@@ -210,7 +258,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let last = harmonics.sections.iter().copied().max().unwrap_or(0);
         let mut largest = 0.0_f64;
         for factor in CHECKED {
-            let section = (factor * (last + 1) as f64).ceil() as u64;
+            let section = (factor * (last + 1) as f64).ceil() as i64;
             let mut defect = self.defect(harmonics, coefficients, (section, self.tolerance))?;
             drift(&self.constant, &defect, self.tolerance * self.size)?;
             for entry in &self.constant.positions {
@@ -228,5 +276,36 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             difference[*entry] = 0.0;
         }
         norm(&difference) / self.size
+    }
+}
+
+/// Changes of the motion by further harmonics.
+struct Changes {
+    /// The changes relative to the motion.
+    relative: Vec<f64>,
+    tolerance: f64,
+}
+
+impl Changes {
+    /// The last change; 1 before the first.
+    fn last(&self) -> f64 {
+        self.relative.last().copied().unwrap_or(1.0)
+    }
+
+    /// Error in multiples of the tolerance up to which the next harmonics are solved.
+    fn goal(&self) -> f64 {
+        let goal = self.relative.last().map_or(FIRST_GOAL, |change| NEXT_GOAL * change);
+        (goal / self.tolerance).max(1.0)
+    }
+
+    /// Whether the next harmonics would change less than the error of a state.
+    fn converge(&self) -> bool {
+        predicted(&self.relative) <= AMPLIFICATION * self.tolerance
+    }
+
+    /// Whether further harmonics do not help.
+    fn resist(&self) -> bool {
+        let little = self.relative.windows(2).rev().take_while(|pair| pair[1] > LITTLE * pair[0]).count();
+        little >= RESISTS || self.relative.len() >= MAX_ADDITIONS
     }
 }

@@ -227,6 +227,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             residual: norm(&defect) / size,
             periods: self.map.runs,
             is_affine: self.map.is_affine(),
+            warning: None,
         })
     }
 }
