@@ -17,12 +17,17 @@ mod turning;
 use nalgebra::Complex;
 
 use super::AnalysisError;
-use super::simulate::{Options, RecordPlan, Response, with_period_map, with_section_map};
+use super::simulate::{Initial, Options, RecordPlan, Response, with_period_map, with_section_map};
 use crate::modal::CachedModel;
 pub use period::{Sections, common_period, has_constant_coefficients, sections};
 use preconditioner::Preconditioner;
 use quasi_periodic::QuasiPeriodic;
 use solver::Solver;
+
+/// Number of sections in a period from which on their harmonics take less work than whole periods: for affine and for other
+/// maps.
+const MANY_SECTIONS: f64 = 40.0;
+const MANY_NONLINEAR_SECTIONS: f64 = 300.0;
 
 /// A steady state.
 #[derive(Clone, Debug)]
@@ -52,7 +57,50 @@ pub fn steady_state(
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
-    with_period_map(cached, options, plan, watch, |map| Solver::new(map, samples)?.solve())
+    let begin = begin_from_sections(cached, options, plan, watch)?;
+    with_period_map(cached, options, plan, watch, |map| {
+        let begin = begin.map(|(state, runs)| {
+            map.runs += runs;
+            map.modal(&state)
+        });
+        Solver::new(map, samples)?.solve(begin)
+    })
+}
+
+/// The state at the begin of a period of many sections, displacements then velocities, where it follows from their harmonics
+/// with less work than from whole periods; and this work in periods.
+///
+/// # Errors
+/// [`AnalysisError::Interrupted`].
+fn begin_from_sections(
+    cached: &CachedModel,
+    options: &Options,
+    plan: &RecordPlan,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<(Vec<f64>, usize)>, AnalysisError> {
+    let found = sections(&cached.model, options.fastest(), options.duration);
+    let sections = match (found, &options.initial) {
+        // Another motion may be near to the wanted one.
+        (None, _) | (_, Initial::Continue(_)) => return Ok(None),
+        (Some(sections), _) => sections,
+    };
+    let count = options.duration / sections.length;
+    if count < MANY_SECTIONS {
+        return Ok(None);
+    }
+    let begin = with_section_map(cached, options, (plan, sections.length), watch, |map| {
+        if count < if map.is_affine() { MANY_SECTIONS } else { MANY_NONLINEAR_SECTIONS } {
+            return Ok(None);
+        }
+        let state = QuasiPeriodic::new(map, &sections)?.begin()?.state;
+        Ok(Some((map.physical(state), (map.runs as f64 / count).ceil() as usize)))
+    });
+    match begin {
+        Ok(state) => Ok(state),
+        Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+        // The whole period says what is wrong.
+        Err(_) => Ok(None),
+    }
 }
 
 /// Finds the steady motion without a common period from its sections, and records `samples` instants of
@@ -69,7 +117,7 @@ pub fn quasi_periodic_state(
 ) -> Result<SteadyState, AnalysisError> {
     let count = (options.duration / sections.length).round().max(1.0) as u64;
     with_section_map(cached, options, (plan, sections.length), watch, |map| {
-        QuasiPeriodic::new(map, sections.base.clone())?.solve(count, samples)
+        QuasiPeriodic::new(map, sections)?.solve(count, samples)
     })
 }
 

@@ -82,6 +82,9 @@ impl Ratio {
 /// Number of harmonics of rolling elements that count as one order where their period is not that of a section.
 const ROLLING_HARMONICS: usize = 4;
 
+/// Number of periods of the slowest source in which a motion runs in.
+const RUN_IN: f64 = 10.0;
+
 /// How many harmonics an excitation has.
 #[derive(Clone, Copy, PartialEq)]
 enum Content {
@@ -168,6 +171,8 @@ pub struct Sections {
     pub length: f64,
     /// The frequencies of the other sources.
     pub base: Vec<BaseFrequency>,
+    /// Number of sections in which a motion runs in: ten periods of the slowest source.
+    pub run_in: u64,
 }
 
 /// Finds the sections of a motion at a speed of the reference shaft, rad/s, up to a `longest` one, s. None if nothing
@@ -208,7 +213,9 @@ pub fn sections(model: &Model, speed: f64, longest: f64) -> Option<Sections> {
             base.push(frequency);
         }
     }
-    Some(Sections { length: TAU / (order * speed.abs()), base })
+    let slowest = sources.iter().filter_map(|source| source.order).fold(order, f64::min);
+    let run_in = (RUN_IN * order / slowest).ceil() as u64;
+    Some(Sections { length: TAU / (order * speed.abs()), base, run_in })
 }
 
 impl Source {

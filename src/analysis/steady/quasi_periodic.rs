@@ -9,7 +9,8 @@
 use nalgebra::DMatrix;
 
 use super::anderson::Anderson;
-use super::harmonics::{BaseFrequency, Combinations, Harmonics};
+use super::harmonics::{Combinations, Harmonics};
+use super::period::Sections;
 use super::preconditioner::Preconditioner;
 use super::solver::{AMPLIFICATION, COARSEST, FRACTION, REPEATED, SECANT, drift, predicted, progress, stalls};
 use super::turning::Turning;
@@ -41,7 +42,7 @@ const LEAVES: f64 = 1000.0;
 pub struct QuasiPeriodic<'s, 'a> {
     map: &'s mut PeriodMap<'a>,
     constant: Preconditioner,
-    base: Vec<BaseFrequency>,
+    sections: &'s Sections,
     tolerance: f64,
     /// Energy norm of the motion.
     size: f64,
@@ -79,14 +80,14 @@ impl Solution {
 }
 
 impl<'s, 'a> QuasiPeriodic<'s, 'a> {
-    /// Creates the solution for a section map and the frequencies that the section does not contain.
+    /// Creates the solution for the map of sections.
     ///
     /// # Errors
     /// [`AnalysisError`] if a decomposition fails.
-    pub fn new(map: &'s mut PeriodMap<'a>, base: Vec<BaseFrequency>) -> Result<Self, AnalysisError> {
+    pub fn new(map: &'s mut PeriodMap<'a>, sections: &'s Sections) -> Result<Self, AnalysisError> {
         let constant = Preconditioner::new(map.linear(), map.period())?;
         let tolerance = map.tolerance();
-        Ok(Self { map, constant, base, tolerance, size: 1.0 })
+        Ok(Self { map, constant, sections, tolerance, size: 1.0 })
     }
 
     /// Finds the motion, and records `samples` instants of a number of sections.
@@ -94,7 +95,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     /// # Errors
     /// [`AnalysisError`] if the iteration does not converge.
     pub fn solve(&mut self, sections: u64, samples: usize) -> Result<SteadyState, AnalysisError> {
-        let found = self.begin(sections)?;
+        let found = self.begin()?;
         let (response, last) = self.map.record_periods(sections, &found.state, samples)?;
         let difference = self.distance(&last, &found.solution.state(sections as i64));
         if found.error == 0.0 && difference > LEAVES * self.tolerance {
@@ -117,23 +118,29 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         })
     }
 
-    /// The state at the begin, which needs no more accuracy than a run over a number of sections leaves of a transient.
+    /// The state at the begin. Its harmonics need no more accuracy than running in leaves of a transient.
     ///
     /// # Errors
     /// [`AnalysisError`] if the iteration does not converge.
-    pub fn begin(&mut self, sections: u64) -> Result<Begin, AnalysisError> {
+    pub fn begin(&mut self) -> Result<Begin, AnalysisError> {
         let initial = self.map.initial();
         self.size = self.map.size(&initial)?;
-        let mut combinations = Combinations::new(self.base.clone());
+        let mut combinations = Combinations::new(self.sections.base.clone());
         let mut coefficients = DMatrix::from_column_slice(initial.len(), 1, &initial);
         let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
-        let mut best: Option<Begin> = None;
+        let (mut best, mut failure): (Option<Begin>, Option<String>) = (None, None);
         while !changes.resist() {
             let Some(harmonics) = Harmonics::new(&combinations) else { break };
             // The unknowns of earlier harmonics come first.
             let before = coefficients.clone().resize_horizontally(harmonics.unknowns(), 0.0);
             let goal = if self.map.is_affine() { 1.0 } else { changes.goal() };
-            let mut solution = self.iterate(harmonics, before.clone(), goal)?;
+            let mut solution = match self.iterate(harmonics, before.clone(), goal) {
+                Err(AnalysisError::Convergence(message)) if best.is_some() => {
+                    failure = Some(message);
+                    break;
+                }
+                solution => solution?,
+            };
             if coefficients.ncols() > 1 {
                 changes.relative.push((&solution.coefficients - before).norm() / self.size);
             }
@@ -147,29 +154,34 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                     return Ok(Begin { state: solution.state(0), error: 0.0, solution });
                 }
             }
-            let found = self.settled(solution, sections)?;
+            let found = self.settled(solution)?;
             if found.error <= AMPLIFICATION * self.tolerance {
                 return Ok(found);
             }
-            best = Some(found);
+            best = Some(found).filter(|found| best.as_ref().is_none_or(|best| found.error < best.error)).or(best);
         }
         best.filter(|best| best.error <= ACCEPTABLE).ok_or_else(|| {
-            AnalysisError::Convergence(format!(
-                "the quasi-periodic motion did not converge with {} unknowns of each coordinate: further harmonics change {:.1e} of it; run in with simulate()",
+            AnalysisError::Convergence(failure.unwrap_or_else(|| format!(
+                "the quasi-periodic motion did not converge with {} unknowns of each coordinate: further harmonics change {:.1e} of it, and it is unstable or runs in slowly; start from another initial motion, add damping, or run in with simulate()",
                 coefficients.ncols(),
                 changes.last()
-            ))
+            )))
         })
     }
 
-    /// The state at the begin after running in for a number of sections, which shows what the harmonics leave out.
-    fn settled(&mut self, solution: Solution, sections: u64) -> Result<Begin, AnalysisError> {
+    /// The state at the begin after running in, which shows what the harmonics leave out.
+    fn settled(&mut self, solution: Solution) -> Result<Begin, AnalysisError> {
         let mut after = |count: u64| {
             let first = -(count as i64);
             self.map.periods_from((first, count), &solution.state(first), self.tolerance)
         };
-        let (state, short) = (after(sections)?, after(sections.div_ceil(2))?);
-        Ok(Begin { error: self.distance(&state, &short), state, solution })
+        let count = self.sections.run_in;
+        match after(count).and_then(|long| Ok((long, after(count.div_ceil(2))?))) {
+            Ok((state, short)) => Ok(Begin { error: self.distance(&state, &short), state, solution }),
+            Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+            // An unstable motion may end the contact geometry.
+            Err(_) => Ok(Begin { error: f64::INFINITY, state: solution.state(0), solution }),
+        }
     }
 
     /// The accelerated iteration from given coefficients up to a `goal` in multiples of the tolerance.

@@ -88,12 +88,23 @@ impl<'s, 'a> Solver<'s, 'a> {
         Ok(Self { map, preconditioner, tolerance, samples })
     }
 
-    /// Records the period that reproduces its state.
+    /// Records the period that reproduces its state. The iteration starts with `begin`, which needs no further iteration if it
+    /// is accurate, or else with the initial state of the options.
     ///
     /// # Errors
     /// [`AnalysisError`] if no iteration converges.
-    pub fn solve(&mut self) -> Result<SteadyState, AnalysisError> {
-        let mut best = match self.accelerated()? {
+    pub fn solve(&mut self, begin: Option<Vec<f64>>) -> Result<SteadyState, AnalysisError> {
+        let begin = match begin {
+            None => self.map.initial(),
+            Some(z) => {
+                let point = self.point(z, Steps::Recorded)?;
+                if point.error <= 1.0 || self.repeats(&point) {
+                    return self.found(point);
+                }
+                point.z.iter().zip(&point.correction).map(|(z, correction)| z + correction).collect()
+            }
+        };
+        let mut best = match self.accelerated(begin)? {
             Ok(found) => return self.found(found),
             Err(best) => best,
         };
@@ -131,8 +142,7 @@ impl<'s, 'a> Solver<'s, 'a> {
     }
 
     /// The accelerated iteration: the recorded fixed point, or the best point.
-    fn accelerated(&mut self) -> Result<Result<Point, Point>, AnalysisError> {
-        let mut z = self.map.initial();
+    fn accelerated(&mut self, mut z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
         let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
         let mut best: Option<Point> = None;
         // Tolerance of the steps.
