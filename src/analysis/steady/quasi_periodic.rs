@@ -23,6 +23,10 @@ use crate::analysis::simulate::PeriodMap;
 const RESISTS: usize = 2;
 const LITTLE: f64 = 0.5;
 const MAX_ADDITIONS: usize = 20;
+/// Parts of the longest run before the record, by which it is divided for shorter ones.
+const RUN_INS: [u64; 4] = [8, 4, 2, 1];
+/// Number of sections for each unknown that the first harmonics take. Where running in takes less, it is tried first.
+const FIRST_HARMONICS: u64 = 8;
 /// Largest error, relative to the motion, that may remain.
 const ACCEPTABLE: f64 = 1e-2;
 /// Coefficients of a harmonic in multiples of the tolerance from which its neighbours matter.
@@ -129,6 +133,12 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let mut coefficients = DMatrix::from_column_slice(initial.len(), 1, &initial);
         let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
         let (mut best, mut failure): (Option<Begin>, Option<String>) = (None, None);
+        if let Some(mean) = self.cheap_to_run_in(&combinations) {
+            let found = self.settled(Solution { harmonics: mean, coefficients: coefficients.clone(), defect: 1.0 })?;
+            if found.error <= AMPLIFICATION * self.tolerance {
+                return Ok(found);
+            }
+        }
         while !changes.resist() {
             let Some(harmonics) = Harmonics::new(&combinations) else { break };
             // The unknowns of earlier harmonics come first.
@@ -169,19 +179,40 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         })
     }
 
-    /// The state at the begin after running in, which shows what the harmonics leave out.
-    fn settled(&mut self, solution: Solution) -> Result<Begin, AnalysisError> {
-        let mut after = |count: u64| {
-            let first = -(count as i64);
-            self.map.periods_from((first, count), &solution.state(first), self.tolerance)
-        };
-        let count = self.sections.run_in;
-        match after(count).and_then(|long| Ok((long, after(count.div_ceil(2))?))) {
-            Ok((state, short)) => Ok(Begin { error: self.distance(&state, &short), state, solution }),
-            Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
-            // An unstable motion may end the contact geometry.
-            Err(_) => Ok(Begin { error: f64::INFINITY, state: solution.state(0), solution }),
+    /// The mean alone, if a run is cheaper than finding the first harmonics.
+    fn cheap_to_run_in(&self, combinations: &Combinations) -> Option<Harmonics> {
+        let first = Harmonics::new(combinations)?.unknowns() as u64;
+        if self.sections.run_in > FIRST_HARMONICS * first {
+            return None;
         }
+        Harmonics::new(&Combinations::new(Vec::new()))
+    }
+
+    /// The state at the begin after running in, for twice as long until that changes little.
+    fn settled(&mut self, solution: Solution) -> Result<Begin, AnalysisError> {
+        let mut begin = Begin { error: f64::INFINITY, state: solution.state(0), solution };
+        let mut shorter = 0;
+        for part in RUN_INS {
+            let count = self.sections.run_in.div_ceil(part);
+            let first = -(count as i64);
+            let state = match self.map.periods_from((first, count), &begin.solution.state(first), self.tolerance) {
+                Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
+                // An unstable motion may end the contact geometry.
+                Err(_) => break,
+                Ok(state) => state,
+            };
+            // A mode that decays slowly changes less between two runs than its error is.
+            let between = self.map.period() * (count - shorter).max(1) as f64;
+            let slow = Preconditioner::new(self.map.linear(), between)?;
+            let change: Vec<f64> = state.iter().zip(&begin.state).map(|(long, short)| long - short).collect();
+            let error = self.distance(&state, &begin.state).max(norm(&slow.correct(&change)) / self.size);
+            begin = Begin { state, error, ..begin };
+            if begin.error <= AMPLIFICATION * self.tolerance {
+                break;
+            }
+            shorter = count;
+        }
+        Ok(begin)
     }
 
     /// The accelerated iteration from given coefficients up to a `goal` in multiples of the tolerance.
