@@ -132,6 +132,10 @@ def coprime_row(
     exact: Any = recorded
     for turns in range(1, MAX_TURNS + 1):
         here = slice(*np.searchsorted(recorded.time, turn * np.array([turns - 1, turns])))
+        if turns == RECORDED + 1:
+            # The record ends with a whole section.
+            late = exact.final["time"] - last.final["time"]
+            last = system.simulate(late, speed, initial=last, **options)
         now = 0.0 if isinstance(last, str) else last.final["time"]
         times = recorded.time[here] if turns <= RECORDED else now + turn * STEPS
         begin = time.process_time()

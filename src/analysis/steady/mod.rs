@@ -3,6 +3,9 @@
 //! It is the fixed point of the period map P, which integrates one period. The correction (I − e^{AT})⁻¹(P(z) − z) of
 //! the linear motion is accelerated by the secants of the iteration, for affine maps the same as GMRES with this
 //! preconditioner. The rigid-body rotation is no unknown.
+//!
+//! Where the sources have no common period, or a long one, the unknowns are the harmonics of the states at the beginning of
+//! shorter sections.
 
 mod anderson;
 mod gmres;

@@ -17,7 +17,7 @@ const LARGEST_DENOMINATOR: u64 = 1000;
 const SAME: f64 = 1e-12;
 
 /// What to do without a common period.
-const ALTERNATIVES: &str = "or run in with simulate(); with geometry=\"frozen\", constant mesh stiffness and linear connections, the motions of the sources superpose";
+const ALTERNATIVES: &str = "or run in with simulate()";
 
 /// A positive ratio of two whole numbers without a common divisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

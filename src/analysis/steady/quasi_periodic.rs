@@ -23,8 +23,13 @@ use crate::analysis::simulate::PeriodMap;
 const RESISTS: usize = 2;
 const LITTLE: f64 = 0.5;
 const MAX_ADDITIONS: usize = 20;
-/// Parts of the longest run before the record, by which it is divided for shorter ones.
-const RUN_INS: [u64; 4] = [8, 4, 2, 1];
+/// Duration of running in over that of the first run before the record.
+const SHORTEST_RUN_IN: u64 = 8;
+/// Longest run before the record in multiples of the duration of running in, and the margin of its prediction.
+const LONGEST_RUN_IN: u64 = 4;
+const MARGIN: f64 = 1.2;
+/// Work in multiples of running in, beyond that of the unknowns, after which no more harmonics are added.
+const MAX_WORK: u64 = 8;
 /// Number of sections for each unknown that the first harmonics take. Where running in takes less, it is tried first.
 const FIRST_HARMONICS: u64 = 8;
 /// Largest error, relative to the motion, that may remain.
@@ -134,12 +139,16 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
         let (mut best, mut failure): (Option<Begin>, Option<String>) = (None, None);
         if let Some(mean) = self.cheap_to_run_in(&combinations) {
-            let found = self.settled(Solution { harmonics: mean, coefficients: coefficients.clone(), defect: 1.0 })?;
+            let found = self.settled(
+                Solution { harmonics: mean, coefficients: coefficients.clone(), defect: 1.0 },
+                LONGEST_RUN_IN,
+            )?;
             if found.error <= AMPLIFICATION * self.tolerance {
                 return Ok(found);
             }
         }
-        while !changes.resist() {
+        let begun = self.map.runs;
+        while !changes.resist() && self.has_time(begun, coefficients.ncols()) {
             let Some(harmonics) = Harmonics::new(&combinations) else { break };
             // The unknowns of earlier harmonics come first.
             let before = coefficients.clone().resize_horizontally(harmonics.unknowns(), 0.0);
@@ -164,12 +173,13 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                     return Ok(Begin { state: solution.state(0), error: 0.0, solution });
                 }
             }
-            let found = self.settled(solution)?;
+            let found = self.settled(solution, 1)?;
             if found.error <= AMPLIFICATION * self.tolerance {
                 return Ok(found);
             }
             best = Some(found).filter(|found| best.as_ref().is_none_or(|best| found.error < best.error)).or(best);
         }
+        let best = best.map(|best| self.settled(best.solution, LONGEST_RUN_IN)).transpose()?;
         best.filter(|best| best.error <= ACCEPTABLE).ok_or_else(|| {
             AnalysisError::Convergence(failure.unwrap_or_else(|| format!(
                 "the quasi-periodic motion did not converge with {} unknowns of each coordinate: further harmonics change {:.1e} of it, and it is unstable or runs in slowly; start from another initial motion, add damping, or run in with simulate()",
@@ -179,21 +189,29 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         })
     }
 
+    /// Whether the work since `begun` leaves time for more than a number of unknowns.
+    fn has_time(&self, begun: usize, unknowns: usize) -> bool {
+        let limit = MAX_WORK * self.sections.run_in + FIRST_HARMONICS * unknowns as u64;
+        (self.map.runs - begun) as u64 <= limit
+    }
+
     /// The mean alone, if a run is cheaper than finding the first harmonics.
     fn cheap_to_run_in(&self, combinations: &Combinations) -> Option<Harmonics> {
         let first = Harmonics::new(combinations)?.unknowns() as u64;
-        if self.sections.run_in > FIRST_HARMONICS * first {
+        // For an affine map, the first harmonics are exact.
+        if self.map.is_affine() || self.sections.run_in > FIRST_HARMONICS * first {
             return None;
         }
         Harmonics::new(&Combinations::new(Vec::new()))
     }
 
-    /// The state at the begin after running in, for twice as long until that changes little.
-    fn settled(&mut self, solution: Solution) -> Result<Begin, AnalysisError> {
+    /// The state at the begin after running in, for as long as the decay of the first changes asks for, up to `longest` times
+    /// the duration of running in.
+    fn settled(&mut self, solution: Solution, longest: u64) -> Result<Begin, AnalysisError> {
         let mut begin = Begin { error: f64::INFINITY, state: solution.state(0), solution };
-        let mut shorter = 0;
-        for part in RUN_INS {
-            let count = self.sections.run_in.div_ceil(part);
+        let shortest = self.sections.run_in.div_ceil(SHORTEST_RUN_IN);
+        let (mut shorter, mut count) = (0, shortest);
+        while count <= longest * self.sections.run_in {
             let first = -(count as i64);
             let state = match self.map.periods_from((first, count), &begin.solution.state(first), self.tolerance) {
                 Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
@@ -206,11 +224,16 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             let slow = Preconditioner::new(self.map.linear(), between)?;
             let change: Vec<f64> = state.iter().zip(&begin.state).map(|(long, short)| long - short).collect();
             let error = self.distance(&state, &begin.state).max(norm(&slow.correct(&change)) / self.size);
+            let decay = (begin.error / error).ln() / (count - shorter) as f64;
             begin = Begin { state, error, ..begin };
-            if begin.error <= AMPLIFICATION * self.tolerance {
+            let left = error / (AMPLIFICATION * self.tolerance);
+            if left <= 1.0 {
                 break;
             }
             shorter = count;
+            // Not longer than it must be, but at most twice as long: the first changes decay in another way than later ones.
+            let needed = if decay.is_finite() { (MARGIN * left.ln() / decay.max(0.0)).ceil() } else { f64::INFINITY };
+            count += if needed < count as f64 { (needed as u64).max(1) } else { count };
         }
         Ok(begin)
     }
