@@ -38,8 +38,8 @@ __all__ = [
     "initial_state",
     "multipliers",
     "recorded_period",
-    "section_length",
     "rolling_coefficients",
+    "section_length",
     "steady_state",
     "user_order",
 ]

@@ -13,6 +13,8 @@ from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.recording.tables import optional_arrays
+from gearbow.results.response import Response
+from gearbow.results.steady import SteadyState
 
 #: Accepted types of the speed of a run.
 SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
@@ -49,6 +51,10 @@ def warn_of_early_end(speed: object, profile: float | SpeedProfile, end: float) 
 
 def beginning(initial: object, start: float | None) -> tuple[str | dict[str, Any], float]:
     """Read the initial state and the start time. A continued run starts at the end of the other."""
+    if isinstance(initial, SteadyState):
+        initial = initial.response
+    if isinstance(initial, Response):
+        initial = initial.final
     if isinstance(initial, str):
         return initial, 0.0 if start is None else number(start, "start")
     if not isinstance(initial, Mapping) or "time" not in initial:

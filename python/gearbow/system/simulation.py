@@ -19,6 +19,7 @@ from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
+from gearbow.results.steady import SteadyState
 from gearbow.system.linear import LinearAnalyses
 from gearbow.system.run import (
     SpeedLike,
@@ -49,7 +50,7 @@ class Simulation(LinearAnalyses):
         rtol: float | None = None,
         stages: int | None = None,
         modes: int | None = None,
-        initial: str | Response | Mapping[str, Any] = "synchronous",
+        initial: str | Response | SteadyState | Mapping[str, Any] = "synchronous",
         output_step: float | None = None,
         times: ArrayLike | None = None,
         record: Iterable[Record] = ("gears", "meshes"),
@@ -98,7 +99,7 @@ class Simulation(LinearAnalyses):
             Number of modes of "exponential" and "etdrk4": the displacements that carry the loads to
             the recorded signals are kept. None is all, or as many as `accuracy` needs.
             `Statistics.modes_error` gives the error.
-        initial : {"synchronous", "static", "rest"} or Response
+        initial : {"synchronous", "static", "rest"}, Response or SteadyState
             Initial state: static equilibrium plus linear synchronous response, static equilibrium,
             or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. The
             synchronous response is linear: where a bow uses up the backlash, the flanks of this
@@ -178,7 +179,7 @@ class Simulation(LinearAnalyses):
         200 µm
         """
         duration = number(duration, "duration")
-        state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
+        state, begin = beginning(initial, start)
         profile = given_speed(speed, begin, duration)
         warn_of_early_end(speed, profile, begin + duration)
         system = self._over_time(begin, duration)

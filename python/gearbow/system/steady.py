@@ -115,9 +115,7 @@ class SteadyAnalyses(Simulation):
         >>> steady.instability is None
         True
         """
-        if isinstance(initial, SteadyState):
-            initial = initial.response
-        state, begin = beginning(initial.final if isinstance(initial, Response) else initial, start)
+        state, begin = beginning(initial, start)
         speed = number(speed, "speed")
         longest = number(max_period, "max_period", infinite=True)
         geometry = text(geometry, "geometry")

@@ -270,25 +270,12 @@ impl PeriodMap<'_> {
         Ok(self.follow((&mut stepper, control), state, (end, count))?.y)
     }
 
-    /// The recorded motion of one period from a state z, with steps that meet the tolerance, whose levels are kept.
+    /// The recorded motion of `count` periods from a state z, with steps that meet the tolerance, whose levels are kept.
     /// Returns the state at the end too.
     ///
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
-    pub fn record(&mut self, z: &[f64], samples: usize) -> Result<(Response, Vec<f64>), AnalysisError> {
-        self.record_periods(1, z, samples)
-    }
-
-    /// The same for a number of periods.
-    ///
-    /// # Errors
-    /// [`AnalysisError`] if the run ends early.
-    pub fn record_periods(
-        &mut self,
-        count: u64,
-        z: &[f64],
-        samples: usize,
-    ) -> Result<(Response, Vec<f64>), AnalysisError> {
+    pub fn record(&mut self, count: u64, z: &[f64], samples: usize) -> Result<(Response, Vec<f64>), AnalysisError> {
         let (origin, begin) = (self.start.rotation.origin, self.start.state.elapsed);
         let (end, duration) = (self.end(begin, count), self.period * count as f64);
         let times: Vec<f64> =

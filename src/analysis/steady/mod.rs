@@ -189,7 +189,7 @@ pub fn recorded_period(
 ) -> Result<Response, AnalysisError> {
     with_period_map(cached, options, plan, watch, |map| {
         let z = map.modal(state);
-        Ok(map.record(&z, samples)?.0)
+        Ok(map.record(1, &z, samples)?.0)
     })
 }
 

@@ -105,7 +105,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     /// [`AnalysisError`] if the iteration does not converge.
     pub fn solve(&mut self, sections: u64, samples: usize) -> Result<SteadyState, AnalysisError> {
         let found = self.begin()?;
-        let (response, last) = self.map.record_periods(sections, &found.state, samples)?;
+        let (response, last) = self.map.record(sections, &found.state, samples)?;
         let difference = self.distance(&last, &found.solution.state(sections as i64));
         if found.error == 0.0 && difference > LEAVES * self.tolerance {
             return Err(AnalysisError::Convergence(format!(

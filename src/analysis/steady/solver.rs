@@ -131,7 +131,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             Steps::Same => (None, self.map.apply(&z)?),
             Steps::Adapted(rtol) => (None, self.map.adapt_to(&z, rtol)?),
             Steps::Recorded => {
-                let (response, image) = self.map.record(&z, self.samples)?;
+                let (response, image) = self.map.record(1, &z, self.samples)?;
                 (Some(Box::new(response)), image)
             }
         };
