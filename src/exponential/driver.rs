@@ -27,7 +27,10 @@ pub fn run(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
-    let outcome = driver.run((stepper, output), state, end, observer, statistics);
+    let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
+    if let Some(energies) = output.energies() {
+        energies.evaluate(stepper.nonlinear_loads(), true, &mut |energies| observer.shaft_energies(energies));
+    }
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }

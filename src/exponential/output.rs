@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::accelerations::AccelerationMap;
+use super::energies::ShaftEnergies;
 use super::interface_maps::InterfaceMaps;
 use super::nonlinear_loads::NonlinearLoads;
 use super::packed::Rows;
@@ -20,6 +21,9 @@ pub struct Selection {
     pub velocities: Vec<usize>,
     /// Indices of the accelerations.
     pub accelerations: Vec<usize>,
+    /// Indices of the displacements and of the velocities that outputs need besides the energies of the shafts, if the run
+    /// records energies. `displacements` and `velocities` are then complete.
+    pub without_energies: Option<[Vec<usize>; 2]>,
     /// Coordinates from which powers follow, if the run records energies.
     pub powers: Option<PowerCoordinates>,
 }
@@ -35,6 +39,8 @@ pub struct OutputMap {
     map: StateMap,
     /// The map to the coordinates from which powers follow.
     powers: Option<Box<OutputMap>>,
+    /// The map to the energies of the shafts.
+    energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
     accelerations: Option<Box<AccelerationMap>>,
 }
@@ -47,14 +53,19 @@ impl OutputMap {
         maps: &InterfaceMaps,
         selection: Selection,
     ) -> Self {
-        let Selection { displacements, velocities, accelerations, powers } = selection;
+        let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
             Box::new(Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &combinations))
         });
         let accelerations = (!accelerations.is_empty())
             .then(|| Box::new(AccelerationMap::new(nonlinear_loads, linear, maps, accelerations)));
+        let complete = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
+        let Some([displacements, velocities]) = without_energies else {
+            return Self { powers, accelerations, ..complete };
+        };
+        let energies = Some(Box::new(ShaftEnergies::new(complete, nonlinear_loads.reference.len())));
         let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
-        Self { powers, accelerations, ..motion }
+        Self { powers, energies, accelerations, ..motion }
     }
 
     /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
@@ -87,6 +98,7 @@ impl OutputMap {
             displacements,
             velocities,
             powers: None,
+            energies: None,
             accelerations: None,
         }
     }
@@ -94,6 +106,20 @@ impl OutputMap {
     /// The map to the coordinates from which powers follow, if there is one.
     pub(super) fn powers(&mut self) -> Option<&mut Self> {
         self.powers.as_deref_mut()
+    }
+
+    /// The energies of the shafts, if a run records them.
+    pub(super) fn energies(&mut self) -> Option<&mut ShaftEnergies> {
+        self.energies.as_deref_mut()
+    }
+
+    /// The map that reads all selected coordinates at every output, also those from which only the energies of the shafts
+    /// follow.
+    pub(super) fn complete(self) -> Self {
+        match self.energies {
+            Some(energies) => Self { accelerations: self.accelerations, ..energies.into_output() },
+            None => self,
+        }
     }
 
     /// The map to the accelerations, if a run reads any.

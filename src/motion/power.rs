@@ -1,5 +1,6 @@
 //! Powers that change the energy of the motion.
 
+use nalgebra::DVector;
 use num_complex::Complex64;
 
 use super::EquationOfMotion;
@@ -9,6 +10,9 @@ use crate::model::{Excitation, Model, ShaftModel, Support};
 
 /// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
+
+/// Number of sums of a scalar product.
+const LANES: usize = 8;
 
 /// The coordinates from which powers follow.
 #[derive(Clone, Debug)]
@@ -61,6 +65,54 @@ impl PowerCoordinates {
     }
 }
 
+/// Loads whose powers are sums over few coordinates, in the order of their addition.
+#[derive(Clone, Debug)]
+pub struct PowerLoads {
+    /// Constant torques and forces of the scene, N m and N, with the index of their velocity.
+    torques: Vec<(usize, f64)>,
+    /// The whole constant load, N and N m, with the index of its velocity.
+    constant: Vec<(usize, f64)>,
+    /// Excitations with unbalance, and their shafts.
+    unbalances: Vec<(usize, Excitation)>,
+    /// Bowed shafts.
+    bowed: Vec<usize>,
+}
+
+impl PowerLoads {
+    /// The loads of a model.
+    pub fn new(model: &Model) -> Self {
+        let entries = |load: &DVector<f64>| load.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        let shafts = || model.shafts.iter().enumerate();
+        let unbalances = shafts().flat_map(|(index, shaft)| {
+            let unbalanced = shaft.excitations.iter().filter(|excitation| excitation.unbalance != Complex64::ZERO);
+            unbalanced.map(move |excitation| (index, *excitation))
+        });
+        Self {
+            torques: entries(&model.given_load()),
+            constant: entries(&model.constant_load),
+            unbalances: unbalances.collect(),
+            bowed: shafts().filter(|(_, shaft)| is_bowed(shaft)).map(|(index, _)| index).collect(),
+        }
+    }
+}
+
+/// Sum of the products of forces with their velocities, W.
+fn power(forces: &[(usize, f64)], v: &[f64]) -> f64 {
+    forces.iter().map(|(index, force)| force * v[*index]).sum()
+}
+
+/// Scalar product, summed in lanes because one sum would wait for each addition.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+}
+
 /// Whether the bow of a shaft exerts a force.
 fn is_bowed(shaft: &ShaftModel) -> bool {
     shaft.excitations.iter().any(|excitation| excitation.bow != Complex64::ZERO)
@@ -84,23 +136,27 @@ impl EquationOfMotion<'_> {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
-    pub fn powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
+    pub fn powers(
+        &self,
+        loads: &PowerLoads,
+        elapsed: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
-        let [mut torque, constant] = model.constant_powers(v);
+        let mut torque = power(&loads.torques, v);
         let [loaded, mut drive, circulating] = self.link_powers(elapsed, q, v);
-        let weight = constant - torque - loaded;
+        let weight = power(&loads.constant, v) - torque - loaded;
+        for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
+            // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
+            let phasor = self.phasor(*shaft, elapsed);
+            drive -= self.spin_at(*shaft, elapsed).0 * (bow[1] * phasor.re - bow[0] * phasor.im);
+        }
         let mut unbalance = 0.0;
-        let mut bows = q[model.len()..].chunks_exact(2);
-        for (index, shaft) in model.shafts.iter().enumerate() {
-            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            if let Some(bow) = is_bowed(shaft).then(|| bows.next()).flatten() {
-                // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
-                drive -= spin * (bow[1] * phasor.re - bow[0] * phasor.im);
-            }
-            for excitation in &shaft.excitations {
-                let force = excitation.unbalance_amplitude(spin, rate) * phasor;
-                unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
-            }
+        for (shaft, excitation) in &loads.unbalances {
+            let (spin, rate) = self.spin_at(*shaft, elapsed);
+            let force = excitation.unbalance_amplitude(spin, rate) * self.phasor(*shaft, elapsed);
+            unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
         }
         let mut damping = self.model.damping_form(v);
         for support in &model.supports {
@@ -112,8 +168,8 @@ impl EquationOfMotion<'_> {
         let turning = model.scene.forces.iter().filter(|force| force.turns);
         torque += turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum::<f64>();
         if let Some(modal) = &self.modal_damping {
-            for (column, rate) in modal.column_iter().zip(v) {
-                damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
+            for (column, rate) in modal.as_slice().chunks_exact(model.len()).zip(v) {
+                damping += rate * product(column, &v[..model.len()]);
             }
         }
         let mut teeth = 0.0;

@@ -358,6 +358,10 @@ impl Observer for RunObserver<'_, '_> {
         self.recorder.switched(elapsed, read, contact_modes);
     }
 
+    fn shaft_energies(&mut self, energies: [f64; 2]) {
+        self.recorder.add_shaft_energies(energies);
+    }
+
     fn continues(&mut self, elapsed: f64) -> bool {
         if self.last_check.elapsed() < HEARTBEAT {
             return true;

@@ -72,6 +72,10 @@ pub(super) struct Recorder<'a, 'm> {
     velocity: Vec<f64>,
     /// Scratch: accelerations at these instants; empty where none are recorded.
     acceleration: Vec<f64>,
+    /// Scratch: displacements without the bow; empty where no energies are recorded.
+    unbent: Vec<f64>,
+    /// Number of outputs whose energies of the shafts were deferred and are known.
+    shaft_energies: usize,
     audit: Option<Audit>,
     events: EventRecorder,
     every_step: bool,
@@ -111,6 +115,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             displacement: vec![0.0; BATCH * model.len()],
             velocity: vec![0.0; BATCH * model.len()],
             acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
+            unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
+            shaft_energies: 0,
             accelerated: plan.accelerated(model),
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
@@ -153,9 +159,10 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
                     audit.integrate(&self.motion, motion, *elapsed)?;
                 }
-                self.sample(*elapsed, index)?;
+                self.sample(*elapsed, index, motion.defers_energies())?;
                 self.record.time.push(self.times[self.record.time.len()]);
             }
+            motion.shaft_energies(&mut |energies| self.add_shaft_energies(energies));
         }
         if let Some(audit) = &mut self.audit {
             audit.integrate(&self.motion, motion, end)?;
@@ -180,9 +187,17 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.events.switched(&self.motion, elapsed, read, room, contact_modes);
     }
 
+    /// Adds kinetic energy and elastic energy of the shafts, J, to the oldest output without them.
+    pub fn add_shaft_energies(&mut self, [kinetic, shafts]: [f64; 2]) {
+        if let Some((energies, _)) = self.record.energy.get_mut(self.shaft_energies) {
+            (energies.kinetic, energies.shafts) = (kinetic, shafts);
+        }
+        self.shaft_energies += 1;
+    }
+
     /// Records one output from the displacements and velocities at `elapsed`, which have this index among those that were
-    /// read.
-    fn sample(&mut self, elapsed: f64, index: usize) -> Result<(), Halt> {
+    /// read. [`Self::add_shaft_energies`] completes its energies if they are `deferred`.
+    fn sample(&mut self, elapsed: f64, index: usize, deferred: bool) -> Result<(), Halt> {
         let model = self.motion.model();
         let own = index * model.len()..(index + 1) * model.len();
         let (q, v) = (&self.displacement[own.clone()], &self.velocity[own.clone()]);
@@ -194,9 +209,11 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         if let Some(audit) = &self.audit {
             let works = audit.works_at(elapsed);
-            let energies = self.motion.energies(elapsed, q, v);
-            let energies = energies.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
-            self.record.energy.push((energies, works));
+            let others = self.motion.connection_energies(elapsed, q, v);
+            let [bearings, meshes] = others.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+            let [kinetic, shafts] =
+                if deferred { [0.0; 2] } else { self.motion.shaft_energies(elapsed, q, v, &mut self.unbent) };
+            self.record.energy.push((Energies { kinetic, shafts, bearings, meshes }, works));
         }
         for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
             self.events.check(&self.motion, *mesh, elapsed, &state.centres);
