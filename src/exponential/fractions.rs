@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use super::packed::{Aligned, aligned};
 use super::phi::{Block, exponential_of_pair};
 use super::time_grid::TimeGrid;
-use crate::integrate::NESTED_RULES;
+use crate::integrate::quadrature_rules::NESTED;
 use crate::modal::ModePair;
 
 /// Binary digits of a digit to the base 16.
@@ -37,7 +37,7 @@ pub struct Fractions {
     digits: Vec<Powers>,
     /// For each step level, e^{At} with t = 1 to 99 hundredths of the step.
     parts: Vec<OnceLock<Powers>>,
-    /// For each step level, e^{At} with t at the abscissae of [`NESTED_RULES`].
+    /// For each step level, e^{At} with t at the abscissae of [`NESTED`].
     abscissae: Vec<OnceLock<Vec<[Aligned; 4]>>>,
     time_grid: TimeGrid,
 }
@@ -47,7 +47,7 @@ pub struct Fractions {
 pub enum Fraction {
     /// A number of hundredths.
     Hundredths(usize),
-    /// The abscissa of [`NESTED_RULES`] with this index.
+    /// The abscissa of [`NESTED`] with this index.
     Abscissa(usize),
 }
 
@@ -92,7 +92,7 @@ impl Fractions {
     pub fn nearest(time: f64, step: f64) -> (Fraction, f64) {
         let hundredths = (time / step * PARTS as f64).round();
         let mut nearest = (Fraction::Hundredths(hundredths as usize), hundredths / PARTS as f64 * step);
-        for (index, (at, _)) in NESTED_RULES.iter().enumerate() {
+        for (index, (at, _)) in NESTED.iter().enumerate() {
             if (at * step - time).abs() < (nearest.1 - time).abs() {
                 nearest = (Fraction::Abscissa(index), at * step);
             }
@@ -111,7 +111,7 @@ impl Fractions {
             Fraction::Hundredths(_) => None,
             Fraction::Abscissa(index) => {
                 let of_pair = |at: f64| packed(pairs.iter().map(|pair| exponential_of_pair(pair, at * step)));
-                let all = || NESTED_RULES.iter().map(|(at, _)| of_pair(*at)).collect();
+                let all = || NESTED.iter().map(|(at, _)| of_pair(*at)).collect();
                 self.abscissae[level].get_or_init(all).get(index)
             }
         }
@@ -164,7 +164,7 @@ mod tests {
         let fractions = Fractions::new(&time_grid);
         let value = Complex64::new(-30.0, 2e5);
         let of_hundredths = |count: usize| (count as f64 / 100.0, Fraction::Hundredths(count));
-        let of_abscissa = |index: usize| (NESTED_RULES[index].0, Fraction::Abscissa(index));
+        let of_abscissa = |index: usize| (NESTED[index].0, Fraction::Abscissa(index));
         let hundredths = [(0, 1), (1, 7), (2, 50), (3, 99)].map(|(level, count)| (level, of_hundredths(count)));
         let abscissae = [(0, 0), (1, 3), (2, 14)].map(|(level, index)| (level, of_abscissa(index)));
         for (level, (at, fraction)) in hundredths.into_iter().chain(abscissae) {

@@ -103,6 +103,10 @@ impl Trajectory for StepTrajectory<'_, '_> {
         false
     }
 
+    fn ends_at_state(&self) -> bool {
+        (self.end - self.step.begin - self.step.length()).abs() <= ROUND_OFF * self.step.length()
+    }
+
     fn end_displacement(&self) -> Option<&[f64]> {
         None
     }

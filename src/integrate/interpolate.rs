@@ -59,6 +59,11 @@ pub trait Trajectory {
         true
     }
 
+    /// Whether the next step begins with exactly the state at [`Self::end`].
+    fn ends_at_state(&self) -> bool {
+        false
+    }
+
     /// All displacements at the end, if the method has computed them.
     fn end_displacement(&self) -> Option<&[f64]>;
 }

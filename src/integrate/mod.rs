@@ -1,7 +1,7 @@
 //! Explicit Runge–Kutta integration of a [`FirstOrderSystem`], which gives its derivative and its error norm.
 //!
 //! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
-//! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, `nested_rules` integrates over it, and `halt` gives the
+//! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, `quadrature_rules` integrate over it, and `halt` gives the
 //! reasons to stop. A step allocates no memory. `state` is the state between steps of every method.
 
 mod controller;
@@ -9,11 +9,11 @@ mod driver;
 mod event_locator;
 mod halt;
 mod interpolate;
-mod nested_rules;
 mod state;
 mod statistics;
 mod step;
 mod system;
+pub mod quadrature_rules;
 pub mod tableau;
 
 pub use controller::{Adaptive, StepControl};
@@ -21,7 +21,6 @@ pub use driver::{CHECK_INTERVAL, Halted, run};
 pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
 pub use halt::Halt;
 pub use interpolate::{Span, Trajectory, at_each};
-pub use nested_rules::{NESTED_RULES, RULE_POINTS};
 pub use state::{ExponentialState, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
 pub use step::RungeKutta;

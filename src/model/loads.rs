@@ -101,6 +101,18 @@ impl Model {
         for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
             link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
         }
+        self.add_weight(load.as_mut_slice());
+        load
+    }
+
+    /// Weights along the coordinates, N.
+    pub fn weight(&self) -> DVector<f64> {
+        let mut load = DVector::zeros(self.len());
+        self.add_weight(load.as_mut_slice());
+        load
+    }
+
+    fn add_weight(&self, load: &mut [f64]) {
         if self.scene.gravity != [0.0; 2] {
             let mut acceleration = DVector::zeros(self.len());
             for dof in self.numbering.nodal_dofs() {
@@ -115,9 +127,8 @@ impl Model {
                     (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
                 }
             }
-            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
+            self.multiply_mass(acceleration.as_slice(), load);
         }
-        load
     }
 }
 

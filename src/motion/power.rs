@@ -21,7 +21,8 @@ pub struct PowerCoordinates {
     pub displacements: Vec<usize>,
     /// Indices of the velocities, ascending.
     pub velocities: Vec<usize>,
-    /// Sums of displacements as entries (index, coefficient): for each bowed shaft, real and imaginary part of (K_s b)ᴴu, N m.
+    /// Sums of displacements as entries (index, coefficient): for each bowed shaft, real and imaginary part of (K_s b)ᴴu, N m;
+    /// then the [`PowerLoads::constant`] loads times the displacements, J.
     pub combinations: Vec<Vec<(usize, f64)>>,
 }
 
@@ -46,7 +47,6 @@ impl PowerCoordinates {
             displacements.extend(of_link().filter(|_| link.rest.is_some() || is_crossed(&link.local)));
             velocities.extend(of_link());
         }
-        velocities.extend((0..model.len()).filter(|index| model.constant_load[*index] != 0.0));
         velocities.extend(model.loads.iter().flat_map(|load| load.rows.iter().flatten().map(|(index, _)| *index)));
         let forces = model.scene.forces.iter().filter_map(|force| model.numbering.translation(force.node));
         velocities.extend(forces.flat_map(lateral));
@@ -60,7 +60,8 @@ impl PowerCoordinates {
             list.sort_unstable();
             list.dedup();
         }
-        let combinations = model.shafts.iter().filter(|shaft| is_bowed(shaft)).flat_map(bow_force).collect();
+        let bowed = model.shafts.iter().filter(|shaft| is_bowed(shaft));
+        let combinations = bowed.flat_map(bow_force).chain(PowerLoads::new(model).constant).collect();
         Self { displacements, velocities, combinations }
     }
 }
@@ -68,10 +69,8 @@ impl PowerCoordinates {
 /// Loads whose powers are sums over few coordinates, in the order of their addition.
 #[derive(Clone, Debug)]
 pub struct PowerLoads {
-    /// Constant torques and forces of the scene, N m and N, with the index of their velocity.
-    torques: Vec<(usize, f64)>,
-    /// The whole constant load, N and N m, with the index of its velocity.
-    constant: Vec<(usize, f64)>,
+    /// Constant torques and forces of the scene, and weights, N m and N, with the indices of their coordinates.
+    pub constant: [Vec<(usize, f64)>; 2],
     /// Excitations with unbalance, and their shafts.
     unbalances: Vec<(usize, Excitation)>,
     /// Bowed shafts.
@@ -88,17 +87,16 @@ impl PowerLoads {
             unbalanced.map(move |excitation| (index, *excitation))
         });
         Self {
-            torques: entries(&model.given_load()),
-            constant: entries(&model.constant_load),
+            constant: [model.given_load(), model.weight()].map(|load| entries(&load)),
             unbalances: unbalances.collect(),
             bowed: shafts().filter(|(_, shaft)| is_bowed(shaft)).map(|(index, _)| index).collect(),
         }
     }
-}
 
-/// Sum of the products of forces with their velocities, W.
-fn power(forces: &[(usize, f64)], v: &[f64]) -> f64 {
-    forces.iter().map(|(index, force)| force * v[*index]).sum()
+    /// Powers of the constant loads, W. Their works are differences of the last [`PowerCoordinates::combinations`].
+    pub fn constant_powers(&self, v: &[f64]) -> [f64; 2] {
+        self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * v[*index]).sum())
+    }
 }
 
 /// Scalar product, summed in lanes because one sum would wait for each addition.
@@ -129,7 +127,7 @@ fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
 }
 
 impl EquationOfMotion<'_> {
-    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of
+    /// Power of the [`SOURCES`] without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed shafts and eccentric hubs of
     /// couplings, moves rolling elements and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
     /// run-out, stiffness); damping, with the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
     /// combinations.
@@ -144,9 +142,7 @@ impl EquationOfMotion<'_> {
         v: &[f64],
     ) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
-        let mut torque = power(&loads.torques, v);
-        let [loaded, mut drive, circulating] = self.link_powers(elapsed, q, v);
-        let weight = power(&loads.constant, v) - torque - loaded;
+        let [mut drive, circulating] = self.link_powers(elapsed, q, v);
         for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
             // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
             let phasor = self.phasor(*shaft, elapsed);
@@ -166,7 +162,8 @@ impl EquationOfMotion<'_> {
         }
         damping += circulating;
         let turning = model.scene.forces.iter().filter(|force| force.turns);
-        torque += turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum::<f64>();
+        let mut torque: f64 =
+            turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum();
         if let Some(modal) = &self.modal_damping {
             for (column, rate) in modal.as_slice().chunks_exact(model.len()).zip(v) {
                 damping += rate * product(column, &v[..model.len()]);
@@ -197,21 +194,18 @@ impl EquationOfMotion<'_> {
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok([torque, weight, drive, unbalance, teeth, -damping])
+        Ok([torque, 0.0, drive, unbalance, teeth, -damping])
     }
 
-    /// Powers of links, W: that of the constant forces of misaligned couplings, that which turns their eccentric hubs, and
-    /// that which the cross-coupling takes.
-    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut powers = [0.0; 3];
+    /// Powers of links, W: that which turns the eccentric hubs of couplings, and that which the cross-coupling takes.
+    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let mut powers = [0.0; 2];
         for link in &self.model.links {
             if let Some(rest) = &link.rest {
-                let spin = self.spin_at(rest.shaft, elapsed).0;
-                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
-                (powers[0], powers[1]) = (powers[0] + loaded, powers[1] + turned);
+                powers[0] += link.rest_power(self.phasor(rest.shaft, elapsed), self.spin_at(rest.shaft, elapsed).0, q);
             }
             let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
-            powers[2] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
+            powers[1] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
         }
         powers
     }

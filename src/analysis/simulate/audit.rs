@@ -1,14 +1,16 @@
 //! Energy audit: integrates the power of every source of energy over each step.
 //!
 //! If the steps resolve every mode, the three-point Gauss rule is sufficient, because its error is of higher order than
-//! that of the motion. Otherwise the nested rules of seven and fifteen points (Patterson 1968) follow until two rules
-//! agree. A step on which none agree is halved. Works at instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief, because the relief starts
-//! within a step and the power of the teeth jumps there.
+//! that of the motion. Otherwise nested rules follow until two rules agree. A step on which none agree is halved. Works at
+//! instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief,
+//! because the relief starts within a step and the power of the teeth jumps there. Constant loads need no rule: their work is
+//! the load times the displacement.
 
 use std::ops::Range;
 
 use super::RecorderState;
-use crate::integrate::{FirstOrderSystem, Halt, NESTED_RULES as RULES, RULE_POINTS as POINTS, Trajectory, at_each};
+use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
+use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
 use crate::mesh::ContactMode;
 use crate::model::Model;
 use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads};
@@ -24,63 +26,132 @@ const MAX_HALVINGS: usize = 20;
 const TEETH: usize = 4;
 const DAMPING: usize = 5;
 
-/// A part of a step with the powers at its abscissae.
+/// The rule with which the works of a part of a step are integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rule {
+    Gauss,
+    /// The nested rule with this index.
+    Nested(usize),
+}
+
+impl Rule {
+    /// Abscissae and weights.
+    fn points(self) -> impl Iterator<Item = (f64, f64)> {
+        let (gauss, nested) = match self {
+            Self::Gauss => (&GAUSS[..], (&NESTED[..0], 0)),
+            Self::Nested(rule) => (&GAUSS[..0], (&NESTED[..POINTS[rule]], rule)),
+        };
+        gauss.iter().copied().chain(nested.0.iter().map(move |(at, weights)| (*at, weights[nested.1])))
+    }
+
+    /// The first abscissae, also those of more accurate nested rules, and their weights.
+    fn points_up_to(self, end: usize) -> impl Iterator<Item = (f64, f64)> {
+        match self {
+            Self::Gauss => Self::Gauss.points(),
+            Self::Nested(_) => Self::Nested(NESTED_RULES - 1).points(),
+        }
+        .take(end)
+    }
+
+    /// Degree of the polynomials whose coefficients the rule gives: products of two of them are integrated exactly.
+    fn degree(self) -> usize {
+        match self {
+            Self::Gauss => 2,
+            Self::Nested(rule) => [1, 3, 6, 11][rule],
+        }
+    }
+}
+
+/// Powers at an instant, and the potentials of constant loads.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    /// Powers of every source, W.
+    powers: [f64; 6],
+    /// Constant loads times displacements, J: torques and forces, weights. Zero with the Gauss rule, where `powers` contain
+    /// the constant loads.
+    potentials: [f64; 2],
+}
+
+/// A part of a step with the samples at its abscissae.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
-    /// Elapsed time at the beginning, s.
-    begin: f64,
-    /// Length, s.
-    length: f64,
-    /// The rule with which its works are integrated.
-    rule: usize,
-    /// Powers of every source, W.
-    powers: [[f64; 6]; RULES.len()],
+    /// Elapsed time at the beginning and at the end, s.
+    span: [f64; 2],
+    rule: Rule,
+    samples: [Sample; NESTED.len()],
 }
 
 impl Piece {
-    fn new(begin: f64, length: f64) -> Self {
-        Self { begin, length, rule: 0, powers: [[0.0; 6]; RULES.len()] }
+    fn new(begin: f64, end: f64, rule: Rule) -> Self {
+        Self { span: [begin, end], rule, samples: [Sample::default(); NESTED.len()] }
     }
 
-    /// Work of every source with a rule, J.
-    fn works(&self, rule: usize) -> [f64; 6] {
-        self.sum(rule, |power| power)
+    fn length(&self) -> f64 {
+        self.span[1] - self.span[0]
     }
 
-    /// Integral of the absolute powers with a rule, J.
-    fn magnitude(&self, rule: usize) -> f64 {
-        self.sum(rule, f64::abs).iter().sum()
+    /// Elapsed time at a fraction, s.
+    fn time(&self, at: f64) -> f64 {
+        if at == 1.0 { self.span[1] } else { self.span[0] + at * self.length() }
     }
 
-    fn sum(&self, rule: usize, term: impl Fn(f64) -> f64) -> [f64; 6] {
+    /// Work of every source, J.
+    fn works(&self) -> [f64; 6] {
+        let mut works = self.sum(|power| power);
+        if let Rule::Nested(_) = self.rule {
+            self.add_potentials(&self.samples[1].potentials, &mut works);
+        }
+        works
+    }
+
+    /// Adds the potentials of constant loads at an instant minus those at the beginning.
+    fn add_potentials(&self, potentials: &[f64; 2], works: &mut [f64; 6]) {
+        for (work, (end, begin)) in works.iter_mut().zip(potentials.iter().zip(&self.samples[0].potentials)) {
+            *work += end - begin;
+        }
+    }
+
+    /// Integral of the absolute powers, and the absolute works of constant loads, J.
+    fn magnitude(&self) -> f64 {
+        let [begin, end] = [0, 1].map(|end: usize| self.samples[end].potentials);
+        let constant: f64 = begin.iter().zip(end).map(|(begin, end)| (end - begin).abs()).sum();
+        self.sum(f64::abs).iter().sum::<f64>() + constant
+    }
+
+    fn sum(&self, term: impl Fn(f64) -> f64) -> [f64; 6] {
         let mut sums = [0.0; 6];
-        for ((_, weights), powers) in RULES[..POINTS[rule]].iter().zip(&self.powers) {
-            for (sum, power) in sums.iter_mut().zip(powers) {
-                *sum += weights[rule] * self.length * term(*power);
+        for ((_, weight), sample) in self.rule.points().zip(&self.samples) {
+            for (sum, power) in sums.iter_mut().zip(&sample.powers) {
+                *sum += weight * self.length() * term(*power);
             }
         }
         sums
     }
 
     /// Work of every source from the beginning to the fraction `part`, J: the integral of the expansion of the powers in
-    /// Legendre polynomials, whose coefficients the rule gives.
+    /// Legendre polynomials, whose coefficients the rule gives, and the polynomial through the potentials.
     fn works_until(&self, part: f64) -> [f64; 6] {
-        let degree = DEGREES[self.rule];
         let at = legendre(2.0 * part - 1.0);
         let mut works = [0.0; 6];
-        for ((node, weights), powers) in RULES[..POINTS[self.rule]].iter().zip(&self.powers) {
+        for ((node, weight), sample) in self.rule.points().zip(&self.samples) {
             let values = legendre(2.0 * node - 1.0);
             // (2k + 1) times the integral of the polynomial P_k from 0 to the fraction is (P_{k+1} - P_{k-1})/2.
-            let higher = (1..=degree).map(|k| values[k] * (at[k + 1] - at[k - 1]) / 2.0).sum::<f64>();
-            let weight = weights[self.rule] * self.length * (part + higher);
-            works.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
+            let higher = (1..=self.rule.degree()).map(|k| values[k] * (at[k + 1] - at[k - 1]) / 2.0).sum::<f64>();
+            let weight = weight * self.length() * (part + higher);
+            works.iter_mut().zip(&sample.powers).for_each(|(work, power)| *work += weight * power);
+        }
+        if let Rule::Nested(_) = self.rule {
+            let mut potentials = [0.0; 2];
+            for ((node, _), sample) in self.rule.points().zip(&self.samples) {
+                let others = self.rule.points().map(|(other, _)| other).filter(|other| *other != node);
+                let basis: f64 = others.map(|other| (part - other) / (node - other)).product();
+                potentials.iter_mut().zip(&sample.potentials).for_each(|(sum, value)| *sum += basis * value);
+            }
+            self.add_potentials(&potentials, &mut works);
         }
         works
     }
 }
-
-/// Degrees of the polynomials whose coefficients each rule gives: products of two of them are integrated exactly.
-const DEGREES: [usize; 3] = [2, 5, 11];
 
 /// The Legendre polynomials P_0 to P_12 at x in [-1, 1].
 fn legendre(x: f64) -> [f64; 13] {
@@ -112,6 +183,8 @@ pub(super) struct Audit {
     agreement: f64,
     /// Whether powers can jump within a step, because tip relief starts within it.
     has_jumps: bool,
+    /// Sample at the time up to which the works are integrated, if the next step begins with the state there.
+    last: Option<Sample>,
     /// Scratch: displacements and velocities at the abscissae of a rule, one vector after the other.
     q: Vec<f64>,
     v: Vec<f64>,
@@ -128,7 +201,7 @@ impl Audit {
             selection.displacements.iter().chain(&selection.velocities).chain(combined).copied().collect();
         coordinates.sort_unstable();
         coordinates.dedup();
-        let room = RULES.len() * (model.len() + selection.combinations.len());
+        let room = NESTED.len() * (model.len() + selection.combinations.len());
         Self {
             has_jumps: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
             works: [0.0; 6],
@@ -140,6 +213,7 @@ impl Audit {
             loads: PowerLoads::new(model),
             agreement: (AGREEMENT * tolerance).clamp(AGREEMENTS[0], AGREEMENTS[1]),
             selection,
+            last: None,
             q: vec![0.0; room],
             v: vec![0.0; room],
             contact_modes: None,
@@ -162,13 +236,13 @@ impl Audit {
         if end > begin {
             self.works_before = self.works;
             self.pieces.clear();
-            let piece = Piece::new(begin, end - begin);
             if step.is_resolved() && !self.has_jumps {
-                let mut piece = piece;
-                self.evaluate(motion, step, 0..POINTS[0], &mut piece)?;
+                let mut piece = Piece::new(begin, end, Rule::Gauss);
+                self.evaluate(motion, step, 0..GAUSS.len(), &mut piece)?;
                 self.keep(piece);
             } else {
-                self.integrate_piece(motion, step, piece, MAX_HALVINGS)?;
+                self.integrate_piece(motion, step, Piece::new(begin, end, Rule::Nested(0)), MAX_HALVINGS)?;
+                self.last = self.last.filter(|_| step.ends_at_state());
             }
             self.until = end;
         }
@@ -181,9 +255,9 @@ impl Audit {
             return self.works;
         }
         let mut works = self.works_before;
-        for piece in self.pieces.iter().take_while(|piece| piece.begin < elapsed) {
-            let part = ((elapsed - piece.begin) / piece.length).min(1.0);
-            let own = if part < 1.0 { piece.works_until(part) } else { piece.works(piece.rule) };
+        for piece in self.pieces.iter().take_while(|piece| piece.span[0] < elapsed) {
+            let part = ((elapsed - piece.span[0]) / piece.length()).min(1.0);
+            let own = if part < 1.0 { piece.works_until(part) } else { piece.works() };
             works.iter_mut().zip(own).for_each(|(work, added)| *work += added);
         }
         works
@@ -198,26 +272,30 @@ impl Audit {
         halvings: usize,
     ) -> Result<(), Halt> {
         let total: f64 = self.works.iter().map(|work| work.abs()).sum();
-        let mut evaluated = 0;
-        for (rule, points) in POINTS.into_iter().enumerate().skip(1) {
-            self.evaluate(motion, step, evaluated..points, &mut piece)?;
-            evaluated = points;
-            let difference: f64 = piece.works(rule).iter().zip(piece.works(rule - 1)).map(|(a, b)| (a - b).abs()).sum();
-            let is_last = halvings == 0 && evaluated == RULES.len();
-            if is_last || difference <= self.agreement * (total + piece.magnitude(rule)) {
-                piece.rule = rule;
+        let known = self.last.take();
+        piece.samples[0] = known.unwrap_or_default();
+        self.evaluate(motion, step, usize::from(known.is_some())..POINTS[0], &mut piece)?;
+        self.last = Some(piece.samples[1]);
+        for rule in 1..NESTED_RULES {
+            let coarse = piece.works();
+            self.evaluate(motion, step, POINTS[rule - 1]..POINTS[rule], &mut piece)?;
+            piece.rule = Rule::Nested(rule);
+            let difference: f64 = piece.works().iter().zip(coarse).map(|(a, b)| (a - b).abs()).sum();
+            let is_last = halvings == 0 && rule == NESTED_RULES - 1;
+            if is_last || difference <= self.agreement * (total + piece.magnitude()) {
                 self.keep(piece);
                 return Ok(());
             }
         }
-        let half = piece.length / 2.0;
-        self.integrate_piece(motion, step, Piece::new(piece.begin, half), halvings - 1)?;
-        self.integrate_piece(motion, step, Piece::new(piece.begin + half, half), halvings - 1)
+        let ([begin, end], middle) = (piece.span, piece.time(0.5));
+        (self.last, piece.rule) = (Some(piece.samples[0]), Rule::Nested(0));
+        self.integrate_piece(motion, step, Piece { span: [begin, middle], ..piece }, halvings - 1)?;
+        self.integrate_piece(motion, step, Piece { span: [middle, end], ..piece }, halvings - 1)
     }
 
     /// Adds the works of a part of the step.
     fn keep(&mut self, piece: Piece) {
-        self.works.iter_mut().zip(piece.works(piece.rule)).for_each(|(work, added)| *work += added);
+        self.works.iter_mut().zip(piece.works()).for_each(|(work, added)| *work += added);
         self.pieces.push(piece);
     }
 
@@ -231,12 +309,23 @@ impl Audit {
     ) -> Result<(), Halt> {
         let combinations = &self.selection.combinations;
         let room = points.len() * (self.len + combinations.len());
-        let instants = RULES.map(|(at, _)| piece.begin + at * piece.length);
+        let mut instants = [0.0; NESTED.len()];
+        for (instant, (at, _)) in instants.iter_mut().zip(piece.rule.points_up_to(points.end)) {
+            *instant = piece.time(at);
+        }
         let instants = &instants[points.clone()];
         let (q, v) = (&mut self.q[..room], &mut self.v[..room]);
         step.power_states(instants, &self.coordinates, combinations, q, v);
-        for (powers, (elapsed, q, v)) in piece.powers[points].iter_mut().zip(at_each(instants, q, v)) {
-            *powers = motion.powers(&self.loads, elapsed, q, v).map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+        for (sample, (elapsed, q, v)) in piece.samples[points].iter_mut().zip(at_each(instants, q, v)) {
+            let powers = motion.powers(&self.loads, elapsed, q, v);
+            sample.powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+            match piece.rule {
+                Rule::Gauss => {
+                    let constant = self.loads.constant_powers(v);
+                    sample.powers.iter_mut().zip(constant).for_each(|(power, constant)| *power += constant);
+                }
+                Rule::Nested(_) => sample.potentials.copy_from_slice(&q[q.len() - 2..]),
+            }
         }
         Ok(())
     }
@@ -254,6 +343,7 @@ impl Audit {
         let len = self.len;
         let (q, v) = (&mut self.q[..len], &mut self.v[..len]);
         read(q, v);
+        self.last = None;
         let before = motion.mesh_energy(elapsed, q, v);
         motion.set_contact_modes(contact_modes);
         let Some(old) = self.contact_modes.replace(contact_modes.to_vec()) else {
@@ -272,20 +362,24 @@ impl Audit {
 
 #[cfg(test)]
 mod tests {
-    use super::{DEGREES, Piece, RULES};
+    use super::{Piece, Rule};
 
     #[test]
     fn partial_works_of_polynomials_are_exact() {
-        for (rule, degree) in DEGREES.into_iter().enumerate() {
-            let mut piece = Piece { rule, ..Piece::new(3.0, 2.0) };
-            for ((at, _), powers) in RULES.iter().zip(&mut piece.powers) {
-                *powers = std::array::from_fn(|source| source as f64 * at.powi(degree as i32));
+        for rule in [Rule::Gauss, Rule::Nested(0), Rule::Nested(1), Rule::Nested(2), Rule::Nested(3)] {
+            let degree = rule.degree() as i32;
+            let mut piece = Piece::new(3.0, 5.0, rule);
+            for ((at, _), sample) in rule.points().zip(&mut piece.samples) {
+                sample.powers = std::array::from_fn(|source| source as f64 * at.powi(degree));
+                sample.potentials = [at.powi(degree), -at.powi(degree)];
             }
             for part in [0.0, 0.1, 0.5, 0.77, 1.0] {
-                let exact = 2.0 * f64::powi(part, degree as i32 + 1) / (degree + 1) as f64;
-                // Fifteen abscissae with twelve polynomials each.
+                let exact = 2.0 * f64::powi(part, degree + 1) / f64::from(degree + 1);
+                let potential = if rule == Rule::Gauss { 0.0 } else { f64::powi(part, degree) };
+                // Seventeen abscissae with twelve polynomials each.
                 let works = piece.works_until(part);
-                assert!((works[1] - exact).abs() < 1e-14 && (works[5] - 5.0 * exact).abs() < 1e-13);
+                assert!((works[0] - potential).abs() < 1e-13 && (works[1] - exact + potential).abs() < 1e-13);
+                assert!((works[2] - 2.0 * exact).abs() < 1e-13 && (works[5] - 5.0 * exact).abs() < 1e-13);
             }
         }
     }
