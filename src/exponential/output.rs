@@ -22,7 +22,8 @@ pub struct Selection {
     /// Indices of the accelerations.
     pub accelerations: Vec<usize>,
     /// Indices of the displacements and of the velocities that outputs need besides the energies of the shafts, if the run
-    /// records energies. `displacements` and `velocities` are then complete.
+    /// records energies. `displacements` and `velocities` are then complete. The potentials of constant loads follow behind
+    /// the displacements.
     pub without_energies: Option<[Vec<usize>; 2]>,
     /// Coordinates from which powers follow, if the run records energies.
     pub powers: Option<PowerCoordinates>,
@@ -54,6 +55,7 @@ impl OutputMap {
         selection: Selection,
     ) -> Self {
         let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
+        let sums = powers.as_ref().map_or_else(Vec::new, |powers| powers.constant_loads().to_vec());
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
             Box::new(Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &combinations))
         });
@@ -64,7 +66,7 @@ impl OutputMap {
             return Self { powers, accelerations, ..complete };
         };
         let energies = Some(Box::new(ShaftEnergies::new(complete, nonlinear_loads.reference.len())));
-        let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
+        let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &sums);
         Self { powers, energies, accelerations, ..motion }
     }
 
@@ -127,7 +129,8 @@ impl OutputMap {
         self.accelerations.as_deref_mut()
     }
 
-    /// Writes the selected displacements and velocities of a state into vectors of all coordinates.
+    /// Writes the selected displacements and velocities of a state into vectors of all coordinates. The sums of displacements
+    /// are written if there is room behind the coordinates.
     pub fn read(
         &mut self,
         nonlinear_loads: &NonlinearLoads<'_>,
@@ -182,7 +185,9 @@ fn write<'v>(
     for (values, (_, q, v)) in values.zip(at_each(instants, q, v)) {
         let (displacement_values, velocity_values) = values.split_at(displacements.len());
         for (index, value) in displacements.iter().zip(displacement_values) {
-            q[*index] = *value;
+            if let Some(q) = q.get_mut(*index) {
+                *q = *value;
+            }
         }
         for (index, value) in velocities.iter().zip(velocity_values) {
             v[*index] = *value;

@@ -27,6 +27,11 @@ pub struct PowerCoordinates {
 }
 
 impl PowerCoordinates {
+    /// The [`PowerLoads::constant`] loads.
+    pub fn constant_loads(&self) -> &[Vec<(usize, f64)>] {
+        &self.combinations[self.combinations.len() - CONSTANT..]
+    }
+
     /// The coordinates of a model.
     pub fn new(model: &Model) -> Self {
         let lateral = |index: usize| [index, index + 1];
@@ -70,7 +75,7 @@ impl PowerCoordinates {
 #[derive(Clone, Debug)]
 pub struct PowerLoads {
     /// Constant torques and forces of the scene, and weights, N m and N, with the indices of their coordinates.
-    pub constant: [Vec<(usize, f64)>; 2],
+    pub constant: [Vec<(usize, f64)>; CONSTANT],
     /// Excitations with unbalance, and their shafts.
     unbalances: Vec<(usize, Excitation)>,
     /// Bowed shafts.
@@ -93,9 +98,9 @@ impl PowerLoads {
         }
     }
 
-    /// Powers of the constant loads, W. Their works are differences of the last [`PowerCoordinates::combinations`].
-    pub fn constant_powers(&self, v: &[f64]) -> [f64; 2] {
-        self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * v[*index]).sum())
+    /// Constant loads times velocities, W, or times displacements, J. Differences of the latter are works.
+    pub fn times(&self, values: &[f64]) -> [f64; CONSTANT] {
+        self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * values[*index]).sum())
     }
 }
 
@@ -110,6 +115,9 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
     }
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
+
+/// Number of sums over constant loads.
+const CONSTANT: usize = 2;
 
 /// Whether the bow of a shaft exerts a force.
 fn is_bowed(shaft: &ShaftModel) -> bool {

@@ -7,6 +7,7 @@
 //! the load times the displacement.
 
 use std::ops::Range;
+use std::sync::LazyLock;
 
 use super::RecorderState;
 use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
@@ -18,7 +19,7 @@ use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads};
 /// Two rules agree if they differ by less than this multiple of the tolerance of the run, but at least and at most by these
 /// fractions, times the total work. The difference is the error of the rule with fewer points.
 const AGREEMENT: f64 = 0.1;
-const AGREEMENTS: [f64; 2] = [1e-9, 1e-6];
+const AGREEMENTS: [f64; 2] = [2e-10, 1e-6];
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 
@@ -53,14 +54,34 @@ impl Rule {
         .take(end)
     }
 
-    /// Degree of the polynomials whose coefficients the rule gives: products of two of them are integrated exactly.
-    fn degree(self) -> usize {
+    /// Legendre coefficients of the polynomials that are 1 at one abscissa and 0 at the others.
+    fn expansions(self) -> &'static [Vec<f64>] {
+        static EXPANSIONS: LazyLock<[Vec<Vec<f64>>; NESTED_RULES + 1]> = LazyLock::new(|| {
+            let nested = [0, 1, 2, 3].map(|rule| expand(&NESTED.map(|(at, _)| at)[..POINTS[rule]]));
+            let [a, b, c, d] = nested;
+            [a, b, c, d, expand(&GAUSS.map(|(at, _)| at))]
+        });
         match self {
-            Self::Gauss => 2,
-            Self::Nested(rule) => [1, 3, 6, 11][rule],
+            Self::Nested(rule) => &EXPANSIONS[rule],
+            Self::Gauss => &EXPANSIONS[NESTED_RULES],
         }
     }
 }
+
+/// Legendre coefficients, up to [`MAX_DEGREE`], of the polynomials that are 1 at one of these abscissae and 0 at the others.
+fn expand(abscissae: &[f64]) -> Vec<Vec<f64>> {
+    let finest = || Rule::Nested(NESTED_RULES - 1).points();
+    let of_node = |node: &f64| {
+        let others = || abscissae.iter().filter(|other| *other != node);
+        let basis = |at: f64| others().map(|other| (at - other) / (node - other)).product::<f64>();
+        let product = |k: usize| finest().map(|(at, weight)| weight * basis(at) * legendre(at)[k]).sum::<f64>();
+        (0..abscissae.len().min(MAX_DEGREE + 1)).map(|k| (2 * k + 1) as f64 * product(k)).collect()
+    };
+    abscissae.iter().map(of_node).collect()
+}
+
+/// Largest degree of an expansion: the finest rule integrates products of two such polynomials exactly.
+const MAX_DEGREE: usize = 12;
 
 /// Powers at an instant, and the potentials of constant loads.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,7 +126,7 @@ impl Piece {
     }
 
     /// Adds the potentials of constant loads at an instant minus those at the beginning.
-    fn add_potentials(&self, potentials: &[f64; 2], works: &mut [f64; 6]) {
+    fn add_potentials(&self, potentials: &[f64], works: &mut [f64; 6]) {
         for (work, (end, begin)) in works.iter_mut().zip(potentials.iter().zip(&self.samples[0].potentials)) {
             *work += end - begin;
         }
@@ -128,36 +149,30 @@ impl Piece {
         sums
     }
 
-    /// Work of every source from the beginning to the fraction `part`, J: the integral of the expansion of the powers in
-    /// Legendre polynomials, whose coefficients the rule gives, and the polynomial through the potentials.
-    fn works_until(&self, part: f64) -> [f64; 6] {
-        let at = legendre(2.0 * part - 1.0);
+    /// Work of every source from the beginning to the fraction `part`, J, where the constant loads have these potentials: the
+    /// integral of the polynomials through the powers.
+    fn works_until(&self, part: f64, potentials: &[f64]) -> [f64; 6] {
+        let at = legendre(part);
         let mut works = [0.0; 6];
-        for ((node, weight), sample) in self.rule.points().zip(&self.samples) {
-            let values = legendre(2.0 * node - 1.0);
-            // (2k + 1) times the integral of the polynomial P_k from 0 to the fraction is (P_{k+1} - P_{k-1})/2.
-            let higher = (1..=self.rule.degree()).map(|k| values[k] * (at[k + 1] - at[k - 1]) / 2.0).sum::<f64>();
-            let weight = weight * self.length() * (part + higher);
+        for (coefficients, sample) in self.rule.expansions().iter().zip(&self.samples) {
+            // The integral of P_k from 0 to the fraction is (P_{k+1} - P_{k-1})/(4k + 2).
+            let higher = coefficients.iter().enumerate().skip(1);
+            let sum: f64 = higher.map(|(k, factor)| factor * (at[k + 1] - at[k - 1]) / (4 * k + 2) as f64).sum();
+            let weight = self.length() * (coefficients[0] * part + sum);
             works.iter_mut().zip(&sample.powers).for_each(|(work, power)| *work += weight * power);
         }
         if let Rule::Nested(_) = self.rule {
-            let mut potentials = [0.0; 2];
-            for ((node, _), sample) in self.rule.points().zip(&self.samples) {
-                let others = self.rule.points().map(|(other, _)| other).filter(|other| *other != node);
-                let basis: f64 = others.map(|other| (part - other) / (node - other)).product();
-                potentials.iter_mut().zip(&sample.potentials).for_each(|(sum, value)| *sum += basis * value);
-            }
-            self.add_potentials(&potentials, &mut works);
+            self.add_potentials(potentials, &mut works);
         }
         works
     }
 }
 
-/// The Legendre polynomials P_0 to P_12 at x in [-1, 1].
-fn legendre(x: f64) -> [f64; 13] {
-    let mut values = [1.0; 13];
+/// The Legendre polynomials P_0 to P_13, moved to the interval [0, 1].
+fn legendre(at: f64) -> [f64; MAX_DEGREE + 2] {
+    let (x, mut values) = (2.0 * at - 1.0, [1.0; MAX_DEGREE + 2]);
     values[1] = x;
-    for k in 1..12 {
+    for k in 1..=MAX_DEGREE {
         let order = k as f64;
         values[k + 1] = ((2.0 * order + 1.0) * x * values[k] - order * values[k - 1]) / (order + 1.0);
     }
@@ -173,7 +188,7 @@ pub(super) struct Audit {
     /// Works at the beginning of the last step, and the parts of the step.
     works_before: [f64; 6],
     pieces: Vec<Piece>,
-    loads: PowerLoads,
+    pub loads: PowerLoads,
     /// Coordinates from which powers follow, and all of them, ascending.
     selection: PowerCoordinates,
     coordinates: Vec<usize>,
@@ -183,8 +198,8 @@ pub(super) struct Audit {
     agreement: f64,
     /// Whether powers can jump within a step, because tip relief starts within it.
     has_jumps: bool,
-    /// Sample at the time up to which the works are integrated, if the next step begins with the state there.
-    last: Option<Sample>,
+    /// The end of the last step, s, and the sample there, if the next step begins with the same state.
+    last: Option<(f64, Sample)>,
     /// Scratch: displacements and velocities at the abscissae of a rule, one vector after the other.
     q: Vec<f64>,
     v: Vec<f64>,
@@ -249,15 +264,16 @@ impl Audit {
         Ok(())
     }
 
-    /// Works since the start of the run at an instant of the step that was integrated last, J.
-    pub fn works_at(&self, elapsed: f64) -> [f64; 6] {
+    /// Works since the start of the run at an instant of the step that was integrated last, J, where the constant loads have
+    /// these potentials, J.
+    pub fn works_at(&self, elapsed: f64, potentials: &[f64]) -> [f64; 6] {
         if elapsed >= self.until {
             return self.works;
         }
         let mut works = self.works_before;
         for piece in self.pieces.iter().take_while(|piece| piece.span[0] < elapsed) {
             let part = ((elapsed - piece.span[0]) / piece.length()).min(1.0);
-            let own = if part < 1.0 { piece.works_until(part) } else { piece.works() };
+            let own = if part < 1.0 { piece.works_until(part, potentials) } else { piece.works() };
             works.iter_mut().zip(own).for_each(|(work, added)| *work += added);
         }
         works
@@ -272,10 +288,10 @@ impl Audit {
         halvings: usize,
     ) -> Result<(), Halt> {
         let total: f64 = self.works.iter().map(|work| work.abs()).sum();
-        let known = self.last.take();
+        let known = self.last.take().filter(|(at, _)| *at == piece.span[0]).map(|(_, sample)| sample);
         piece.samples[0] = known.unwrap_or_default();
         self.evaluate(motion, step, usize::from(known.is_some())..POINTS[0], &mut piece)?;
-        self.last = Some(piece.samples[1]);
+        self.last = Some((piece.span[1], piece.samples[1]));
         for rule in 1..NESTED_RULES {
             let coarse = piece.works();
             self.evaluate(motion, step, POINTS[rule - 1]..POINTS[rule], &mut piece)?;
@@ -288,7 +304,7 @@ impl Audit {
             }
         }
         let ([begin, end], middle) = (piece.span, piece.time(0.5));
-        (self.last, piece.rule) = (Some(piece.samples[0]), Rule::Nested(0));
+        (self.last, piece.rule) = (Some((begin, piece.samples[0])), Rule::Nested(0));
         self.integrate_piece(motion, step, Piece { span: [begin, middle], ..piece }, halvings - 1)?;
         self.integrate_piece(motion, step, Piece { span: [middle, end], ..piece }, halvings - 1)
     }
@@ -321,7 +337,7 @@ impl Audit {
             sample.powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
             match piece.rule {
                 Rule::Gauss => {
-                    let constant = self.loads.constant_powers(v);
+                    let constant = self.loads.times(v);
                     sample.powers.iter_mut().zip(constant).for_each(|(power, constant)| *power += constant);
                 }
                 Rule::Nested(_) => sample.potentials.copy_from_slice(&q[q.len() - 2..]),
@@ -362,22 +378,24 @@ impl Audit {
 
 #[cfg(test)]
 mod tests {
-    use super::{Piece, Rule};
+    use super::{MAX_DEGREE, Piece, Rule};
 
     #[test]
     fn partial_works_of_polynomials_are_exact() {
-        for rule in [Rule::Gauss, Rule::Nested(0), Rule::Nested(1), Rule::Nested(2), Rule::Nested(3)] {
-            let degree = rule.degree() as i32;
+        for (rule, points) in
+            [Rule::Gauss, Rule::Nested(0), Rule::Nested(1), Rule::Nested(2), Rule::Nested(3)].into_iter().zip([3, 3, 5, 9, 17])
+        {
+            let degree = MAX_DEGREE.min(points - 1) as i32;
             let mut piece = Piece::new(3.0, 5.0, rule);
             for ((at, _), sample) in rule.points().zip(&mut piece.samples) {
                 sample.powers = std::array::from_fn(|source| source as f64 * at.powi(degree));
-                sample.potentials = [at.powi(degree), -at.powi(degree)];
+                sample.potentials = [at, -at];
             }
             for part in [0.0, 0.1, 0.5, 0.77, 1.0] {
                 let exact = 2.0 * f64::powi(part, degree + 1) / f64::from(degree + 1);
-                let potential = if rule == Rule::Gauss { 0.0 } else { f64::powi(part, degree) };
-                // Seventeen abscissae with twelve polynomials each.
-                let works = piece.works_until(part);
+                let potential = if rule == Rule::Gauss { 0.0 } else { part };
+                // Seventeen abscissae with thirteen polynomials each.
+                let works = piece.works_until(part, &[part, -part]);
                 assert!((works[0] - potential).abs() < 1e-13 && (works[1] - exact + potential).abs() < 1e-13);
                 assert!((works[2] - 2.0 * exact).abs() < 1e-13 && (works[5] - 5.0 * exact).abs() < 1e-13);
             }

@@ -52,6 +52,9 @@ pub struct AxialRecord {
     pub bearing_force: Vec<f64>,
 }
 
+/// Number of potentials of constant loads.
+const POTENTIALS: usize = 2;
+
 /// Largest number of outputs that are read together.
 const BATCH: usize = 8;
 
@@ -67,6 +70,8 @@ pub(super) struct Recorder<'a, 'm> {
     accelerated: Vec<usize>,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
+    /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
+    extra: usize,
     /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -109,11 +114,13 @@ impl<'a, 'm> Recorder<'a, 'm> {
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
             events: Vec::new(),
         };
+        let extra = if plan.energy { POTENTIALS } else { 0 };
         Self {
             coordinates: plan.coordinates(model),
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
-            displacement: vec![0.0; BATCH * model.len()],
-            velocity: vec![0.0; BATCH * model.len()],
+            displacement: vec![0.0; BATCH * (model.len() + extra)],
+            velocity: vec![0.0; BATCH * (model.len() + extra)],
+            extra,
             acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
             unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
             shaft_energies: 0,
@@ -149,11 +156,12 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 break;
             }
             let instants = &instants[..count];
-            let room = count * self.motion.model().len();
+            let len = self.motion.model().len();
+            let room = count * (len + self.extra);
             let (q, v) = (&mut self.displacement[..room], &mut self.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
             if self.plan.acceleration {
-                motion.accelerations(instants, &self.accelerated, &mut self.acceleration[..room])?;
+                motion.accelerations(instants, &self.accelerated, &mut self.acceleration[..count * len])?;
             }
             for (index, elapsed) in instants.iter().enumerate() {
                 if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
@@ -199,8 +207,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
     /// read. [`Self::add_shaft_energies`] completes its energies if they are `deferred`.
     fn sample(&mut self, elapsed: f64, index: usize, deferred: bool) -> Result<(), Halt> {
         let model = self.motion.model();
-        let own = index * model.len()..(index + 1) * model.len();
-        let (q, v) = (&self.displacement[own.clone()], &self.velocity[own.clone()]);
+        let (own, begin) = (index * model.len()..(index + 1) * model.len(), index * (model.len() + self.extra));
+        let (q, potentials) = self.displacement[begin..begin + model.len() + self.extra].split_at(model.len());
+        let v = &self.velocity[begin..begin + model.len()];
         // Quantities that can fail come first, so that the record holds complete outputs only.
         let mut meshes = Vec::with_capacity(self.plan.meshes.len());
         for mesh in &self.plan.meshes {
@@ -208,7 +217,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             meshes.push(state.map_err(|overlap| Halt::Overlap { mesh: *mesh, overlap })?);
         }
         if let Some(audit) = &self.audit {
-            let works = audit.works_at(elapsed);
+            let from_all = if deferred { [0.0; POTENTIALS] } else { audit.loads.times(q) };
+            let works = audit.works_at(elapsed, if deferred { potentials } else { &from_all });
             let others = self.motion.connection_energies(elapsed, q, v);
             let [bearings, meshes] = others.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
             let [kinetic, shafts] =
